@@ -1,0 +1,62 @@
+"""The one family of errors that hexcite raises on purpose.
+
+Every message is one line that names the place (file, key, row, block), the value, the limit and the remedy; the command
+line prints it and exits with 1.
+"""
+
+from pathlib import Path
+
+
+class HexciteError(Exception):
+    """Root of all errors that a user can cause and mend."""
+
+
+class CaseError(HexciteError, ValueError):
+    """A case file does not describe a usable machine.
+
+    Args:
+        file: the case file.
+        key: dotted path of the offending key, empty where the file as a whole is meant.
+        problem: what is wrong with which value, and how to mend it.
+    """
+
+    def __init__(self, file: Path | str, key: str, problem: str) -> None:
+        self.file, self.key, self.problem = file, key, problem
+        super().__init__(f"{file}: {key}: {problem}" if key else f"{file}: {problem}")
+
+
+class RecordingError(HexciteError, ValueError):
+    """A recording cannot be used; the message names file and row or column."""
+
+
+class IdentificationError(HexciteError, ValueError):
+    """The data do not determine the parameters that were asked for."""
+
+
+class InfeasiblePlan(HexciteError, ValueError):
+    """No motion inside the limits was found; the message says which limit stands in the way."""
+
+
+class ProgramError(HexciteError, ValueError):
+    """A CNC program cannot be read or is not proven inside the limits.
+
+    Args:
+        file: the program.
+        line: line number, counted from 1; 0 where the file as a whole is meant.
+        column: column, counted from 1; 0 where the line as a whole is meant.
+        problem: what is wrong with which word, and how to mend it.
+    """
+
+    def __init__(self, file: Path | str, line: int, column: int, problem: str) -> None:
+        self.file, self.line, self.column, self.problem = file, line, column, problem
+        place = f", line {line}" if line else ""
+        place += f", column {column}" if column else ""
+        super().__init__(f"{file}{place}: {problem}")
+
+
+class ExecutionError(HexciteError, RuntimeError):
+    """A controller did not run a program to its end."""
+
+
+class FileProblem(HexciteError, OSError):
+    """A file or folder cannot be read or written."""

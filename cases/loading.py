@@ -1,0 +1,114 @@
+"""From a name, folder or file to a validated case, or one line that says what is wrong with it."""
+
+import difflib
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from cases.errors import CaseError
+from cases.schema import Case
+
+BUILT_IN = Path(__file__).parent
+
+
+def built_in_cases() -> dict[str, Path]:
+    """Names of the cases that ship with hexcite and their files."""
+    return {file.parent.name: file for file in sorted(BUILT_IN.glob("*/case.toml"))}
+
+
+def find_case(name: str) -> Path:
+    """The case file that `name` means: a built-in name, a folder that holds `case.toml`, or a file.
+
+    Raises:
+        CaseError: there is none; the message lists the built-in names.
+    """
+    known = built_in_cases()
+    if name in known:
+        return known[name]
+    path = Path(name)
+    if path.is_dir():
+        path = path / "case.toml"
+    if path.is_file():
+        return path
+    close = difflib.get_close_matches(name, known, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    raise CaseError(name, "", f"no such case; {hint}built-in cases are {', '.join(known)}, else name a folder or file")
+
+
+def load_case(name: str) -> Case:
+    """Loads and validates a case.
+
+    Args:
+        name: built-in name, folder or file.
+
+    Raises:
+        CaseError: not found, not TOML, or not a usable machine; the message names file, key, value and remedy.
+    """
+    path = find_case(name)
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(path, "", f"is not TOML: {error}; correct that line") from error
+    try:
+        return Case.model_validate(data)
+    except ValidationError as error:
+        raise _explained(path, data, error) from error
+
+
+def _explained(path: Path, data: dict[str, Any], error: ValidationError) -> CaseError:
+    """The first problem in words; unknown keys come first, since a misspelt key also makes its right name missing."""
+    problems = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+    first = problems[0]
+    key = ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in first["loc"]).replace(".[", "[")
+    more = f" ({len(problems) - 1} more problems)" if len(problems) > 1 else ""
+    return CaseError(path, key, _words(first, data) + more)
+
+
+def _words(problem: ErrorDetails, data: dict[str, Any]) -> str:
+    kind, value = problem["type"], problem["input"]
+    if kind == "extra_forbidden":
+        return _unknown_key(str(problem["loc"][-1]), list(_siblings(problem["loc"])))
+    if kind == "missing":
+        return "is missing; add it"
+    if kind == "value_error":
+        return str(problem["ctx"]["error"]) if "ctx" in problem else problem["msg"]
+    if kind == "too_short" or kind == "too_long":
+        expected = problem.get("ctx", {}).get("actual_length", "?")
+        return f"has {expected} entries; {problem['msg'].lower()}"
+    return f"{value!r}: {problem['msg'].lower()}; correct the value"
+
+
+def _unknown_key(key: str, known: list[str]) -> str:
+    with_unit = [name for name in known if name.startswith(f"{key}_")]
+    if with_unit:
+        return f"has no unit; keys carry their unit, write {' or '.join(with_unit)}"
+    stem = key.rsplit("_", 1)[0]
+    other_unit = [name for name in known if name.rsplit("_", 1)[0] == stem or name.startswith(f"{stem}_")]
+    if other_unit:
+        return f"is not in the unit expected here; write {' or '.join(other_unit)}"
+    close = difflib.get_close_matches(key, known, n=1)
+    hint = f"did you mean {close[0]}? " if close else ""
+    return f"is an unknown key; {hint}known keys here are {', '.join(sorted(known))}"
+
+
+def _siblings(location: tuple[int | str, ...]) -> Iterable[str]:
+    """Names of the fields beside the one at `location`."""
+    model: type[BaseModel] = Case
+    for part in location[:-1]:
+        if not isinstance(part, str) or part not in model.model_fields:
+            continue
+        inner = _model_of(model.model_fields[part].annotation)
+        if inner is not None:
+            model = inner
+    return model.model_fields
+
+
+def _model_of(annotation: Any) -> type[BaseModel] | None:
+    candidates = [annotation, *getattr(annotation, "__args__", ())]
+    return next((c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)), None)

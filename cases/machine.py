@@ -1,0 +1,146 @@
+"""The machine that moves the sensor frame: joints, home, reach and motion limits."""
+
+from functools import cached_property
+
+import numpy as np
+from pydantic import model_validator
+
+from cases.parts import Array, Number, Part, Positive, PositiveVector, Range, SixPoints, Vector, frozen
+from cases.units import DEG, MM
+
+
+class Ring(Part):
+    """Six joints on a circle, in three pairs; joint order: pair by pair, minus side before plus side."""
+
+    radius_mm: Positive
+    half_angle_deg: Positive
+    pair_centres_deg: Vector
+    z_mm: Number
+
+    @property
+    def points(self) -> Array:
+        """Joint positions, shape (6, 3) [m]."""
+        angles = [(c + s * self.half_angle_deg) * DEG for c in self.pair_centres_deg for s in (-1, 1)]
+        return np.array([[self.radius_mm * np.cos(t), self.radius_mm * np.sin(t), self.z_mm] for t in angles]) * MM
+
+
+class Joints(Part):
+    """Six points, listed one by one or as a ring; exactly one of the two."""
+
+    points_mm: SixPoints | None = None
+    ring: Ring | None = None
+
+    @model_validator(mode="after")
+    def _one_form(self) -> "Joints":
+        if (self.points_mm is None) == (self.ring is None):
+            raise ValueError("give either points_mm (six [x, y, z]) or ring, not both or neither")
+        return self
+
+    @cached_property
+    def points(self) -> Array:
+        """Positions, shape (6, 3) [m]."""
+        return frozen(self.ring.points if self.ring is not None else np.array(self.points_mm) * MM)
+
+
+class Pose(Part):
+    """A pose of {P} in {B}: position and roll, pitch, yaw about the fixed axes x, y, z."""
+
+    x_mm: Number
+    y_mm: Number
+    z_mm: Number
+    a_deg: Number
+    b_deg: Number
+    c_deg: Number
+
+    @cached_property
+    def vector(self) -> Array:
+        """(x, y, z, roll, pitch, yaw), shape (6,) [m, rad]."""
+        return frozen(
+            [self.x_mm * MM, self.y_mm * MM, self.z_mm * MM, self.a_deg * DEG, self.b_deg * DEG, self.c_deg * DEG]
+        )
+
+
+class Machine(Part):
+    """A hexapod: strut k joins base joint k to platform joint k."""
+
+    base: Joints
+    platform: Joints
+    home: Pose
+
+
+class Workspace(Part):
+    """What the machine can reach: the paper's is_valid."""
+
+    x_mm: Range
+    y_mm: Range
+    strut_length_mm: Range
+    base_joint_angle_deg: Positive
+    platform_joint_angle_deg: Positive
+
+    @cached_property
+    def strut_length(self) -> Array:
+        """Shortest and longest strut, shape (2,) [m]."""
+        return frozen(np.array(self.strut_length_mm) * MM)
+
+
+class MotionLimits(Part):
+    """The box that moving excitations keep: pose relative to home, and its time derivatives, coordinate by coordinate."""
+
+    x_mm: Range
+    y_mm: Range
+    z_mm: Range
+    a_deg: Range
+    b_deg: Range
+    c_deg: Range
+    velocity_mm_s: PositiveVector
+    angular_velocity_deg_s: PositiveVector
+    acceleration_m_s2: PositiveVector
+    angular_acceleration_rad_s2: PositiveVector
+    jerk_m_s3: PositiveVector
+    angular_jerk_rad_s3: PositiveVector
+    strut_length_mm: Range
+    strut_velocity_m_s: Positive
+    strut_acceleration_m_s2: Positive
+
+    @model_validator(mode="after")
+    def _home_inside(self) -> "MotionLimits":
+        for name in ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"):
+            low, high = getattr(self, name)
+            if not low < 0.0 < high:
+                raise ValueError(
+                    f"{name} = [{low:g}, {high:g}] does not contain 0; pose limits are relative to home, widen them"
+                )
+        return self
+
+    @cached_property
+    def pose(self) -> Array:
+        """Lower and upper limit relative to home, shape (2, 6) [m, rad]."""
+        lengths = np.array([self.x_mm, self.y_mm, self.z_mm]) * MM
+        angles = np.array([self.a_deg, self.b_deg, self.c_deg]) * DEG
+        return frozen(np.vstack([lengths, angles]).T)
+
+    @cached_property
+    def rate(self) -> Array:
+        """Largest rate of each coordinate, shape (6,) [m/s, rad/s]."""
+        return frozen([*(np.array(self.velocity_mm_s) * MM), *(np.array(self.angular_velocity_deg_s) * DEG)])
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """Largest second derivative of each coordinate, shape (6,) [m/s^2, rad/s^2]."""
+        return frozen([*self.acceleration_m_s2, *self.angular_acceleration_rad_s2])
+
+    @cached_property
+    def jerk(self) -> Array:
+        """Largest third derivative of each coordinate, shape (6,) [m/s^3, rad/s^3]."""
+        return frozen([*self.jerk_m_s3, *self.angular_jerk_rad_s3])
+
+    @cached_property
+    def strut_length(self) -> Array:
+        """Shortest and longest strut, shape (2,) [m]."""
+        return frozen(np.array(self.strut_length_mm) * MM)
+
+
+class Limits(Part):
+    """The limits of the case by kind of excitation."""
+
+    motion: MotionLimits

@@ -1,0 +1,47 @@
+"""Building blocks of a case file: strict numbers, ranges and points, each with its unit in the key that holds it."""
+
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+Array = NDArray[np.float64]
+
+
+class Part(BaseModel):
+    """A table of a case file: unknown keys are errors, values never change after validation."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+
+
+def _ordered(value: tuple[float, float]) -> tuple[float, float]:
+    low, high = value
+    if not low < high:
+        raise ValueError(f"lower limit {low:g} is not below upper limit {high:g}; swap or widen them")
+    return value
+
+
+def _six_points(value: tuple[tuple[float, float, float], ...]) -> tuple[tuple[float, float, float], ...]:
+    if len(value) != 6:
+        raise ValueError(f"has {len(value)} points, a hexapod has 6; list one [x, y, z] for each strut, in strut order")
+    return value
+
+
+Range = Annotated[tuple[Number, Number], AfterValidator(_ordered)]
+Vector = tuple[Number, Number, Number]
+PositiveVector = tuple[Positive, Positive, Positive]
+Six = tuple[Number, Number, Number, Number, Number, Number]
+SixPoints = Annotated[tuple[Vector, ...], AfterValidator(_six_points)]
+
+
+def frozen(values: Any) -> Array:
+    """A read-only array of floats."""
+    array: Array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,80 @@
+"""The validated case: everything that hexcite knows about one machine and its sensors.
+
+Keys of the file carry their unit; properties without a unit in their name are SI and radians.
+"""
+
+import hashlib
+import json
+from functools import cached_property
+from typing import Literal, NoReturn
+
+from pydantic import Field
+
+from cases.controller import Controller
+from cases.errors import CaseError
+from cases.machine import Limits, Machine, Workspace
+from cases.parts import Array, Part, Vector, frozen
+from cases.sensors import RecordingFormat, RigidBody, SensorFrame, Sensors, Simulation
+
+
+class Case(Part):
+    """One machine. Parts that a setup lacks (a wrist sensor has no hexapod) are None."""
+
+    schema_version: Literal[1]
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")
+    title: str
+    setup: Literal["1a", "1b", "R"]
+    """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, R a force/torque sensor."""
+    gravity_m_s2: Vector
+    sensor_frame: SensorFrame
+    sensors: Sensors
+    recording: RecordingFormat
+    machine: Machine | None = None
+    workspace: Workspace | None = None
+    limits: Limits | None = None
+    controller: Controller | None = None
+    nominal: RigidBody | None = None
+    simulation: Simulation | None = None
+
+    @cached_property
+    def gravity(self) -> Array:
+        """Gravitational acceleration in {B}, shape (3,) [m/s^2]."""
+        return frozen(self.gravity_m_s2)
+
+    @cached_property
+    def hash(self) -> str:
+        """Fingerprint of the validated content: comments and layout of the file do not matter, every value does."""
+        content = json.dumps(self.model_dump(mode="json"), sort_keys=True)
+        return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+    def _lacks(self, part: str, purpose: str) -> NoReturn:
+        raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
+
+    def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
+        """Machine, workspace and limits.
+
+        Args:
+            purpose: what they are needed for, for the message.
+
+        Raises:
+            CaseError: the case lacks one of them.
+        """
+        if self.machine is None:
+            self._lacks("machine", purpose)
+        if self.workspace is None:
+            self._lacks("workspace", purpose)
+        if self.limits is None:
+            self._lacks("limits.motion", purpose)
+        return self.machine, self.workspace, self.limits
+
+    def need_controller(self, purpose: str) -> Controller:
+        """Controller settings; raises CaseError where the case has none."""
+        if self.controller is None:
+            self._lacks("controller", purpose)
+        return self.controller
+
+    def need_simulation(self, purpose: str) -> Simulation:
+        """The simulated machine; raises CaseError where the case has none."""
+        if self.simulation is None:
+            self._lacks("simulation", purpose)
+        return self.simulation

@@ -1,0 +1,144 @@
+"""What measures, and what it is expected to carry: sensor frame, noise, rigid body and compensation factors."""
+
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from cases.machine import Joints
+from cases.parts import Array, NonNegative, Number, Part, Positive, Six, Vector, frozen
+from cases.units import MM, MS, UM
+
+# Beyond this condition number (moments divided by the frame's size) a sensor's error is amplified a thousandfold.
+WORST_FRAME_CONDITION = 1e3
+
+
+class Bars(Part):
+    """Six single-axis force sensors, each in a bar from a lower to an upper point, positive in tension of the platform."""
+
+    lower: Joints
+    upper: Joints
+
+    @model_validator(mode="after")
+    def _spans_space(self) -> "Bars":
+        direction = self.upper.points - self.lower.points
+        length = np.linalg.norm(direction, axis=1)
+        if np.any(length == 0.0):
+            raise ValueError(f"bar {int(np.argmin(length)) + 1} has no length; its lower and upper point coincide")
+        unit = direction / length[:, None]
+        size = np.linalg.norm(self.lower.points, axis=1).max()
+        lines = np.hstack([unit, np.cross(self.lower.points, unit) / max(size, 1e-9)])
+        condition = float(np.linalg.cond(lines))
+        if not condition <= WORST_FRAME_CONDITION:
+            raise ValueError(
+                f"the six bars do not measure all forces and moments (condition {condition:.3g}, at most "
+                f"{WORST_FRAME_CONDITION:.0f}); bars must not all be parallel, coplanar or meet one line"
+            )
+        return self
+
+
+class Transducer(Part):
+    """A six-axis force/torque sensor at the origin of {P}."""
+
+    sense: Literal["load_on_sensor", "sensor_on_load"]
+
+
+class SensorFrame(Part):
+    """Where the forces are measured: a frame of bars or a force/torque sensor; exactly one of the two."""
+
+    bars: Bars | None = None
+    transducer: Transducer | None = None
+
+    @model_validator(mode="after")
+    def _one_form(self) -> "SensorFrame":
+        if (self.bars is None) == (self.transducer is None):
+            raise ValueError("give either bars or transducer, not both or neither")
+        return self
+
+
+class Sensors(Part):
+    """Properties of the six channels."""
+
+    range_N: Positive | None = None
+    weights: Literal["equal", "per_channel"]
+    """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel (mixed units)."""
+
+
+class RigidBody(Part):
+    """Mass, centre of gravity in {P} and inertia about the centre of gravity, axes of {P}."""
+
+    mass_kg: Positive
+    centre_of_gravity_mm: Vector
+    inertia_kg_m2: Six
+    """I11, I12, I13, I22, I23, I33 as in (17)."""
+
+    @model_validator(mode="after")
+    def _physical(self) -> "RigidBody":
+        i11, i12, i13, i22, i23, i33 = self.inertia_kg_m2
+        principal = np.linalg.eigvalsh([[i11, i12, i13], [i12, i22, i23], [i13, i23, i33]])
+        if principal[0] <= 0.0 or principal[0] + principal[1] < principal[2] * (1.0 - 1e-9):
+            raise ValueError(
+                f"no rigid body has the principal inertias {', '.join(f'{i:.4g}' for i in principal)} kg m^2; all must "
+                "be positive and none larger than the sum of the others"
+            )
+        return self
+
+    @cached_property
+    def centre_of_gravity(self) -> Array:
+        """Centre of gravity in {P}, shape (3,) [m]."""
+        return frozen(np.array(self.centre_of_gravity_mm) * MM)
+
+    @cached_property
+    def inertia(self) -> Array:
+        """Inertia tensor about the centre of gravity, shape (3, 3) [kg m^2]."""
+        i11, i12, i13, i22, i23, i33 = self.inertia_kg_m2
+        return frozen([[i11, i12, i13], [i12, i22, i23], [i13, i23, i33]])
+
+
+class Compensation(Part):
+    """Factors k0..k3 of the platform's elastic deformation, (13) and (15) with the units of CONVENTIONS."""
+
+    k0_N_m: Number
+    k1_Nm_m: Number
+    k2_N: Number
+    k3_Nm: Number
+
+
+class Truth(Part):
+    """All parameters that the simulated machine has."""
+
+    body: RigidBody
+    offsets_N: Six
+    compensation: Compensation
+
+
+class Simulation(Part):
+    """The simulated machine: its parameters and how imperfectly it measures."""
+
+    source: str
+    parameters: Truth
+    encoder_resolution_um: NonNegative
+    force_noise_N: NonNegative
+    force_delay_ms: NonNegative
+    force_sampling_offset_cycles: NonNegative = Field(le=1.0)
+    encoder_rate_Hz: Positive
+
+    @property
+    def encoder_resolution(self) -> float:
+        """Step of the strut encoders [m]."""
+        return self.encoder_resolution_um * UM
+
+    @property
+    def force_delay(self) -> float:
+        """How much later than the motion the forces are recorded [s]."""
+        return self.force_delay_ms * MS
+
+
+class RecordingFormat(Part):
+    """How recordings of this case are to be read."""
+
+    filter_cutoff_Hz: Positive | None = None
+    """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
+    columns: dict[str, str] = Field(default_factory=dict)
+    """Our column name -> the file's, for files that use other names. Units are those of our name."""

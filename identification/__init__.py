@@ -1,0 +1,1 @@
+"""What a recorded run says about the parameters of the measurement model."""

@@ -1,0 +1,91 @@
+"""A motion as a controller executed it: continuous in time, with struts and platform kinematics at any instant."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BSpline, make_interp_spline
+
+from identification.hexapod import Hexapod, Kinematics, kinematics_of_coordinates
+from identification.motion import Trajectory
+
+Array = NDArray[np.float64]
+
+
+class Execution(Protocol):
+    """What the machine did, from time 0 to `duration`."""
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        ...
+
+    def struts(self, t: ArrayLike) -> Array:
+        """Strut lengths at times t, shape (n, 6) [m]."""
+        ...
+
+    def kinematics(self, t: ArrayLike) -> Kinematics:
+        """Motion of the platform at times t, shape (n,) [s]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class PoseExecution:
+    """A controller that follows a trajectory of the platform exactly.
+
+    Args:
+        hexapod: kinematics.
+        trajectory: of the platform.
+    """
+
+    hexapod: Hexapod
+    trajectory: Trajectory
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return self.trajectory.duration
+
+    def struts(self, t: ArrayLike) -> Array:
+        """Strut lengths at times t, shape (n, 6) [m]."""
+        return self.hexapod.strut_lengths(self.trajectory.at(t).pose)
+
+    def kinematics(self, t: ArrayLike) -> Kinematics:
+        """Motion of the platform at times t, shape (n,) [s]."""
+        motion = self.trajectory.at(t)
+        return kinematics_of_coordinates(motion.pose, motion.rates, motion.accelerations)
+
+
+@dataclass(frozen=True, slots=True)
+class StrutExecution:
+    """A controller that interpolates strut lengths by cubic splines between its cycles, as LinuxCNC does.
+
+    The cubic spline through the logged lengths is the uniform B-spline that its interpolator makes of the inverse
+    kinematics; accelerations are continuous, and known exactly.
+
+    Args:
+        hexapod: kinematics.
+        spline: strut lengths over time [m].
+    """
+
+    hexapod: Hexapod
+    spline: BSpline
+
+    @classmethod
+    def of_log(cls, hexapod: Hexapod, period: float, lengths: Array) -> "StrutExecution":
+        """Through logged lengths, shape (n, 6) [m], one each `period` [s]."""
+        return cls(hexapod, make_interp_spline(np.arange(len(lengths)) * period, lengths, k=3))
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return float(self.spline.t[-1])
+
+    def struts(self, t: ArrayLike) -> Array:
+        """Strut lengths at times t, shape (n, 6) [m]."""
+        return np.asarray(self.spline(t))
+
+    def kinematics(self, t: ArrayLike) -> Kinematics:
+        """Motion of the platform at times t, shape (n,) [s]."""
+        return self.hexapod.kinematics(self.spline(t), self.spline(t, nu=1), self.spline(t, nu=2))

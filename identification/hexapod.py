@@ -1,0 +1,221 @@
+"""Kinematics of a hexapod: struts from pose, pose from struts, and their first and second time derivatives (7)-(9).
+
+Strut k joins base joint b_k (in {B}) to platform joint p_k (in {P}): s_k = o + R p_k - b_k, l_k = |s_k|. Written once as
+CasADi functions; NumPy arrays go through them sample by sample.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cases.errors import IdentificationError
+from cases.schema import Case
+from identification.evaluate import over_samples
+from identification.pose import rotation, rpy, skew, twist, twist_rate
+
+Array = NDArray[np.float64]
+
+# Forward kinematics stops when the struts agree to a thousandth of a nanometre: far below any encoder, far above
+# rounding (1e-16 relative to 1 m).
+STRUT_TOLERANCE = 1e-12  # [m]
+MOST_STEPS = 25
+COARSE = 32  # every 32nd sample is solved from home, the ones between start from their interpolation
+
+
+@dataclass(frozen=True, slots=True)
+class Kinematics:
+    """Motion of the platform, one row a sample.
+
+    Args:
+        pose: (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad].
+        twist: velocity of the origin of {P} and angular velocity in {B}, shape (n, 6) [m/s, rad/s].
+        twist_rate: its time derivative, shape (n, 6) [m/s^2, rad/s^2].
+    """
+
+    pose: Array
+    twist: Array
+    twist_rate: Array
+
+
+class Hexapod:
+    """A hexapod with given joints.
+
+    Args:
+        base: base joints in {B}, shape (6, 3) [m].
+        platform: platform joints in {P}, shape (6, 3) [m].
+        home: pose in {B}, shape (6,) [m, rad].
+    """
+
+    def __init__(self, base: ArrayLike, platform: ArrayLike, home: ArrayLike) -> None:
+        self.base = np.asarray(base, dtype=float)
+        self.platform = np.asarray(platform, dtype=float)
+        self.home = np.asarray(home, dtype=float)
+
+    @classmethod
+    def of(cls, case: Case) -> "Hexapod":
+        """The hexapod of a case; raises CaseError where the case has no machine."""
+        machine, _, _ = case.need_machine("the kinematics")
+        return cls(machine.base.points, machine.platform.points, machine.home.vector)
+
+    def _struts(self, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Strut vectors, shape (3, 6), and arms R p_k from the origin of {P} to the platform joints, shape (3, 6)."""
+        arms = rotation(pose[3:]) @ ca.DM(self.platform.T)
+        return ca.repmat(pose[:3], 1, 6) + arms - ca.DM(self.base.T), arms
+
+    def _inverse_jacobian(self, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Strut lengths and J_Hex^-1 of (8): l' = J_Hex^-1 twist."""
+        struts, arms = self._struts(pose)
+        lengths = [ca.norm_2(struts[:, k]) for k in range(6)]
+        rows = []
+        for k in range(6):
+            direction = struts[:, k] / lengths[k]
+            rows.append(ca.horzcat(direction.T, ca.cross(arms[:, k], direction).T))
+        return ca.vertcat(*lengths), ca.vertcat(*rows)
+
+    @cached_property
+    def inverse(self) -> ca.Function:
+        """pose -> strut lengths."""
+        pose = ca.SX.sym("pose", 6)
+        return ca.Function("inverse", [pose], [self._inverse_jacobian(pose)[0]], ["pose"], ["lengths"])
+
+    @cached_property
+    def inverse_jacobian(self) -> ca.Function:
+        """pose -> strut lengths, J_Hex^-1."""
+        pose = ca.SX.sym("pose", 6)
+        return ca.Function(
+            "inverse_jacobian", [pose], list(self._inverse_jacobian(pose)), ["pose"], ["lengths", "jacobian"]
+        )
+
+    @cached_property
+    def strut_motion(self) -> ca.Function:
+        """(pose, rates, accelerations) -> strut lengths, velocities, accelerations."""
+        pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
+        lengths, jacobian = self._inverse_jacobian(pose)
+        velocity = jacobian @ twist(pose, rates)
+        acceleration = ca.jtimes(velocity, pose, rates) + ca.jtimes(velocity, rates, accelerations)
+        return ca.Function(
+            "strut_motion",
+            [pose, rates, accelerations],
+            [lengths, velocity, acceleration],
+            ["pose", "rates", "accelerations"],
+            ["lengths", "strut_velocities", "strut_accelerations"],
+        )
+
+    @cached_property
+    def _jacobian_drift(self) -> ca.Function:
+        """(pose, twist) -> d/dt(J_Hex^-1) twist, the part of l'' that is there without acceleration."""
+        pose, motion = ca.SX.sym("pose", 6), ca.SX.sym("twist", 6)
+        struts, arms = self._struts(pose)
+        velocity, omega = motion[:3], motion[3:]
+        drift = []
+        for k in range(6):
+            length = ca.norm_2(struts[:, k])
+            direction = struts[:, k] / length
+            joint_velocity = velocity + ca.cross(omega, arms[:, k])
+            across = joint_velocity - direction * ca.dot(direction, joint_velocity)
+            centripetal = ca.cross(omega, ca.cross(omega, arms[:, k]))
+            drift.append(ca.dot(across, across) / length + ca.dot(direction, centripetal))
+        return ca.Function("jacobian_drift", [pose, motion], [ca.vertcat(*drift)], ["pose", "twist"], ["drift"])
+
+    @cached_property
+    def _newton_step(self) -> ca.Function:
+        """(pose, step in position and rotation vector) -> pose: turns about the axes of {B}, so RPY never divides by 0."""
+        pose, step = ca.SX.sym("pose", 6), ca.SX.sym("step", 6)
+        half = step[3:] / 2  # Cayley: a proper rotation for every step, equal to it to second order
+        turn = ca.solve(ca.SX.eye(3) - skew(half), (ca.SX.eye(3) + skew(half)) @ rotation(pose[3:]))
+        return ca.Function("newton_step", [pose, step], [ca.vertcat(pose[:3] + step[:3], rpy(turn))])
+
+    def strut_lengths(self, poses: ArrayLike) -> Array:
+        """Inverse kinematics.
+
+        Args:
+            poses: shape (n, 6) [m, rad].
+
+        Returns:
+            Strut lengths, shape (n, 6) [m].
+        """
+        return over_samples(self.inverse, poses)[0]
+
+    def poses(self, lengths: ArrayLike) -> Array:
+        """Forward kinematics (7), the assembly that is reached from home.
+
+        Newton's method for all samples at once: every 32nd from home, the rest from the interpolation between these.
+
+        Args:
+            lengths: strut lengths, shape (n, 6) [m].
+
+        Returns:
+            Poses, shape (n, 6) [m, rad].
+
+        Raises:
+            IdentificationError: the struts cannot close; the message names the first such sample.
+        """
+        lengths = np.asarray(lengths, dtype=float)
+        count = len(lengths)
+        coarse = np.unique(np.r_[np.arange(0, count, COARSE), count - 1])
+        at_coarse = self._newton(lengths[coarse], np.tile(self.home, (len(coarse), 1)), coarse)
+        index = np.arange(count)
+        start = np.column_stack([np.interp(index, coarse, at_coarse[:, k]) for k in range(6)])
+        return self._newton(lengths, start, index)
+
+    def _newton(self, lengths: Array, start: Array, index: NDArray[np.int64]) -> Array:
+        pose = start.copy()
+        active = np.arange(len(pose))
+        for _ in range(MOST_STEPS):
+            reached, jacobian = over_samples(self.inverse_jacobian, pose[active])
+            error = lengths[active] - reached
+            open_ = ~(np.abs(error).max(axis=1) <= STRUT_TOLERANCE)
+            if not open_.any():
+                return pose
+            active, error, jacobian = active[open_], error[open_], jacobian[open_]
+            try:
+                step = np.linalg.solve(jacobian, error[:, :, None])[:, :, 0]
+            except np.linalg.LinAlgError:
+                break
+            pose[active] = over_samples(self._newton_step, pose[active], step)[0]
+        worst = int(active[0])
+        raise IdentificationError(
+            f"sample {int(index[worst]) + 1}: no pose has the strut lengths "
+            f"{', '.join(f'{v * 1e3:.3f}' for v in lengths[worst])} mm; check unit, order and offset of the struts"
+        )
+
+    def kinematics(self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike) -> Kinematics:
+        """Pose, twist and twist rate from strut motion: (7), (8), (9).
+
+        (9) is used in the equivalent form v' = J_Hex (q'' - d/dt(J_Hex^-1) v), since J_Hex is known by its inverse.
+
+        Args:
+            lengths: shape (n, 6) [m].
+            velocities: shape (n, 6) [m/s].
+            accelerations: shape (n, 6) [m/s^2].
+
+        Raises:
+            IdentificationError: the struts cannot close.
+        """
+        pose = self.poses(lengths)
+        jacobian = over_samples(self.inverse_jacobian, pose)[1]
+        twist_ = np.linalg.solve(jacobian, np.asarray(velocities)[:, :, None])[:, :, 0]
+        drift = over_samples(self._jacobian_drift, pose, twist_)[0]
+        rate = np.linalg.solve(jacobian, (np.asarray(accelerations) - drift)[:, :, None])[:, :, 0]
+        return Kinematics(pose, twist_, rate)
+
+
+def kinematics_of_coordinates(pose: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:
+    """Kinematics from coordinates and their time derivatives, (37) and (38); shapes (n, 6)."""
+    twist_, rate = over_samples(_COORDINATES_TO_TWIST, pose, rates, accelerations)
+    return Kinematics(np.array(pose, dtype=float), twist_, rate)
+
+
+def _coordinates_to_twist() -> ca.Function:
+    pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
+    return ca.Function(
+        "coordinates_to_twist",
+        [pose, rates, accelerations],
+        [twist(pose, rates), twist_rate(pose, rates, accelerations)],
+    )
+
+
+_COORDINATES_TO_TWIST = _coordinates_to_twist()

@@ -1,0 +1,156 @@
+"""Motion of the platform: sampled (`Motion`), continuous in time (`Trajectory`), and through timed points."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BSpline, make_interp_spline
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Coordinates of the platform and their time derivatives, one row a sample.
+
+    Args:
+        t: time, shape (n,) [s].
+        pose: (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad].
+        rates: first derivatives, shape (n, 6) [m/s, rad/s].
+        accelerations: second derivatives, shape (n, 6) [m/s^2, rad/s^2].
+        jerks: third derivatives, shape (n, 6) [m/s^3, rad/s^3].
+
+    Raises:
+        ValueError: shapes that do not belong together.
+    """
+
+    t: Array
+    pose: Array
+    rates: Array
+    accelerations: Array
+    jerks: Array
+
+    def __post_init__(self) -> None:
+        shape = (len(self.t), 6)
+        for name in ("pose", "rates", "accelerations", "jerks"):
+            value = getattr(self, name)
+            if value.shape != shape:
+                raise ValueError(f"{name} has shape {value.shape}, expected {shape}")
+            value.setflags(write=False)
+
+
+class Trajectory(Protocol):
+    """A motion that is known at every instant from 0 to `duration`."""
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        ...
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class TimedPoints:
+    """A motion through given poses at given times, from rest to rest.
+
+    Between the points it is the quintic spline through them (continuous up to the fourth derivative), with rates and
+    accelerations zero at both ends. That is an assumption about what a controller does between the points it is given.
+
+    Args:
+        times: shape (k,), strictly increasing from 0 [s].
+        poses: shape (k, 6) [m, rad].
+
+    Raises:
+        ValueError: fewer than two points, or times that do not increase.
+    """
+
+    times: Array
+    poses: Array
+    spline: BSpline
+
+    @classmethod
+    def through(cls, times: ArrayLike, poses: ArrayLike) -> "TimedPoints":
+        """Interpolates; see the class."""
+        t, p = np.asarray(times, dtype=float), np.asarray(poses, dtype=float)
+        if len(t) < 2 or np.any(np.diff(t) <= 0.0) or t[0] != 0.0 or p.shape != (len(t), 6):
+            raise ValueError("timed points need at least two poses at times that increase from 0")
+        at_rest = [(1, np.zeros(6)), (2, np.zeros(6))]
+        return cls(t, p, make_interp_spline(t, p, k=5, bc_type=(at_rest, at_rest)))
+
+    @property
+    def duration(self) -> float:
+        """Time of the last point [s]."""
+        return float(self.times[-1])
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        return Motion(time, *(self.spline(time, nu=order) for order in range(4)))
+
+
+@dataclass(frozen=True, slots=True)
+class Standstill:
+    """No motion at all.
+
+    Args:
+        pose: shape (6,) [m, rad].
+        duration: [s].
+    """
+
+    pose: Array
+    duration: float
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        still = [np.zeros((len(time), 6)) for _ in range(3)]
+        return Motion(time, np.tile(self.pose, (len(time), 1)), *still)
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """Trajectories one after the other.
+
+    Args:
+        parts: each begins where the one before it ends, at rest.
+    """
+
+    parts: tuple[Trajectory, ...]
+
+    @property
+    def starts(self) -> Array:
+        """Start of each part and end of the last, shape (parts + 1,) [s]."""
+        return np.concatenate([[0.0], np.cumsum([p.duration for p in self.parts])])
+
+    @property
+    def duration(self) -> float:
+        """Sum of the durations [s]."""
+        return float(self.starts[-1])
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        starts = self.starts
+        which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.parts) - 1)
+        values = np.zeros((4, len(time), 6))
+        for k, part in enumerate(self.parts):
+            rows = which == k
+            if rows.any():
+                here = part.at(np.clip(time[rows] - starts[k], 0.0, part.duration))
+                values[:, rows] = here.pose, here.rates, here.accelerations, here.jerks
+        return Motion(time, *values)
+
+
+def sample(trajectory: Trajectory, rate: float) -> Motion:
+    """The trajectory at equal time steps that include both ends.
+
+    Args:
+        trajectory: what to sample.
+        rate: at least this many samples a second [1/s].
+    """
+    steps = max(1, int(np.ceil(trajectory.duration * rate - 1e-9)))
+    return trajectory.at(np.linspace(0.0, trajectory.duration, steps + 1))

@@ -1,0 +1,146 @@
+"""What an identification says: parameters in both forms with standard deviations, and how well the model fits."""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from cases.schema import Case
+from identification.estimator import Fit
+from identification.model import Model
+from identification.parameters import physical_form
+
+Array = NDArray[np.float64]
+
+SCHEMA_VERSION = 1
+
+
+class Delay(NamedTuple):
+    """How much later than the motion the forces were recorded, and its standard deviation [s]."""
+
+    value: float
+    std: float
+
+
+class Value(NamedTuple):
+    """An estimated parameter: SI value, standard deviation by (28), autocorrelation-robust one, and unit."""
+
+    value: float
+    std: float
+    std_robust: float
+    unit: str
+
+    def interval(self, freedom: int, level: float = 0.95) -> tuple[float, float]:
+        """Confidence interval from the standard deviation of (28)."""
+        half = float(stats.t.ppf(0.5 + level / 2, freedom)) * self.std
+        return self.value - half, self.value + half
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """The result of an identification.
+
+    Args:
+        case: name of the case.
+        case_hash: its fingerprint.
+        source: the recording.
+        model: number in Table 2.
+        names: of the linear parameters u.
+        values: u, shape (u,).
+        covariance: of u by (28), shape (u, u).
+        physical: physical parameters by name.
+        s0: (27); dimensionless with per-channel weights, else [N].
+        s0_N: rms force residual of the channels in newtons [N].
+        residual_rms: of each channel, shape (6,) [N, or N and N m].
+        samples: used.
+        freedom: degrees of freedom of the residuals.
+        rank: of the scaled regressor.
+        condition: of the scaled regressor (26).
+        weights: `equal` or `per_channel`.
+        delay: of the forces, where it was estimated.
+        warnings: sentences.
+        residuals: f - A u, shape (n, 6), not saved.
+    """
+
+    case: str
+    case_hash: str
+    source: str
+    model: int
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+    physical: dict[str, Value]
+    s0: float
+    s0_N: float
+    residual_rms: Array
+    samples: int
+    freedom: int
+    rank: int
+    condition: float
+    weights: str
+    delay: Delay | None
+    warnings: tuple[str, ...]
+    residuals: Array
+
+    def to_json(self) -> dict[str, Any]:
+        """Everything but the residuals, SI units."""
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "case": self.case,
+            "case_hash": self.case_hash,
+            "recording": self.source,
+            "model": self.model,
+            "s0": self.s0,
+            "s0_N": self.s0_N,
+            "residual_rms": self.residual_rms.tolist(),
+            "samples": self.samples,
+            "degrees_of_freedom": self.freedom,
+            "rank": self.rank,
+            "condition": self.condition,
+            "weights": self.weights,
+            "delay_s": None if self.delay is None else {"value": self.delay.value, "std": self.delay.std},
+            "parameters": {name: value._asdict() for name, value in self.physical.items()},
+            "linear": {"names": list(self.names), "values": self.values.tolist()},
+            "covariance": self.covariance.tolist(),
+            "warnings": list(self.warnings),
+        }
+
+
+def estimate_of(
+    model: Model, fit: Fit, source: str, case: Case, delay: Delay | None, warnings: tuple[str, ...]
+) -> Estimate:
+    """Puts a fit into words; columns of the fit beyond the model's parameters are nuisances and left out."""
+    unknowns = len(model.parameters)
+    linear, covariance = fit.values[:unknowns], fit.covariance[:unknowns, :unknowns]
+    form = physical_form(model)
+    values, physical_covariance = form.of(linear, covariance)
+    _, robust_covariance = form.of(linear, fit.covariance_robust[:unknowns, :unknowns])
+    std, robust = np.sqrt(np.diag(physical_covariance)), np.sqrt(np.diag(robust_covariance))
+    physical = {
+        p.name: Value(float(v), float(s), float(r), p.unit)
+        for p, v, s, r in zip(form.parameters, values, std, robust, strict=True)
+    }
+    newtons = slice(0, 6) if case.sensor_frame.bars is not None else slice(0, 3)
+    return Estimate(
+        case=case.name,
+        case_hash=case.hash,
+        source=source,
+        model=model.number,
+        names=tuple(model.names),
+        values=linear,
+        covariance=covariance,
+        physical=physical,
+        s0=fit.s0,
+        s0_N=float(np.sqrt(np.mean(fit.residuals[:, newtons] ** 2))),
+        residual_rms=np.sqrt(np.mean(fit.residuals**2, axis=0)),
+        samples=len(fit.residuals),
+        freedom=fit.residuals.size - len(fit.values),
+        rank=fit.rank,
+        condition=fit.condition,
+        weights=case.sensors.weights,
+        delay=delay,
+        warnings=warnings,
+        residuals=fit.residuals,
+    )

@@ -1,0 +1,115 @@
+"""Zero-phase low-pass filters that also differentiate and shift in time, as one family of FIR kernels.
+
+The kernel is an ideal low-pass under a Nuttall window, known as a function of time: its derivatives differentiate,
+its argument shifts by fractions of a sample. Position, velocity and acceleration of a signal so pass the same filter.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import oaconvolve
+
+from cases.errors import RecordingError
+
+Array = NDArray[np.float64]
+
+# Nuttall's four-term window with continuous first derivative (A. Nuttall, IEEE Trans. ASSP 29 (1981) 84): side lobes below
+# -93 dB, and no step at its ends, which sampled second derivatives would show.
+_WINDOW = (0.355768, 0.487396, 0.144232, 0.012604)
+# The main lobe of the window is 4 / half length wide: at 4 / cut-off the transition spans half to one and a half cut-offs.
+_HALF_LENGTH = 4.0
+
+
+class Filter(NamedTuple):
+    """A low-pass for signals sampled at equal steps.
+
+    Args:
+        cutoff: frequency of half gain [Hz]; gain 1 within 1e-4 below half of it, 0 above one and a half.
+        step: time between samples [s].
+    """
+
+    cutoff: float
+    step: float
+
+    @property
+    def margin(self) -> int:
+        """Samples lost at each end."""
+        return int(np.ceil(_HALF_LENGTH / self.cutoff / self.step)) + 1
+
+    def _kernel(self, order: int, shift: float) -> Array:
+        """Derivative `order` of the impulse response at multiples of `step` less `shift` [s], shape (2 margin + 1,)."""
+        half = _HALF_LENGTH / self.cutoff
+        t = np.arange(-self.margin, self.margin + 1) * self.step - shift
+        inside = np.abs(t) < half
+        window = [np.zeros_like(t) for _ in range(3)]
+        for k, weight in enumerate(_WINDOW):
+            w = np.pi * k / half
+            window[0] += weight * np.cos(w * t)
+            window[1] -= weight * w * np.sin(w * t)
+            window[2] -= weight * w**2 * np.cos(w * t)
+        window = [np.where(inside, v, 0.0) for v in window]
+        sinc = _sinc_derivatives(t, 2 * np.pi * self.cutoff)
+        if order == 0:
+            return sinc[0] * window[0]
+        if order == 1:
+            return sinc[1] * window[0] + sinc[0] * window[1]
+        return sinc[2] * window[0] + 2 * sinc[1] * window[1] + sinc[0] * window[2]
+
+    def _exact_kernel(self, order: int, shift: float) -> Array:
+        """The sampled kernel, corrected to give constants, slopes and curvatures exactly.
+
+        Sampling changes the response by nearly the same amount over the whole pass band, so what is wrong at frequency
+        zero is taken away in the shape of the lower-order kernels.
+        """
+        t = np.arange(-self.margin, self.margin + 1) * self.step
+        smooth = self._kernel(0, shift)
+        smooth /= smooth.sum()
+        if order == 0:
+            return smooth
+        slope = self._kernel(1, shift)
+        slope -= slope.sum() * smooth
+        slope /= -(slope @ t)
+        if order == 1:
+            return slope
+        curvature = self._kernel(2, shift)
+        curvature -= curvature.sum() * smooth
+        curvature += (curvature @ t) * slope
+        return np.asarray(curvature / (curvature @ t**2 / 2))
+
+    def apply(self, values: Array, order: int = 0, delay: float = 0.0) -> Array:
+        """The filtered signal or its derivative, `delay` earlier than sampled.
+
+        Args:
+            values: shape (n, channels).
+            order: 0, 1 or 2: of the time derivative.
+            delay: the result at sample k belongs to the instant t_k - delay [s]; less than half the margin.
+
+        Returns:
+            Shape (n - 2 margin, channels).
+
+        Raises:
+            RecordingError: fewer samples than the filter is long.
+        """
+        if len(values) <= 2 * self.margin + 1:
+            raise RecordingError(
+                f"{len(values)} samples are too few for a {self.cutoff:g} Hz filter, which needs more than "
+                f"{2 * self.margin + 1}; record longer or raise filter_cutoff_Hz"
+            )
+        kernel = self._exact_kernel(order, delay)
+        mean = values.mean(axis=0)  # keeps rounding of the FFT small against the oscillation, not against 1 m of strut
+        result = oaconvolve(values - mean, kernel[:, None], mode="valid", axes=0)
+        return np.asarray(result + mean if order == 0 else result)
+
+
+def _sinc_derivatives(t: Array, w: float) -> tuple[Array, Array, Array]:
+    """sin(w t) / (pi t) and its first two derivatives; series where w t is small."""
+    x = w * t
+    small = np.abs(x) < 1e-2
+    y = np.where(small, 1.0, x)
+    s, c = np.sin(y), np.cos(y)
+    value = np.where(small, 1 - x**2 / 6 + x**4 / 120, s / y)
+    first = np.where(small, -x / 3 + x**3 / 30, (c - s / y) / y)
+    second = np.where(small, -1 / 3 + x**2 / 10 - x**4 / 168, -s / y - 2 * (c - s / y) / y**2)
+    gain = w / np.pi
+    return gain * value, gain * w * first, gain * w**2 * second

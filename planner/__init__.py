@@ -1,0 +1,1 @@
+"""Which motion is worth running: excitation families, their optimisation, comparison and the command line."""

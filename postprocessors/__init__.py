@@ -1,0 +1,1 @@
+"""A planned motion as a program for a controller, and back."""

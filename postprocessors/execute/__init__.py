@@ -1,0 +1,1 @@
+"""Runs programs: the built-in virtual controller, or a real LinuxCNC."""

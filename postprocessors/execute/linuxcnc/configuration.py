@@ -1,0 +1,194 @@
+"""The LinuxCNC configuration of a case: INI, HAL, tool table and variables, in LinuxCNC's units (mm, degrees, seconds).
+
+The joints of the machine are the six struts (`genhexkins`); its axes X Y Z A B C are the pose, A B C turning about the
+fixed axes x y z, which is R = Rz(yaw) Ry(pitch) Rx(roll). There are no motors: each joint follows its command exactly.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from cases.units import DEG, MM
+
+Array = NDArray[np.float64]
+
+PURPOSE = "running a program on LinuxCNC"
+INI_FILE = "machine.ini"
+HAL_FILE = "machine.hal"
+TOOL_FILE = "tool.tbl"
+VARIABLE_FILE = "machine.var"
+DISPLAY_FILE = "driver.py"
+
+SERVO_PERIOD = 1e-3
+"""Cycle of the motion controller [s]: LinuxCNC's usual one, and the rate of the recordings."""
+
+ROUNDING = 1e-6
+"""Pose limits are widened by the last digit of a program's numbers [mm, deg], so that the limit itself is allowed."""
+
+UNBOUND = 1e6
+"""LinuxCNC does not enforce strut velocity and acceleration on a path; any number beyond use will do [mm/s, mm/s^2]."""
+
+FOLLOWING_ERROR = 50.0
+"""Struts "follow" one cycle late, 1 mm at 1 m/s: far below this, so that only a broken kinematics trips it [mm]."""
+
+QUEUE = 100_000
+"""Cycles that the log can hold until the driver fetches them: 5 s at 20 times real time."""
+
+STRUTS = tuple(f"joint.{k}" for k in range(6))
+AXES = "XYZABC"
+UNITS = np.array([MM, MM, MM, DEG, DEG, DEG])
+"""LinuxCNC's unit of each pose coordinate in SI."""
+
+CHANNELS = (
+    ("s", "motion.program-line"),
+    ("b", "motion.digital-out-00"),
+    *(("f", f"{strut}.pos-cmd") for strut in STRUTS),
+    *(("f", f"axis.{axis.lower()}.pos-cmd") for axis in AXES),
+)
+"""What is logged every cycle: type of the sampler (s integer, b bit, f float64) and pin."""
+
+
+def sampler_format() -> str:
+    """The types of `CHANNELS` as LinuxCNC's `sampler` wants them."""
+    return "".join(kind for kind, _ in CHANNELS)
+
+
+def ini_text(case: Case, home_lengths: Array) -> str:
+    """The INI file.
+
+    Position limits of the axes are home plus `[limits.motion]`, those of the struts `[workspace]`. Velocity limits of
+    the axes are `[limits.motion]`, acceleration limits its multiple by `acceleration_headroom`. The limits of the path
+    as a whole are the diagonals of these boxes, so that they never bind before an axis does.
+
+    Args:
+        case: a case with machine, workspace, limits and controller.
+        home_lengths: strut lengths at home, shape (6,) [m].
+
+    Raises:
+        CaseError: the case lacks one of these parts.
+    """
+    machine, workspace, limits = case.need_machine(PURPOSE)
+    headroom = case.need_controller(PURPOSE).linuxcnc.acceleration_headroom
+    home = machine.home.vector / UNITS
+    low, high = home + limits.motion.pose / UNITS + ROUNDING * np.array([[-1.0], [1.0]])
+    velocity = limits.motion.rate / UNITS
+    acceleration = headroom * limits.motion.acceleration / UNITS
+    shortest, longest = workspace.strut_length / MM
+    lines = [
+        "[EMC]",
+        "VERSION = 1.1",
+        f"MACHINE = {case.name}",
+        "[HEXCITE]",
+        f"SAMPLER = {sampler_format()}",
+        "[DISPLAY]",
+        f"DISPLAY = ./{DISPLAY_FILE}",
+        "[RS274NGC]",
+        f"PARAMETER_FILE = {VARIABLE_FILE}",
+        "SUBROUTINE_PATH = .",
+        "RS274NGC_STARTUP_CODE = G17 G21 G40 G49 G54 G80 G90 G94",
+        "[EMCMOT]",
+        "EMCMOT = motmod",
+        "COMM_TIMEOUT = 4.0",
+        f"SERVO_PERIOD = {round(SERVO_PERIOD * 1e9)}",
+        "[TASK]",
+        "TASK = milltask",
+        "CYCLE_TIME = 0.001",
+        "[HAL]",
+        f"HALFILE = {HAL_FILE}",
+        "[TRAJ]",
+        f"COORDINATES = {' '.join(AXES)}",
+        f"HOME = {' '.join(_number(value) for value in home)}",
+        "LINEAR_UNITS = mm",
+        "ANGULAR_UNITS = degree",
+        *_path_limits("LINEAR", velocity[:3], acceleration[:3]),
+        *_path_limits("ANGULAR", velocity[3:], acceleration[3:]),
+        "[EMCIO]",
+        "EMCIO = io",
+        "CYCLE_TIME = 0.1",
+        f"TOOL_TABLE = {TOOL_FILE}",
+        "[KINS]",
+        "KINEMATICS = genhexkins",
+        "JOINTS = 6",
+    ]
+    for k, axis in enumerate(AXES):
+        lines += [f"[AXIS_{axis}]", *_range(low[k], high[k]), *_dynamics(velocity[k], acceleration[k])]
+    for k, length in enumerate(np.asarray(home_lengths) / MM):
+        lines += [f"[JOINT_{k}]", "TYPE = LINEAR", *_range(shortest, longest), *_dynamics(UNBOUND, UNBOUND)]
+        lines += [f"HOME = {_number(length)}", f"HOME_OFFSET = {_number(length)}", "HOME_SEQUENCE = 0"]
+        lines += ["HOME_SEARCH_VEL = 0", "HOME_LATCH_VEL = 0", *_following()]
+    return "\n".join(lines) + "\n"
+
+
+def hal_text(case: Case) -> str:
+    """The HAL file: kinematics of the machine, joints that follow their commands, and the log of every cycle.
+
+    Args:
+        case: a case with a machine.
+
+    Raises:
+        CaseError: the case has none.
+    """
+    machine, _, _ = case.need_machine(PURPOSE)
+    lines = [
+        "loadrt [KINS]KINEMATICS",
+        "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS num_dio=4 num_aio=4",
+        f"loadrt sampler depth={QUEUE} cfg={sampler_format()}",
+        "addf motion-command-handler servo-thread",
+        "addf motion-controller servo-thread",
+        "addf sampler.0 servo-thread",
+        "setp sampler.0.enable 0",
+        "net tool-length motion.tooloffset.z => genhexkins.tool-offset",
+        "net emergency-stop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in",
+        "net tool-prepare iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
+        "net tool-change iocontrol.0.tool-change => iocontrol.0.tool-changed",
+    ]
+    for ring, points in (("base", machine.base.points), ("platform", machine.platform.points)):
+        for k, point in enumerate(points / MM):
+            lines += [f"setp genhexkins.{ring}.{k}.{c} {_number(v)}" for c, v in zip("xyz", point, strict=True)]
+    lines += [f"net {strut.replace('.', '-')} {strut}.motor-pos-cmd => {strut}.motor-pos-fb" for strut in STRUTS]
+    lines += [f"net log-{k} {pin} => sampler.0.pin.{k}" for k, (_, pin) in enumerate(CHANNELS)]
+    return "\n".join(lines) + "\n"
+
+
+def write_configuration(folder: Path, case: Case, home_lengths: Array) -> None:
+    """Writes everything that LinuxCNC reads, except its program and its display, into a folder of its own.
+
+    Args:
+        folder: an existing folder.
+        case: a case with machine, workspace, limits and controller.
+        home_lengths: strut lengths at home, shape (6,) [m].
+
+    Raises:
+        CaseError: the case lacks one of these parts.
+    """
+    (folder / INI_FILE).write_text(ini_text(case, home_lengths), encoding="ascii")
+    (folder / HAL_FILE).write_text(hal_text(case), encoding="ascii")
+    (folder / TOOL_FILE).write_text("T1 P1 Z0 D1\n", encoding="ascii")
+    (folder / VARIABLE_FILE).write_text("", encoding="ascii")  # no offsets left over from another program
+
+
+def _path_limits(kind: str, velocity: Array, acceleration: Array) -> list[str]:
+    largest, strongest = float(np.linalg.norm(velocity)), float(np.linalg.norm(acceleration))
+    return [
+        f"{start}_{kind}_{quantity} = {_number(value)}"
+        for quantity, value in (("VELOCITY", largest), ("ACCELERATION", strongest))
+        for start in ("DEFAULT", "MAX")
+    ]
+
+
+def _range(low: float, high: float) -> list[str]:
+    return [f"MIN_LIMIT = {_number(low)}", f"MAX_LIMIT = {_number(high)}"]
+
+
+def _dynamics(velocity: float, acceleration: float) -> list[str]:
+    return [f"MAX_VELOCITY = {_number(velocity)}", f"MAX_ACCELERATION = {_number(acceleration)}"]
+
+
+def _following() -> list[str]:
+    return [f"FERROR = {_number(FOLLOWING_ERROR)}", f"MIN_FERROR = {_number(FOLLOWING_ERROR)}"]
+
+
+def _number(value: float) -> str:
+    return f"{value:.12f}"

@@ -1,0 +1,208 @@
+#!/usr/bin/python3
+"""The "display" of a headless LinuxCNC: runs one program and logs every servo cycle.
+
+LinuxCNC starts it in the session's folder under the system's Python, which has the modules `linuxcnc` and `hal` and
+nothing of ours:
+
+    driver.py -ini INI PROGRAM TIME_LIMIT
+
+It enables and homes the machine, runs PROGRAM in automatic mode for at most TIME_LIMIT seconds on the wall, and leaves
+
+    samples.f64   one row a cycle, float64: number of the cycle, then the channels of the sampler
+    status.json   outcome ("done", "error", "disabled", "paused", "time limit"), what LinuxCNC said, counts
+
+Exit code 0: the program ran to its end; 1: it did not.
+"""
+
+import argparse
+import array
+import json
+import subprocess
+import sys
+import threading
+import time
+
+import hal
+import linuxcnc
+
+POLL = 0.003  # [s] between two looks at LinuxCNC's state
+FETCH = 0.002  # [s] between two looks at the queue of logged cycles
+REST = 0.02  # [s] for which the standstill after the program is logged
+START_LIMIT = 20.0  # [s] for each step of starting; they take tenths of a second
+STATUS_TRIES = 100  # reading the state fails while it is being written; that passes within milliseconds
+
+
+class Failure(Exception):
+    """LinuxCNC did not do what it was told."""
+
+
+class Recorder:
+    """Fetches the logged cycles in a thread of its own; `halsampler` would print them with six digits only."""
+
+    def __init__(self, channels):
+        self._component = hal.component("hexcite")
+        self._component.newpin("record", hal.HAL_BIT, hal.HAL_OUT)
+        self._component.ready()
+        self._queue = hal.stream(self._component, hal.sampler_base, channels)
+        self._width = 1 + len(channels)
+        self._values = array.array("d")
+        self._finished = False
+        self._thread = threading.Thread(target=self._fetch, daemon=True)  # ends with the driver when that is killed
+        subprocess.run(["halcmd", "net", "record", "hexcite.record", "sampler.0.enable"], check=True)
+
+    def _fetch(self):
+        while True:
+            last = self._finished
+            while self._queue.readable:
+                row = self._queue.read()
+                self._values.append(self._queue.sampleno)
+                self._values.extend(row)
+            if last:
+                return
+            time.sleep(FETCH)
+
+    def start(self):
+        self._thread.start()
+        self._component["record"] = True
+
+    def stop(self):
+        if self._thread.is_alive():
+            time.sleep(REST)
+            self._component["record"] = False
+            time.sleep(REST)
+            self._finished = True
+            self._thread.join()
+
+    @property
+    def count(self):
+        return len(self._values) // self._width
+
+    def numbers(self):
+        """First and last number of a cycle; cycles between them that are not there were lost."""
+        return (int(self._values[0]), int(self._values[-self._width])) if self._values else (0, -1)
+
+    def save(self, file):
+        with open(file, "wb") as out:
+            self._values.tofile(out)
+
+
+class Session:
+    """Commands, state and messages of LinuxCNC."""
+
+    def __init__(self):
+        self.command, self.state, self._channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
+        self.errors, self.messages = [], []
+
+    def look(self):
+        for attempt in range(STATUS_TRIES):
+            try:
+                self.state.poll()
+                break
+            except linuxcnc.error:
+                if attempt + 1 == STATUS_TRIES:
+                    raise Failure("milltask is gone") from None
+                time.sleep(POLL)
+        while True:
+            message = self._channel.poll()
+            if not message:
+                return
+            kind, text = message
+            is_error = kind in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR)
+            (self.errors if is_error else self.messages).append(text.strip())
+
+    def tell(self, command, *arguments):
+        command(*arguments)
+        self.command.wait_complete()
+
+    def wait(self, reached, step):
+        start = time.monotonic()
+        self.look()
+        while not reached():
+            if self.errors or time.monotonic() - start > START_LIMIT:
+                raise Failure(step)
+            time.sleep(POLL)
+            self.look()
+
+    def prepare(self, program):
+        """Enables and homes the machine and opens the program."""
+        command, state = self.command, self.state
+        self.tell(command.state, linuxcnc.STATE_ESTOP_RESET)
+        self.tell(command.state, linuxcnc.STATE_ON)
+        self.wait(lambda: state.task_state == linuxcnc.STATE_ON, "the machine cannot be enabled")
+        self.tell(command.mode, linuxcnc.MODE_MANUAL)
+        self.tell(command.teleop_enable, 0)
+        command.home(-1)
+        self.wait(lambda: all(state.homed[:6]), "the struts cannot be homed")
+        self.tell(command.teleop_enable, 1)
+        self.wait(lambda: state.motion_mode == linuxcnc.TRAJ_MODE_TELEOP, "the axes cannot be moved together")
+        self.tell(command.mode, linuxcnc.MODE_AUTO)
+        self.tell(command.program_open, program)
+
+    def run(self, time_limit):
+        """Runs the open program; returns the outcome."""
+        state = self.state
+        start = time.monotonic()
+        self.command.auto(linuxcnc.AUTO_RUN, 0)
+        serial = self.command.serial
+        self.wait(lambda: state.echo_serial_number == serial, "the program cannot be started")
+        while True:
+            if self.errors:
+                return "error"
+            if state.task_state != linuxcnc.STATE_ON:
+                return "disabled"
+            if state.interp_state == linuxcnc.INTERP_PAUSED:
+                return "paused"
+            if state.interp_state == linuxcnc.INTERP_IDLE and state.queue == 0 and state.inpos:
+                return "done"
+            if time.monotonic() - start > time_limit:
+                return "time limit"
+            time.sleep(POLL)
+            self.look()
+
+    def shut_down(self):
+        self.tell(self.command.abort)
+        self.tell(self.command.state, linuxcnc.STATE_OFF)
+        self.tell(self.command.state, linuxcnc.STATE_ESTOP)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("-ini", required=True)
+    parser.add_argument("program")
+    parser.add_argument("time_limit", type=float)
+    arguments = parser.parse_args()
+    session = Session()
+    recorder = Recorder(linuxcnc.ini(arguments.ini).find("HEXCITE", "SAMPLER"))
+    line = started = 0
+    try:
+        session.prepare(arguments.program)
+        recorder.start()
+        started = recorder.count
+        outcome = session.run(arguments.time_limit)
+        line = session.state.motion_line or session.state.read_line
+    except Failure as failure:
+        outcome = "error"
+        session.errors.append(str(failure))
+    ended = recorder.count
+    recorder.stop()
+    recorder.save("samples.f64")
+    first, last = recorder.numbers()
+    status = {
+        "outcome": outcome,
+        "version": linuxcnc.version,
+        "errors": session.errors,
+        "messages": session.messages,
+        "line": line,
+        "started": started,
+        "ended": ended,
+        "samples": recorder.count,
+        "lost": last - first + 1 - recorder.count,
+    }
+    with open("status.json", "w") as out:
+        json.dump(status, out)
+    session.shut_down()
+    return 0 if outcome == "done" else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

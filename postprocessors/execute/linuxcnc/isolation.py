@@ -1,0 +1,159 @@
+"""Runs a LinuxCNC session in a world of its own and leaves no process of it behind.
+
+LinuxCNC expects to be alone on a computer: a lock file in /tmp, fixed shared memory keys, TCP port 5005, and a start-up
+that kills every process called milltask. Where the kernel allows it, each session therefore gets private process, IPC,
+network and mount namespaces, in which its folder is /tmp; the kernel ends all of its processes with the first one, also
+when hexcite itself is killed. Elsewhere (most containers) sessions wait for each other, and none starts beside a
+LinuxCNC of somebody else's.
+"""
+
+import fcntl
+import os
+import signal
+import subprocess
+import tempfile
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+
+from cases.errors import ExecutionError
+
+SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"
+"""Where LinuxCNC and its Python are; nothing of the user's environment reaches a session."""
+
+NOBODY = 65534
+"""User that LinuxCNC's realtime process runs as where hexcite runs as root, which it refuses to do."""
+
+GRACE = 20.0
+"""Time for LinuxCNC to end in an orderly manner [s]; it takes about one."""
+
+_MARK = "HEXCITE_SESSION"
+_PROCESSES = {"milltask", "rtapi_app", "linuxcncsvr"}
+_ENTER = 'mount --bind "$0" /tmp && cd /tmp && exec "$@"'
+
+
+def _private() -> list[str]:
+    """The command line that starts another one, given its folder and arguments, in namespaces of its own."""
+    user = [f"--map-user={NOBODY}", f"--map-group={NOBODY}"] if os.getuid() == 0 else ["--map-current-user"]
+    spaces = ["--user", *user, "--keep-caps", "--ipc", "--net", "--mount", "--mount-proc", "--pid"]
+    return ["setpriv", "--pdeathsig", "KILL", "unshare", *spaces, "--fork", "--kill-child", "sh", "-c", _ENTER]
+
+
+@cache
+def namespaces_allowed() -> bool:
+    """Whether the kernel lets this process make the namespaces of a session."""
+    with tempfile.TemporaryDirectory(prefix="hexcite-") as folder:
+        try:
+            trial = subprocess.run([*_private(), folder, "true"], env={"PATH": SYSTEM_PATH}, capture_output=True)
+        except OSError:
+            return False
+        return trial.returncode == 0
+
+
+def preload_works() -> bool:
+    """Whether LinuxCNC's realtime process loads the faster clock: set-uid programs ignore LD_PRELOAD for users."""
+    return namespaces_allowed() or os.getuid() == 0
+
+
+def run_session(folder: Path, arguments: list[str], environment: dict[str, str], time_limit: float) -> int | None:
+    """Runs `linuxcnc` in `folder` and ends all of its processes, whatever happens.
+
+    Args:
+        folder: holds everything that the session reads and writes; its output goes to `OUTPUT_FILE`.
+        arguments: of the command `linuxcnc`.
+        environment: added to the session's environment; `{folder}` stands for its folder as seen from inside.
+        time_limit: on the wall clock [s].
+
+    Returns:
+        The exit code, None when the time was up.
+
+    Raises:
+        ExecutionError: without namespaces, another LinuxCNC is running.
+    """
+    if namespaces_allowed():
+        return _run(folder, Path("/tmp"), [*_private(), str(folder)], arguments, environment, time_limit)
+    with _alone():
+        if os.getuid() == 0:
+            environment = {**environment, "RTAPI_UID": str(NOBODY)}
+            folder.chmod(0o711)
+        return _run(folder, folder, [], arguments, environment, time_limit)
+
+
+def _run(
+    folder: Path, inside: Path, start: list[str], arguments: list[str], environment: dict[str, str], time_limit: float
+) -> int | None:
+    home = folder / "home"
+    home.mkdir()
+    home.chmod(0o777)  # the realtime process may be another user
+    mark = f"{_MARK}={uuid.uuid4().hex}"
+    settings = {"HOME": "{folder}/home", "RTAPI_FIFO_PATH": "{folder}/home/fifo", **environment}
+    assignments = [f"{key}={value.replace('{folder}', str(inside))}" for key, value in settings.items()]
+    with (folder / OUTPUT_FILE).open("wb") as output:
+        process = subprocess.Popen(
+            [*start, "env", mark, *assignments, "linuxcnc", *arguments],
+            cwd=folder,
+            env={"PATH": SYSTEM_PATH},
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            return process.wait(time_limit)
+        except subprocess.TimeoutExpired:
+            return None
+        finally:
+            if process.poll() is None and not start:
+                _end_orderly(process)
+            _signal_group(process, signal.SIGKILL)
+            process.wait()
+            if not start:
+                _kill_marked(mark)
+
+
+def _end_orderly(process: subprocess.Popen[bytes]) -> None:
+    """Lets LinuxCNC unload its realtime part, which has left the process group and may belong to root."""
+    _signal_group(process, signal.SIGTERM)
+    try:
+        process.wait(GRACE)
+    except subprocess.TimeoutExpired:
+        return
+
+
+def _signal_group(process: subprocess.Popen[bytes], number: signal.Signals) -> None:
+    try:
+        os.killpg(process.pid, number)
+    except ProcessLookupError:
+        return
+
+
+def _kill_marked(mark: str) -> None:
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            if mark.encode() in (entry / "environ").read_bytes().split(b"\0"):
+                os.kill(int(entry.name), signal.SIGKILL)
+        except OSError:  # gone, or another user's
+            continue
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Waits for other sessions of ours; refuses to start beside a LinuxCNC of somebody else's."""
+    lock = os.open(Path(tempfile.gettempdir()) / f"hexcite-linuxcnc-{os.getuid()}.lock", os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        for entry in Path("/proc").glob("[0-9]*"):
+            try:
+                name = (entry / "comm").read_text().strip()
+            except OSError:
+                continue
+            if name in _PROCESSES:
+                raise ExecutionError(
+                    f"another LinuxCNC is running on this computer ({name}, process {entry.name}); end it first, or "
+                    "allow hexcite to make namespaces (unshare --user)"
+                )
+        yield
+    finally:
+        os.close(lock)

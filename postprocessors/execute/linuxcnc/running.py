@@ -1,0 +1,139 @@
+"""Runs a program on LinuxCNC: check of the program, configuration, headless session, log, proof of the log."""
+
+import logging
+import shutil
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from cases.errors import ExecutionError, FileProblem
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from postprocessors.execute.linuxcnc import configuration, outcome, timing
+from postprocessors.execute.linuxcnc.isolation import SYSTEM_PATH, preload_works, run_session
+from postprocessors.execute.linuxcnc.syntax import check_syntax
+from postprocessors.execute.log import ControllerLog
+
+HERE = Path(__file__).parent
+PROGRAM_FILE = "program.ngc"
+CLOCK_FILE = "warp.so"
+
+START_LIMIT = 60.0
+"""Time for LinuxCNC to start and end, and for its interpreter to read a program [s on the wall]; it takes two."""
+
+LINE_LIMIT = 20.0
+"""What the default time limit allows for a line on average [s of controller time]: slower than any move of ours."""
+
+_log = logging.getLogger(__name__)
+
+
+@cache
+def linuxcnc_missing() -> str | None:
+    """Why LinuxCNC cannot be run on this computer, with the remedy; None if it can."""
+    if not sys.platform.startswith("linux"):
+        return f"LinuxCNC runs on Linux only, this is {sys.platform}; run with --on virtual"
+    for program in ("linuxcnc", "rs274", "halcmd"):
+        if shutil.which(program, path=SYSTEM_PATH) is None:
+            return f"LinuxCNC is not installed ({program} is missing); install the package linuxcnc-uspace"
+    if shutil.which("gcc", path=SYSTEM_PATH) is None:
+        return "gcc, which compiles LinuxCNC's faster clock, is missing; install the packages gcc and libc6-dev"
+    imports = ["/usr/bin/python3", "-c", "import hal, linuxcnc"]
+    try:
+        result = subprocess.run(imports, env={"PATH": SYSTEM_PATH}, capture_output=True, text=True)
+    except OSError:
+        return "/usr/bin/python3, which LinuxCNC needs, is missing; install the package python3"
+    if result.returncode != 0:
+        said = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
+        return f"/usr/bin/python3 cannot import LinuxCNC's modules ({said}); reinstall the package linuxcnc-uspace"
+    return None
+
+
+def run_linuxcnc(
+    program: Path, case: Case, *, speedup: float = 20.0, time_limit: float | None = None
+) -> ControllerLog:
+    """Runs a program on a LinuxCNC that is configured for the case, without hardware.
+
+    The log starts just before the program does and ends just after it. Commanded struts are the cubic B-spline
+    (1, 4, 1)/6 of the inverse kinematics of the commanded pose, two cycles late: LinuxCNC interpolates them.
+
+    Args:
+        program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
+        case: a case with machine, workspace, limits and controller.
+        speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
+            depend on it. A computer that is too slow for it loses cycles or stretches dwells, which is an error.
+        time_limit: for the program [s on the wall]. By default its dwells and 20 s of controller time for each of its
+            lines, both divided by the speed-up, and half a minute.
+
+    Raises:
+        ExecutionError: LinuxCNC is not installed, refuses the program, stops, loses cycles or does not end in time.
+        FileProblem: the program cannot be read.
+        CaseError: the case lacks a part.
+        ValueError: speedup is not positive.
+    """
+    if (missing := linuxcnc_missing()) is not None:
+        raise ExecutionError(f"{program}: cannot be run: {missing}")
+    if not speedup > 0.0:
+        raise ValueError(f"speedup is {speedup}, must be positive")
+    lines = _read(program)
+    durations = timing.dwells(program, lines)
+    speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
+    if time_limit is None:
+        time_limit = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + sum(durations.values())) / speedup
+    with tempfile.TemporaryDirectory(prefix="hexcite-syntax-") as name:
+        check_syntax(program, lines, Path(name), START_LIMIT)
+    for reserve in timing.RESERVES:
+        copy = timing.with_dwells(lines, durations, speedup, reserve)
+        log, window = _session(program, copy, case, speedup, time_limit)
+        problem = timing.dwell_problem(log, durations, speedup, reserve, window)
+        if problem is None:
+            return log
+        _log.info("%s, %s", program, problem)
+    raise ExecutionError(f"{program}, {problem}")
+
+
+def _session(
+    program: Path, lines: list[str], case: Case, speedup: float, time_limit: float
+) -> tuple[ControllerLog, tuple[int, int]]:
+    """Runs the lines once; returns the log, and the rows between which the program ran."""
+    machine, _, _ = case.need_machine(configuration.PURPOSE)
+    home_lengths = Hexapod.of(case).strut_lengths(machine.home.vector[None])[0]
+    with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
+        folder = Path(name)
+        configuration.write_configuration(folder, case, home_lengths)
+        (folder / PROGRAM_FILE).write_text("\n".join(lines), encoding="utf-8")
+        (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
+        (folder / configuration.DISPLAY_FILE).chmod(0o755)
+        _compile_clock(folder)
+        arguments = ["-r", configuration.INI_FILE, PROGRAM_FILE, repr(time_limit)]
+        clock = {"HEXCITE_SPEEDUP": repr(speedup), "LD_PRELOAD": f"{{folder}}/{CLOCK_FILE}"}
+        if run_session(folder, arguments, clock, time_limit + START_LIMIT) is None:
+            raise ExecutionError(
+                f"{program}: LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed; run again, and "
+                "check its installation if that does not help"
+            )
+        report = outcome.read_report(program, folder)
+        return outcome.read_log(program, folder, report, speedup), (report["started"], report["ended"])
+
+
+def _read(program: Path) -> list[str]:
+    try:
+        return program.read_text(encoding="utf-8").split("\n")
+    except OSError as error:
+        raise FileProblem(
+            f"{program}: cannot be read ({error.strerror}); hexcite post --dialect linuxcnc writes programs"
+        ) from error
+    except UnicodeDecodeError as error:
+        raise ExecutionError(
+            f"{program}: is not text ({error.reason} at byte {error.start}); give a LinuxCNC program"
+        ) from error
+
+
+def _compile_clock(folder: Path) -> None:
+    flags = ["-O2", "-shared", "-fPIC", "-pthread"]
+    command = ["gcc", *flags, "-o", CLOCK_FILE, str(HERE / "warp.c"), "-ldl"]
+    result = subprocess.run(command, env={"PATH": SYSTEM_PATH}, cwd=folder, capture_output=True, text=True)
+    if result.returncode != 0:
+        said = next((line for line in result.stderr.splitlines() if "error" in line), f"exit code {result.returncode}")
+        raise ExecutionError(f"gcc cannot compile LinuxCNC's clock ({said}); install the packages gcc and libc6-dev")

@@ -1,0 +1,1 @@
+"""Reads programs back, independently of what wrote them."""

@@ -1,0 +1,190 @@
+"""Reads LinuxCNC programs: the part of RS-274/NGC that a hexapod excitation needs, and an error for all else.
+
+A word that is not understood is an error, never skipped: a proof of a text that was half understood proves nothing.
+Meanings follow the LinuxCNC documentation and DIALECTS, section 1: G93 F is 1/min on every line; G94 F counts XYZ only,
+or degrees where only ABC moves; M62/M63 switch with the next motion, M64/M65 at
+once; G4 P is in seconds.
+"""
+
+import math
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.errors import ProgramError
+from cases.units import DEG, MINUTE, MM
+from postprocessors.reading.words import Array, Event, Move, Pause, Reading, Switch, Timing
+
+LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
+STILL = 1e-7  # a coordinate moves if it changes by more, in mm or degrees (the interpreter's own threshold)
+
+_WORD = re.compile(r"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)))")
+_AXES = "XYZABC"
+# Words that change nothing that a hexapod program here relies on: plane, no compensation, no offset, no cycle, arc mode.
+_NEUTRAL = {"G17", "G40", "G49", "G54", "G80", "G91.1"}
+_SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
+_REMEDY = {
+    "G20": "inches are not used here; write G21",
+    "G91": "incremental coordinates are not used here; write G90",
+    "G18": "arcs are not read yet; write G1",
+    "G2": "arcs are not read; write G1",
+    "G3": "arcs are not read; write G1",
+}
+
+
+class _Word(NamedTuple):
+    letter: str
+    value: float
+    column: int
+
+    @property
+    def code(self) -> str:
+        """G and M words as they are usually written: G1, G91.1."""
+        return f"{self.letter}{self.value:g}"
+
+
+class _Interpreter:
+    """Modal state of the controller while the program is read."""
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.events: list[Event] = []
+        self.pose = np.full(6, np.nan)  # mm, degrees; unknown until the first move has named all six
+        self.units = self.absolute = self.exact = self.ended = False
+        self.inverse_time = False
+        self.feed: float | None = None
+        self.motion: str | None = None
+
+    def error(self, line: int, word: _Word | None, problem: str) -> ProgramError:
+        return ProgramError(self.file, line, word.column if word else 0, problem)
+
+    def read(self, line: int, words: list[_Word]) -> None:
+        if self.ended:
+            raise self.error(line, words[0], "a word after the end of the program; M2 must be last")
+        seen: dict[str, _Word] = {}
+        codes: list[_Word] = []
+        for word in words:
+            if word.letter in "GM":
+                codes.append(word)
+            elif word.letter in "XYZABCFPQ":
+                if word.letter in seen:
+                    raise self.error(line, word, f"a second {word.letter} word on one line; remove one")
+                seen[word.letter] = word
+            else:
+                raise self.error(line, word, f"{word.letter}{word.value:g} is not a word of an excitation; remove it")
+        for word in codes:
+            self._code(line, word, seen, codes)
+        if not any(w.code in ("G4", "G64", *_SWITCHES) for w in codes):
+            for letter in "PQ":
+                if letter in seen:
+                    raise self.error(line, seen[letter], f"{letter} without G4, G64 or a trigger word; remove it")
+        if "F" in seen:
+            if not seen["F"].value > 0.0:
+                raise self.error(line, seen["F"], f"feed F{seen['F'].value:g} is not positive; correct it")
+            self.feed = seen["F"].value
+        if any(letter in seen for letter in _AXES):
+            self._move(line, seen)
+        elif self.inverse_time:
+            self.feed = None
+
+    def _code(self, line: int, word: _Word, seen: dict[str, _Word], codes: list[_Word]) -> None:
+        code = word.code
+        if code in _NEUTRAL:
+            return
+        if code == "G21":
+            self.units = True
+        elif code == "G90":
+            self.absolute = True
+        elif code in ("G0", "G1"):
+            if sum(w.code in ("G0", "G1") for w in codes) > 1:
+                raise self.error(line, word, "two motion words on one line; remove one")
+            self.motion = code
+        elif code in ("G93", "G94"):
+            self.inverse_time = code == "G93"
+            self.feed = None  # a feed of the other kind has no meaning any more
+        elif code in ("G61", "G64"):
+            self.exact = code == "G61"
+        elif code == "G4":
+            if "P" not in seen or seen["P"].value < 0.0:
+                raise self.error(line, word, "G4 needs a duration in seconds that is not negative; write G4 P0.3")
+            self.events.append(Pause(line, seen["P"].value))
+        elif code in _SWITCHES:
+            if "P" not in seen or seen["P"].value != 0.0:
+                raise self.error(line, word, f"{code} needs P0, the output that the trigger is wired to")
+            self.events.append(Switch(line, *_SWITCHES[code]))
+        elif code in ("M2", "M30"):
+            self.ended = True
+        else:
+            raise self.error(line, word, f"{code} is {_REMEDY.get(code, 'not a word of an excitation; remove it')}")
+
+    def _move(self, line: int, seen: dict[str, _Word]) -> None:
+        if not (self.units and self.absolute):
+            raise self.error(line, None, "a move before G21 and G90; units and coordinates are not known, add them")
+        if self.motion is None:
+            raise self.error(line, None, "axis words without G0 or G1; add G1")
+        end = self.pose.copy()
+        for k, letter in enumerate(_AXES):
+            if letter in seen:
+                end[k] = seen[letter].value
+        if np.isnan(end).any():
+            missing = _AXES[int(np.flatnonzero(np.isnan(end))[0])]
+            raise self.error(line, None, f"the first move leaves {missing} open; name all six axes")
+        timing, value = self._timing(line, seen, end)
+        self.events.append(Move(line, _to_si(end), timing, value, self.exact))
+        self.pose = end
+
+    def _timing(self, line: int, seen: dict[str, _Word], end: Array) -> tuple[Timing, float]:
+        if self.motion == "G0":
+            return Timing.RAPID, math.nan
+        if self.inverse_time:
+            if "F" not in seen:
+                raise self.error(line, None, "G1 without F in inverse time (G93); add F = 60 / seconds")
+            return Timing.DURATION, MINUTE / seen["F"].value
+        if self.feed is None:
+            raise self.error(line, None, "G1 without a feed; add F")
+        linear = np.isnan(self.pose).any() or bool(np.any(np.abs(end - self.pose)[:3] > STILL))
+        return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
+
+
+def _to_si(pose: Array) -> Array:
+    return np.r_[pose[:3] * MM, pose[3:] * DEG]
+
+
+def _words(file: str, number: int, text: str) -> Iterator[_Word]:
+    if len(text) > LONGEST_LINE:
+        raise ProgramError(file, number, 0, f"{len(text)} characters, the controller takes {LONGEST_LINE}; split it")
+    position = 0
+    while text[position:].strip():
+        match = _WORD.match(text, position)
+        if match is None:
+            column = position + len(text[position:]) - len(text[position:].lstrip()) + 1
+            bad = text[column - 1 : column + 11]
+            raise ProgramError(
+                file, number, column, f"cannot read {bad!r}; words are a letter and a plain decimal number"
+            )
+        if match["letter"]:
+            yield _Word(match["letter"].upper(), float(match["number"]), match.start("letter") + 1)
+        position = match.end()
+
+
+def read_linuxcnc(text: str, file: str) -> Reading:
+    """Reads a program.
+
+    Args:
+        text: of the program.
+        file: its name, for messages.
+
+    Raises:
+        ProgramError: anything that is not understood, with line and column; no end of program.
+    """
+    interpreter = _Interpreter(file)
+    blocks = 0
+    for number, line in enumerate(text.splitlines(), start=1):
+        if words := list(_words(file, number, line)):
+            interpreter.read(number, words)
+            blocks += 1
+    if not interpreter.ended:
+        raise ProgramError(file, 0, 0, "no M2 at the end; the file is truncated or not a LinuxCNC program")
+    return Reading(file, tuple(interpreter.events), blocks)

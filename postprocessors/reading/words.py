@@ -1,0 +1,80 @@
+"""What a program says, after reading and before any judgement: moves, dwells and trigger switches with their lines."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Timing(Enum):
+    """What determines how fast a move runs."""
+
+    DURATION = "duration"
+    """`value` is its duration [s]."""
+    FEED = "feed"
+    """`value` is the feed along XYZ [m/s], or along ABC [rad/s] where XYZ stands still."""
+    RAPID = "rapid"
+    """The controller's fastest; `value` has no meaning."""
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A straight move in the six coordinates.
+
+    Args:
+        line: of the program, counted from 1.
+        end: pose at its end, shape (6,) [m, rad].
+        timing: what `value` means.
+        value: see `Timing`.
+        exact_stop: whether the controller comes to rest at the end.
+    """
+
+    line: int
+    end: Array
+    timing: Timing
+    value: float
+    exact_stop: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Standing still for `duration` [s]."""
+
+    line: int
+    duration: float
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """The trigger goes on or off.
+
+    Args:
+        line: of the program.
+        on: what it becomes.
+        at_once: now, once all motion before has ended; else with the start of the next move.
+    """
+
+    line: int
+    on: bool
+    at_once: bool
+
+
+Event = Move | Pause | Switch
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A program as read.
+
+    Args:
+        file: its name, for messages.
+        events: in order.
+        blocks: number of lines that hold words.
+    """
+
+    file: str
+    events: tuple[Event, ...]
+    blocks: int
