@@ -47,7 +47,8 @@ class Case(Part):
         content = json.dumps(self.model_dump(mode="json"), sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
-    def _lacks(self, part: str, purpose: str) -> NoReturn:
+    def missing(self, part: str, purpose: str) -> NoReturn:
+        """Raises CaseError: `part` of the case is needed for `purpose`."""
         raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
 
     def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
@@ -60,21 +61,21 @@ class Case(Part):
             CaseError: the case lacks one of them.
         """
         if self.machine is None:
-            self._lacks("machine", purpose)
+            self.missing("machine", purpose)
         if self.workspace is None:
-            self._lacks("workspace", purpose)
+            self.missing("workspace", purpose)
         if self.limits is None:
-            self._lacks("limits.motion", purpose)
+            self.missing("limits.motion", purpose)
         return self.machine, self.workspace, self.limits
 
     def need_controller(self, purpose: str) -> Controller:
         """Controller settings; raises CaseError where the case has none."""
         if self.controller is None:
-            self._lacks("controller", purpose)
+            self.missing("controller", purpose)
         return self.controller
 
     def need_simulation(self, purpose: str) -> Simulation:
         """The simulated machine; raises CaseError where the case has none."""
         if self.simulation is None:
-            self._lacks("simulation", purpose)
+            self.missing("simulation", purpose)
         return self.simulation

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cases.sensors import Truth
+from cases.sensors import RigidBody, Truth
 from identification.model import FIRST_MOMENT, INERTIA, MASS, Model, Parameter
 from identification.pose import skew
 
@@ -69,19 +69,23 @@ def physical_form(model: Model) -> PhysicalForm:
     return PhysicalForm(tuple(parameters), ca.Function("physical", [u], [physical, ca.jacobian(physical, u)]))
 
 
+def body_parameters(body: RigidBody) -> dict[str, float]:
+    """The components of u that a rigid body determines, by name."""
+    centre = body.centre_of_gravity
+    cross = np.array([[0.0, -centre[2], centre[1]], [centre[2], 0.0, -centre[0]], [-centre[1], centre[0], 0.0]])
+    inertia = body.inertia + body.mass_kg * cross.T @ cross
+    known = {"m": body.mass_kg}
+    known |= {f"m{c}C": float(body.mass_kg * v) for c, v in zip("xyz", centre, strict=True)}
+    return known | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in _INERTIA_INDEX}
+
+
 def linear_parameters(model: Model, truth: Truth) -> Array:
     """u of (17) for a simulated machine whose compensation is K5, shape (u,).
 
     Raises:
         KeyError: the model has parameters (K1, K3, K4) that the simulated machine has no values for.
     """
-    body, factors = truth.body, truth.compensation
-    centre = body.centre_of_gravity
-    cross = np.array([[0.0, -centre[2], centre[1]], [centre[2], 0.0, -centre[0]], [-centre[1], centre[0], 0.0]])
-    inertia = body.inertia + body.mass_kg * cross.T @ cross
-    known = {"m": body.mass_kg}
-    known |= {f"m{c}C": body.mass_kg * v for c, v in zip("xyz", centre, strict=True)}
-    known |= {f"I{i + 1}{j + 1}": inertia[i, j] for i, j in _INERTIA_INDEX}
-    known |= {f"f_q0_{k + 1}": v for k, v in enumerate(truth.offsets_N)}
+    factors = truth.compensation
+    known = body_parameters(truth.body) | {f"f_q0_{k + 1}": v for k, v in enumerate(truth.offsets_N)}
     known |= {"k0": factors.k0_N_m, "k1": factors.k1_Nm_m, "k2": factors.k2_N, "k3": factors.k3_Nm}
     return np.array([known[name] for name in model.names])

@@ -92,6 +92,7 @@ class Session:
     def __init__(self):
         self.command, self.state, self._channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
         self.errors, self.messages = [], []
+        self.line = 0  # the last one seen in motion; LinuxCNC forgets it when it stops
 
     def look(self):
         for attempt in range(STATUS_TRIES):
@@ -102,6 +103,7 @@ class Session:
                 if attempt + 1 == STATUS_TRIES:
                     raise Failure("milltask is gone") from None
                 time.sleep(POLL)
+        self.line = self.state.motion_line or self.line
         while True:
             message = self._channel.poll()
             if not message:
@@ -173,13 +175,12 @@ def main():
     arguments = parser.parse_args()
     session = Session()
     recorder = Recorder(linuxcnc.ini(arguments.ini).find("HEXCITE", "SAMPLER"))
-    line = started = 0
+    started = 0
     try:
         session.prepare(arguments.program)
         recorder.start()
         started = recorder.count
         outcome = session.run(arguments.time_limit)
-        line = session.state.motion_line or session.state.read_line
     except Failure as failure:
         outcome = "error"
         session.errors.append(str(failure))
@@ -192,7 +193,7 @@ def main():
         "version": linuxcnc.version,
         "errors": session.errors,
         "messages": session.messages,
-        "line": line,
+        "line": session.line,
         "started": started,
         "ended": ended,
         "samples": recorder.count,

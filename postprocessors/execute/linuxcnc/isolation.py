@@ -26,6 +26,9 @@ SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"
 NOBODY = 65534
 """User that LinuxCNC's realtime process runs as where hexcite runs as root, which it refuses to do."""
 
+OUTPUT_FILE = "linuxcnc.out"
+"""What LinuxCNC prints."""
+
 GRACE = 20.0
 """Time for LinuxCNC to end in an orderly manner [s]; it takes about one."""
 

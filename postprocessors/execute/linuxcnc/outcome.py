@@ -10,9 +10,9 @@ import numpy as np
 from cases.errors import ExecutionError
 from cases.units import MM
 from postprocessors.execute.linuxcnc.configuration import CHANNELS, SERVO_PERIOD, UNITS
+from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE
 from postprocessors.execute.log import ControllerLog
 
-OUTPUT_FILE = "linuxcnc.out"
 REPORT_FILE = "status.json"
 SAMPLES_FILE = "samples.f64"
 
@@ -36,8 +36,8 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
         output = (folder / OUTPUT_FILE).read_text(encoding="utf-8", errors="replace").strip().splitlines()
         said = " ".join(output[-1].split()) if output else "nothing"
         raise ExecutionError(
-            f"{program}: LinuxCNC did not start, or broke down; it said last: {said}; check the installation by running "
-            "one of its sample configurations"
+            f"{program}: LinuxCNC did not start, or broke down; it said last: {said}; check the installation by "
+            "running one of its sample configurations"
         ) from error
     if report["outcome"] != "done":
         _explain(program, report)
@@ -46,12 +46,14 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
 
 def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
     said = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
-    line = int(match[1]) if (match := re.search(r"\bline (\d+)", said)) else report["line"]
-    place = f"{program}, line {line}" if line else f"{program}"
+    if match := re.search(r"\bline (\d+)", said):
+        place = f"{program}, line {match[1]}"
+    else:  # what the driver saw last is exact to its polling
+        place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
     if report["outcome"] == "time limit":
         raise ExecutionError(f"{place}: LinuxCNC was not through in time; check the feeds, or allow more time")
     if report["outcome"] == "paused":
-        raise ExecutionError(f"{place}: LinuxCNC waits for its operator; remove M0, M1 and M60 from the program")
+        raise ExecutionError(f"{place}: LinuxCNC waits for its operator; remove the pause from the program")
     if "limit" in said:
         remedy = "keep the program inside the limits of the case (hexcite check names what is outside)"
     else:

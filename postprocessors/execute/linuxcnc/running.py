@@ -1,6 +1,7 @@
 """Runs a program on LinuxCNC: check of the program, configuration, headless session, log, proof of the log."""
 
 import logging
+import math
 import shutil
 import subprocess
 import sys
@@ -50,9 +51,7 @@ def linuxcnc_missing() -> str | None:
     return None
 
 
-def run_linuxcnc(
-    program: Path, case: Case, *, speedup: float = 20.0, time_limit: float | None = None
-) -> ControllerLog:
+def run_linuxcnc(program: Path, case: Case, *, speedup: float = 20.0, time_limit: float | None = None) -> ControllerLog:
     """Runs a program on a LinuxCNC that is configured for the case, without hardware.
 
     The log starts just before the program does and ends just after it. Commanded struts are the cubic B-spline
@@ -70,12 +69,12 @@ def run_linuxcnc(
         ExecutionError: LinuxCNC is not installed, refuses the program, stops, loses cycles or does not end in time.
         FileProblem: the program cannot be read.
         CaseError: the case lacks a part.
-        ValueError: speedup is not positive.
+        ValueError: speedup is not positive and finite.
     """
     if (missing := linuxcnc_missing()) is not None:
         raise ExecutionError(f"{program}: cannot be run: {missing}")
-    if not speedup > 0.0:
-        raise ValueError(f"speedup is {speedup}, must be positive")
+    if not 0.0 < speedup < math.inf:
+        raise ValueError(f"speedup is {speedup}, must be positive and finite")
     lines = _read(program)
     durations = timing.dwells(program, lines)
     speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
@@ -86,6 +85,9 @@ def run_linuxcnc(
     for reserve in timing.RESERVES:
         copy = timing.with_dwells(lines, durations, speedup, reserve)
         log, window = _session(program, copy, case, speedup, time_limit)
+        if not durations:
+            return log
+        timing.check_order(program, log)
         problem = timing.dwell_problem(log, durations, speedup, reserve, window)
         if problem is None:
             return log

@@ -1,14 +1,23 @@
 """LinuxCNC's own interpreter reads a program without running it: the check before anything moves."""
 
+import re
 import subprocess
 from pathlib import Path
 
 from cases.errors import ExecutionError
 from postprocessors.execute.linuxcnc.isolation import SYSTEM_PATH
 
+_COMMENT = re.compile(r"\([^)]*\)|;.*")
+_STOP = re.compile(r"M(0*[01]|0*60)(?![0-9.])")
+
+
+def words(line: str) -> str:
+    """A line as the interpreter sees it: without comments and blanks, in capitals."""
+    return re.sub(r"\s", "", _COMMENT.sub("", line)).upper()
+
 
 def check_syntax(program: Path, lines: list[str], folder: Path, time_limit: float) -> None:
-    """Reads a program with `rs274 -g`.
+    """Reads a program with `rs274 -g`, and refuses stops that wait for an operator, who is not there.
 
     Args:
         program: the program, for messages.
@@ -17,8 +26,13 @@ def check_syntax(program: Path, lines: list[str], folder: Path, time_limit: floa
         time_limit: on the wall clock [s].
 
     Raises:
-        ExecutionError: the interpreter refuses a line, or does not come to an end.
+        ExecutionError: a line waits for an operator; or the interpreter refuses a line or does not come to an end.
     """
+    for number, line in enumerate(lines, start=1):
+        if _STOP.search(words(line)):
+            raise ExecutionError(
+                f"{program}, line {number}: {line.strip()!r} waits for an operator; remove M0, M1 and M60"
+            )
     refused = _refusal(lines, folder, time_limit, program)
     if refused is None:
         return

@@ -4,8 +4,8 @@ LinuxCNC times G4 on the wall. A program is therefore run as a copy whose dwells
 line; what was executed is then checked in the log, in cycles. Written programs hold dwells in one form only, `G4
 P<seconds>` on a line of its own; any other form is refused, since it could not be proven.
 
-Blocks reach the motion controller one by one, about 5000 a second on the wall (measured). Where they come too slowly the
-motion stops between them, and the log is true but not what LinuxCNC does in real time.
+Blocks reach the motion controller one by one, some thousand a second on the wall. Where they come too slowly the motion
+stops between them, and the log is true but not what LinuxCNC does in real time.
 """
 
 import re
@@ -14,29 +14,24 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import ExecutionError
+from postprocessors.execute.linuxcnc.syntax import words
 from postprocessors.execute.log import ControllerLog
 
 RESERVES = (0.002, 0.008, 0.032)
-"""Added to each dwell [s on the wall], for a servo thread that lags more behind its clock at the dwell's end than at its
-start. A run whose dwells are not proven is repeated with the next one."""
+"""Added to each dwell [s on the wall], for a servo thread that lags more behind its clock at the dwell's end than at
+its start. A run whose dwells are not proven is repeated with the next one."""
 
 LATENCY = 0.2
 """How much longer than that a dwell may take [s on the wall]; about 0.003 on an idle computer, 0.06 on a busy one."""
 
-BLOCK = 0.5e-3
-"""Shortest block that a session is given [s on the wall]. Down to this, motion was the same at every speed-up, also with
-four other busy processes on two cores; at half of it, blocks ran out now and then."""
+BLOCK = 1e-3
+"""Shortest block that a session is given [s on the wall]. Down to half of it motion is the same at every speed-up, also
+with four other busy processes on two cores; at a quarter of it blocks run out now and then."""
 
 _DWELL = re.compile(r"G4 P(?P<seconds>[0-9]+(\.[0-9]+)?)\s*")
 _ANY_DWELL = re.compile(r"G0*4(\.0*)?(?![0-9.])")
 _FEED_MODE = re.compile(r"G(9[345])(?![0-9.])")
 _FEED = re.compile(r"F([0-9]+\.?[0-9]*|\.[0-9]+)")
-_COMMENT = re.compile(r"\([^)]*\)|;.*")
-
-
-def _words(line: str) -> str:
-    """The line as the interpreter sees it: without comments and blanks, in capitals."""
-    return re.sub(r"\s", "", _COMMENT.sub("", line)).upper()
 
 
 def dwells(program: Path, lines: list[str]) -> dict[int, float]:
@@ -53,7 +48,7 @@ def dwells(program: Path, lines: list[str]) -> dict[int, float]:
     for number, line in enumerate(lines, start=1):
         if match := _DWELL.fullmatch(line):
             found[number] = float(match["seconds"])
-        elif _ANY_DWELL.search(_words(line)):
+        elif _ANY_DWELL.search(words(line)):
             raise ExecutionError(
                 f"{program}, line {number}: dwell {line.strip()!r} cannot be timed; write it as G4 P<seconds> on a "
                 "line of its own"
@@ -73,12 +68,27 @@ def fastest(lines: list[str]) -> float:
     """The largest speed-up at which blocks timed by G93 arrive in time; infinite for a program without them."""
     shortest, inverse_time = np.inf, False
     for line in lines:
-        words = _words(line)
-        if mode := _FEED_MODE.search(words):
+        block = words(line)
+        if mode := _FEED_MODE.search(block):
             inverse_time = mode[1] == "93"
-        if inverse_time and (feed := _FEED.search(words)) and float(feed[1]) > 0.0:
+        if inverse_time and (feed := _FEED.search(block)) and float(feed[1]) > 0.0:
             shortest = min(shortest, 60.0 / float(feed[1]))
     return float(shortest / BLOCK)
+
+
+def check_order(program: Path, log: ControllerLog) -> None:
+    """Checks that the lines were executed from top to bottom, without which dwells cannot be told apart.
+
+    Raises:
+        ExecutionError: they were not.
+    """
+    executed = log.lines[log.lines != 0]
+    back = np.diff(executed, prepend=0) < 0
+    if back.any():
+        raise ExecutionError(
+            f"{program}, line {executed[np.argmax(back)]}: LinuxCNC jumped back to this line, so that dwells cannot be "
+            "timed; write the program without loops"
+        )
 
 
 def dwell_problem(
@@ -91,7 +101,7 @@ def dwell_problem(
     exact as the driver's polling (some milliseconds on the wall).
 
     Args:
-        log: what was executed.
+        log: what was executed, from top to bottom.
         durations: line number and duration [s] of each dwell.
         speedup: controller time per wall-clock time.
         reserve: what was added to each dwell [s on the wall].
@@ -102,22 +112,19 @@ def dwell_problem(
     """
     moving = np.flatnonzero(log.lines)
     executed = log.lines[moving]
-    back = np.diff(executed, prepend=0) < 0
-    if durations and back.any():
-        number = int(executed[np.argmax(back)])
-        return f"line {number}: LinuxCNC jumped back to this line, so that dwells cannot be timed; write it without loops"
     standstills: dict[int, list[int]] = {}  # dwells that the same motion follows
     for number in durations:
         standstills.setdefault(int(np.searchsorted(executed, number)), []).append(number)
     for following, numbers in standstills.items():
-        start = window[0] if following == 0 else int(moving[following - 1]) + 1
+        # The cycle after the last one of a motion still moves, into its end.
+        start = window[0] if following == 0 else int(moving[following - 1]) + 2
         end = window[1] if following == len(moving) else int(moving[following])
         taken = (end - start) * log.period
         planned = sum(durations[number] for number in numbers)
         allowed = planned + len(numbers) * (reserve + LATENCY) * speedup
         if not planned <= taken <= allowed:
             return (
-                f"line {numbers[0]}: LinuxCNC dwelt {taken:.3f} s, must be {planned:.3f} to {allowed:.3f} s; the computer "
-                f"is too busy, run again with a speed-up below {speedup:g}"
+                f"line {numbers[0]}: LinuxCNC dwelt {taken:.3f} s, must be {planned:.3f} to {allowed:.3f} s; the "
+                f"computer is too busy, run again with a speed-up below {speedup:g}"
             )
     return None

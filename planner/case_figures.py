@@ -1,0 +1,75 @@
+"""Figures of a case: what `hexcite case check` tells beyond "valid"."""
+
+from typing import Any
+
+import numpy as np
+
+from cases.errors import CaseError
+from cases.loading import find_case, load_case
+from cases.schema import Case
+from identification.frame import structure_matrix
+from identification.hexapod import Hexapod
+from identification.limits import prove, worst_of
+from identification.motion import Motion
+
+GRID = (-1.0, 0.0, 1.0)
+STATIC = ("strut length", "base joint angle", "platform joint angle", "singularity", "position", "angle")
+
+
+class _Poses:
+    """Poses one after the other, each standing still; only limits of position mean anything."""
+
+    def __init__(self, poses: np.ndarray) -> None:
+        self.poses = poses
+        self.duration = float(len(poses) - 1)
+
+    def at(self, t: Any) -> Motion:
+        time = np.asarray(t, dtype=float)
+        still = [np.zeros((len(time), 6)) for _ in range(3)]
+        return Motion(time, self.poses[np.round(time).astype(int)], *still)
+
+
+def case_figures(name: str) -> dict[str, Any]:
+    """Loads a case and computes its figures.
+
+    Raises:
+        CaseError: not valid, or home or the motion box are out of the machine's reach.
+    """
+    case = load_case(name)
+    frame = structure_matrix(case.sensor_frame)
+    size = 1.0
+    if case.sensor_frame.bars is not None:
+        size = float(np.linalg.norm(case.sensor_frame.bars.lower.points, axis=1).max())
+    scaled = frame / np.r_[np.ones(3), np.full(3, size)][:, None]
+    figures: dict[str, Any] = {
+        "name": case.name,
+        "title": case.title,
+        "setup": case.setup,
+        "hash": case.hash,
+        "frame_condition": float(np.linalg.cond(scaled)),
+    }
+    if case.machine is not None and case.limits is not None and case.workspace is not None:
+        figures |= _reach(case, str(find_case(name)))
+    return figures
+
+
+def _reach(case: Case, file: str) -> dict[str, Any]:
+    machine, _, limits = case.need_machine("the check of its reach")
+    corners = np.stack(np.meshgrid(*([GRID] * 6), indexing="ij"), axis=-1).reshape(-1, 6)
+    middle, half = limits.motion.pose.mean(axis=0), np.ptp(limits.motion.pose, axis=0) / 2
+    poses = np.vstack([machine.home.vector, machine.home.vector + middle + corners * half])
+    for kind, some in (("home", poses[[0, 0]]), ("the motion box", poses)):
+        report = worst_of([prove(_Poses(some), case, 1.0)])
+        broken = [v for v in report.violations if v.name.split(" (")[0] in STATIC]
+        if broken:
+            raise CaseError(
+                file,
+                "limits.motion",
+                f"{kind} is out of reach: {broken[0].name} is {broken[0].worst:.4g} {broken[0].unit}, "
+                f"limit {broken[0].limit:.4g}; narrow the box or widen the workspace",
+            )
+    return {
+        "home_struts_mm": (Hexapod.of(case).strut_lengths(poses[:1])[0] * 1e3).tolist(),
+        "poses": len(poses),
+        "limits_in_box": {k: v for k, v in report.to_json().items() if k in STATIC},
+    }

@@ -1,0 +1,50 @@
+"""The command line, `hexcite`: each command in a file of its own; this one turns every outcome into an exit code.
+
+Heavy imports happen inside the commands, so that `hexcite --help` stays fast.
+"""
+
+import os
+import sys
+import traceback
+
+import typer
+
+from cases.errors import HexciteError
+from planner.cli import cases, demo, identify, plan, post, run
+
+app = typer.Typer(
+    name="hexcite",
+    help="Plans, programs and evaluates the motion that calibrates a force-measuring machine in seconds.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+app.command("cases")(cases.list_cases)
+app.add_typer(cases.app, name="case")
+app.command("plan")(plan.plan)
+app.command("post")(post.post)
+app.command("check")(post.check)
+app.command("run")(run.run)
+app.command("identify")(identify.identify)
+app.command("demo")(demo.demo)
+
+
+def main() -> None:
+    """Entry point: 0 done, 1 one line on stderr says why not, 2 wrong usage, 130 interrupted."""
+    try:
+        app()
+    except HexciteError as error:
+        _stop(str(error))
+    except KeyboardInterrupt:
+        print("hexcite: interrupted; nothing was written", file=sys.stderr)
+        sys.exit(130)
+    except Exception as error:  # a bug of ours: still no traceback unless asked for
+        if os.environ.get("HEXCITE_TRACEBACK"):
+            traceback.print_exc()
+        _stop(f"internal error, {type(error).__name__}: {error}; please report it (HEXCITE_TRACEBACK=1 shows where)")
+
+
+def _stop(message: str) -> None:
+    print(f"hexcite: {' '.join(message.split())}", file=sys.stderr)
+    sys.exit(1)

@@ -1,0 +1,74 @@
+"""What commands print: one JSON object, or tables for people; progress goes to stderr, and only to a terminal."""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Annotated, Any
+
+import typer
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+
+
+def print_json(value: dict[str, Any]) -> None:
+    """One JSON object on stdout."""
+    print(json.dumps(value, allow_nan=False))
+
+
+def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], right: bool = True) -> None:
+    """A table; all columns but the first are numbers unless `right` is False."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    for k, column in enumerate(columns):
+        table.add_column(column, justify="right" if right and k else "left", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    console = Console()
+    if not console.is_terminal:
+        console.width = 160  # a pipe has no width; do not fold the table
+    console.print(table)
+
+
+@contextmanager
+def progress(text: str, total: int, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """A progress bar on stderr where that is a terminal; yields a function that counts one up and shows a remark."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    hidden = quiet or not console.is_terminal
+    with Progress(*columns, console=console, disable=hidden, transient=True) as bar:
+        task = bar.add_task(text, total=total)
+
+        def count(remark: str) -> None:
+            bar.update(task, advance=1, description=f"{text} {remark}")
+
+        yield count
+
+
+@contextmanager
+def status(text: str, quiet: bool) -> Iterator[None]:
+    """A spinner on stderr while something of unknown length runs."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield
+        return
+    with console.status(text):
+        yield
+
+
+def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
+    """Rows of a limit report as it stands in JSON."""
+    return [
+        [v["at"], f"{v['worst']:.4g}", f"{v['limit']:.4g}", v["unit"], f"{100 * v['ratio']:.2f} %", v["status"]]
+        for v in limits.values()
+    ]
+
+
+LIMIT_COLUMNS = ("limit", "worst", "limit at", "unit", "used", "status")

@@ -1,0 +1,88 @@
+"""`hexcite demo`: the whole chain on one case, from its description to a report."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, print_json, print_table
+
+
+def demo(
+    case: Annotated[
+        str, typer.Option(help="Built-in name, folder or case file, with a simulated machine.")
+    ] = "hexapod",
+    on: Annotated[
+        str | None, typer.Option(help="Controller: virtual or linuxcnc; by default LinuxCNC if installed.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the starts and of the sensors' noise.")] = 0,
+    starts: Annotated[int, typer.Option(help="Random starts.")] = 8,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for everything.")] = Path("hexcite-demo"),
+    json: Json = False,
+) -> None:
+    """Plan, program, prove, execute, identify and report, end to end."""
+    answer = run_demo(case, on, seed, starts, output, quiet=json)
+    if json:
+        print_json(answer)
+
+
+def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, quiet: bool) -> dict[str, Any]:
+    """All steps; prints unless `quiet`; returns each step's JSON answer."""
+    from cases.files import write_text
+    from cases.loading import load_case
+    from planner.cli.identify import make_result
+    from planner.cli.plan import make_plan
+    from planner.cli.post import check_program, make_program, show_check
+    from planner.cli.run import make_recording
+    from planner.comparison import truth_rows
+    from planner.planning import Request
+    from planner.report import demo_page
+    from planner.running import best_controller
+
+    def step(number: int, text: str) -> None:
+        if not quiet:
+            print(f"\n[{number}/6] {text}", flush=True)
+
+    loaded = load_case(case)
+    loaded.need_simulation("the demo")
+    step(1, "plan: the most informative motion inside the limits")
+    plan = make_plan(Request(case, seed=seed, starts=starts), output / "plan", quiet)
+    step(2, "post: as a program for LinuxCNC, proven before it is written")
+    program = make_program(output / "plan", "linuxcnc", 1.0, output / "excitation.ngc", quiet)
+    step(3, "check: the text read back, independently of its writer")
+    check, reason = check_program(output / "excitation.ngc", case)
+    if not quiet:
+        show_check(check)
+    if reason is not None:
+        raise reason
+    controller, why = best_controller() if on is None else (on, "as asked")
+    step(4, f"run: on {controller} ({why})")
+    run, outcome = make_recording(output / "excitation.ngc", case, controller, seed, output / "recording", quiet)
+    step(5, "identify: model 9 from the recording alone")
+    result, estimate = make_result(output / "recording", None, 9, output / "result", quiet)
+    rows = truth_rows(loaded, estimate)
+    if not quiet:
+        _show_truth(rows)
+    step(6, "report")
+    answer = {"plan": plan, "post": program, "check": check, "run": run, "identify": result, "truth": rows}
+    report = output / "report.html"
+    write_text(report, demo_page(loaded, answer, outcome, estimate))
+    worst = max(abs(row["error"]) / row["std"] for row in rows)
+    summary = {"report": str(report), "controller": run["controller"], "worst_error_in_std": worst}
+    if not quiet:
+        print(f"every estimate lies within {worst:.2f} reported standard deviations of the truth")
+        print(f"report written: {report}")
+    return summary | answer
+
+
+def _show_truth(rows: list[dict[str, Any]]) -> None:
+    table = []
+    for row in rows:
+        scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
+        numbers = [f"{row[key] * scale:.6g}" for key in ("truth", "estimate", "std", "error")]
+        table.append([row["name"], *numbers, f"{row['error'] / row['std']:+.2f}", unit])
+    print_table(
+        "Truth of the simulated machine against the estimate",
+        ("parameter", "truth", "estimate", "std", "error", "error/std", "unit"),
+        table,
+    )

@@ -1,0 +1,91 @@
+"""`hexcite identify`: parameters with error bars from a recording."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, print_json, print_table, status
+
+
+def identify(
+    recordings: Annotated[list[Path], typer.Argument(help="The run: a CSV file, or a folder of hexcite run.")],
+    case: Annotated[
+        str | None, typer.Option(help="Built-in name, folder or file; a recording folder knows its own.")
+    ] = None,
+    model: Annotated[
+        int | None, typer.Option(help="Identification model, 0 to 9; by default what the run can carry.")
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to write.")] = None,
+    json: Json = False,
+) -> None:
+    """Identify parameters from a recorded run."""
+    from cases.errors import RecordingError
+
+    if len(recordings) > 1:
+        raise RecordingError(f"{recordings[1]}: one file of one run is read so far; join the files and name one")
+    answer, _ = make_result(recordings[0], case, model, output, quiet=json)
+    if json:
+        print_json(answer)
+
+
+def make_result(
+    path: Path, case: str | None, model: int | None, output: Path | None, quiet: bool
+) -> tuple[dict[str, Any], Any]:
+    """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate."""
+    from cases.files import atomic_folder, json_text
+    from identification.identify import identify as estimate_parameters
+    from identification.recording import read_recording
+    from planner.plots import residual_figure
+
+    loaded = _case_of(path, case)
+    folder = output if output is not None else Path(f"{path.resolve().stem}-result")
+    with status("identifying", quiet):
+        recording = read_recording(path, loaded)
+        estimate = estimate_parameters(recording, loaded, model)
+        answer = {"result": str(folder)} | estimate.to_json()
+        with atomic_folder(folder) as part:
+            (part / "result.json").write_text(json_text(estimate.to_json()), encoding="utf-8")
+            (part / "plots").mkdir()
+            residual_figure(estimate).savefig(part / "plots" / "residuals.svg")
+    if not quiet:
+        show_result(answer)
+    return answer, estimate
+
+
+def _case_of(path: Path, case: str | None) -> Any:
+    """The case that was named, or the one that a recording folder was made for and that has not changed since."""
+    from cases.errors import RecordingError
+    from cases.files import read_json
+    from cases.loading import load_case
+
+    if case is not None:
+        return load_case(case)
+    if not (path.is_dir() and (path / "recording.json").is_file()):
+        raise RecordingError(f"{path}: does not say which machine it is from; name it with --case")
+    about = read_json(path / "recording.json", "hexcite run")
+    loaded = load_case(str(about.get("case_file")))
+    if about.get("case_hash") != loaded.hash:
+        raise RecordingError(
+            f"{path}: case {about.get('case_file')} has changed since the recording; name the right one with --case"
+        )
+    return loaded
+
+
+def show_result(answer: dict[str, Any]) -> None:
+    """Prints a result for people."""
+    rows = []
+    for name, p in answer["parameters"].items():
+        scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
+        rows.append([name, *(f"{p[key] * scale:.6g}" for key in ("value", "std", "std_robust")), unit])
+    title = f"Model {answer['model']}: {answer['samples']} samples, rank {answer['rank']}, condition {answer['condition']:.3g}"
+    print_table(title, ("parameter", "value", "std (28)", "std robust", "unit"), rows)
+    print(f"s0 = {answer['s0']:.4g}, force residual {answer['s0_N']:.4g} N rms, weights {answer['weights']}")
+    if answer["delay_s"] is not None:
+        delay = answer["delay_s"]
+        print(
+            f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms (estimated, compensated)"
+        )
+    for warning in answer["warnings"]:
+        print(f"warning: {warning}")
+    print(f"result written: {answer['result']}")

@@ -1,0 +1,103 @@
+"""`hexcite post` and `hexcite check`: programs out, and programs back in."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table
+
+
+def post(
+    plan: Annotated[Path, typer.Argument(help="Plan folder.")],
+    dialect: Annotated[str, typer.Option(help="The controller's language: linuxcnc.")] = "linuxcnc",
+    speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Program to write.")] = None,
+    json: Json = False,
+) -> None:
+    """Write a plan as a program for the machine's controller, proven before it is written."""
+    answer = make_program(plan, dialect, speed, output, quiet=json)
+    if json:
+        print_json(answer)
+
+
+def make_program(plan: Path, dialect_name: str, speed: float, output: Path | None, quiet: bool) -> dict[str, Any]:
+    """Writes, prints unless `quiet`; returns the JSON answer."""
+    from importlib.metadata import version
+
+    from cases.errors import HexciteError
+    from cases.files import write_text
+    from planner.plan import load_plan
+    from postprocessors.writing import dialect, proven_text
+
+    if not 0.0 < speed <= 1.0:
+        raise HexciteError(f"speed {speed:g} is outside 0 to 1; choose 0.1 for a first try")
+    language = dialect(dialect_name)
+    saved = load_plan(plan)
+    file = output if output is not None else Path(f"{plan.resolve().name}{language.suffix}")
+    header = (
+        f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
+        f"case {saved.case.name}, hash {saved.case.hash}",
+        f"plan {plan.resolve().name}: {saved.data['family']}, {saved.motion.duration:g} s at speed {speed:g}",
+        "proven at 10 kHz against every limit of the case: pose, rates, accelerations, jerks, struts, joints",
+        "first to home at a safe feed from wherever the machine stands: keep that way clear",
+    )
+    text, proof = proven_text(saved.motion, saved.case, language, str(file), header, speed)
+    write_text(file, text)
+    answer = {
+        "program": str(file),
+        "dialect": dialect_name,
+        "blocks": proof.blocks,
+        "duration_s": proof.duration,
+        "excitation_s": proof.excitation,
+        "limits": proof.limits.to_json(),
+    }
+    if not quiet:
+        print(f"program written: {file} ({proof.blocks} blocks, {proof.duration:.2f} s, read back and proven)")
+    return answer
+
+
+def check(
+    program: Annotated[Path, typer.Argument(help="Program file.")],
+    case: Annotated[str, typer.Option(help="Built-in name, folder or case file.")],
+    json: Json = False,
+) -> None:
+    """Read a program back, independently of its writer, and prove it."""
+    answer, reason = check_program(program, case)
+    if json:
+        print_json(answer)
+    else:
+        show_check(answer)
+    if reason is not None:
+        raise reason
+
+
+def check_program(program: Path, case: str) -> tuple[dict[str, Any], Exception | None]:
+    """The JSON answer, and the error where a limit is passed."""
+    from cases.errors import ProgramError
+    from cases.loading import load_case
+    from postprocessors.files import read_program
+    from postprocessors.proof import prove_program
+
+    loaded = load_case(case)
+    proof = prove_program(read_program(program), loaded)
+    reason = None
+    try:
+        proof.require()
+    except ProgramError as error:
+        reason = error
+    answer = {
+        "ok": proof.ok,
+        "violations": [{"line": v.line, "sentence": v.check.sentence()} for v in proof.violations],
+        "duration_s": proof.duration,
+        "limits": proof.limits.to_json(),
+    }
+    return answer, reason
+
+
+def show_check(answer: dict[str, Any]) -> None:
+    """Prints a proof for people."""
+    print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(answer["limits"]))
+    for violation in answer["violations"]:
+        print(f"line {violation['line']}: {violation['sentence']}")
+    print("proven" if answer["ok"] else "NOT proven", f"({answer['duration_s']:.2f} s)")

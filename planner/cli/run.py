@@ -1,0 +1,60 @@
+"""`hexcite run`: executes a program and writes a recording."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, print_json, status
+
+
+def run(
+    program: Annotated[Path, typer.Argument(help="Program file.")],
+    case: Annotated[str, typer.Option(help="Built-in name, folder or case file.")],
+    on: Annotated[str, typer.Option(help="Controller: virtual or linuxcnc.")] = "virtual",
+    seed: Annotated[int, typer.Option(help="Seed of the simulated sensors' noise.")] = 0,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to write.")] = None,
+    json: Json = False,
+) -> None:
+    """Execute a program, simulate the sensors for what was executed, and write a recording."""
+    answer, _ = make_recording(program, case, on, seed, output, quiet=json)
+    if json:
+        print_json(answer)
+
+
+def make_recording(
+    program: Path, case: str, on: str, seed: int, output: Path | None, quiet: bool
+) -> tuple[dict[str, Any], Any]:
+    """Runs, saves, prints unless `quiet`; returns the JSON answer and the outcome."""
+    from cases.errors import HexciteError
+    from cases.loading import find_case, load_case
+    from planner.running import execute, save_recording
+
+    if seed < 0:
+        raise HexciteError(f"seed {seed} is negative; choose 0 or more")
+    loaded = load_case(case)
+    case_file = str(find_case(case).resolve()) if Path(case).exists() else case
+    folder = output if output is not None else Path(f"{program.stem}-recording")
+    with status(f"running {program.name} on {on}", quiet):
+        outcome = execute(program, loaded, on, seed)
+        about = save_recording(folder, outcome, program, loaded, case_file, seed)
+    answer = {
+        "recording": str(folder),
+        "controller": about["controller"],
+        "samples": about["samples"],
+        "duration_s": about["executed_s"],
+        "planned_s": about["planned_s"],
+        "path_error_mm": about["path_error_mm"],
+        "d_efficiency": about["d_efficiency"],
+        "d_efficiency_planned": about["d_efficiency_planned"],
+        "simulated": True,
+    }
+    if not quiet:
+        print(f"executed on {answer['controller']}; sensors and encoders simulated")
+        print(
+            f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
+            f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} "
+            f"(planned {answer['d_efficiency_planned']:.3f})"
+        )
+        print(f"recording written: {folder} ({answer['samples']} samples)")
+    return answer, outcome

@@ -1,0 +1,181 @@
+"""A plan: the chosen motion, how it was found, what it promises and that it was proven. Saved as a folder."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import FileProblem
+from cases.files import atomic_folder, json_text, read_json
+from cases.loading import load_case
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.limits import LimitReport
+from identification.motion import Motion, sample
+from planner.bound import Bound
+from planner.fourier import FourierMotion
+from planner.solving import Start
+
+Array = NDArray[np.float64]
+
+SCHEMA_VERSION = 1
+SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
+
+_AXES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
+_RATES = ("v_x_mm_s", "v_y_mm_s", "v_z_mm_s", "v_a_deg_s", "v_b_deg_s", "v_c_deg_s")
+_ACCELERATIONS = ("acc_x_mm_s2", "acc_y_mm_s2", "acc_z_mm_s2", "acc_a_deg_s2", "acc_b_deg_s2", "acc_c_deg_s2")
+HEADER = ",".join(("t_s", *_AXES, *_RATES, *_ACCELERATIONS))
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A planned excitation.
+
+    Args:
+        case: what it was planned for.
+        case_file: name or file of the case, to find it again.
+        model: number of the identification model.
+        criterion: A, D, K or N.
+        motion: the excitation.
+        seed: of the random starts.
+        starts: every start, the best first.
+        logdet: log det of the mean information, reference scaling, W = 1.
+        condition: mu_1 / mu_u, reference scaling.
+        bound: what no motion can exceed.
+        predicted_std: standard deviation of each physical parameter for one run [SI].
+        assumed_noise: standard deviation of a force sample behind it [N].
+        limits: proof.
+        solve_seconds: time spent on optimising [s].
+    """
+
+    case: Case
+    case_file: str
+    model: int
+    criterion: str
+    motion: FourierMotion
+    seed: int
+    starts: tuple[Start, ...]
+    logdet: float
+    condition: float
+    bound: Bound
+    predicted_std: dict[str, float]
+    assumed_noise: float
+    limits: LimitReport
+    solve_seconds: float
+
+    @property
+    def d_efficiency(self) -> float:
+        """D-efficiency against the box bound."""
+        return self.bound.efficiency(self.logdet)
+
+    def to_json(self) -> dict[str, Any]:
+        """What `plan.json` holds."""
+        m = self.motion
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "case": self.case.name,
+            "case_file": self.case_file,
+            "case_hash": self.case.hash,
+            "family": "fourier",
+            "criterion": self.criterion,
+            "model": self.model,
+            "status": "proven",
+            "duration_s": m.duration,
+            "settings": {"order": m.order, "period_s": m.period, "repeats": m.repeats, "seed": self.seed},
+            "solve_s": self.solve_seconds,
+            "starts": [
+                {
+                    "seed": s.seed,
+                    "stage": s.stage,
+                    "start_logdet": s.start_objective,
+                    "logdet": s.objective,
+                    "solver": s.status,
+                    "iterations": s.iterations,
+                    "seconds": s.seconds,
+                }
+                for s in self.starts
+            ],
+            "logdet": self.logdet,
+            "condition": self.condition,
+            "d_efficiency": self.d_efficiency,
+            "bound": {"logdet": self.bound.logdet, "dmax": self.bound.dmax, "method": self.bound.method},
+            "predicted_std": self.predicted_std,
+            "assumed_noise_N": self.assumed_noise,
+            "limits": self.limits.to_json(),
+            "fourier": {
+                "centre_m_rad": m.centre.tolist(),
+                "a_m_s_rad_s": m.a.tolist(),
+                "b_m_s_rad_s": m.b.tolist(),
+            },
+        }
+
+
+def save_plan(plan: Plan, folder: Path) -> None:
+    """Writes a plan folder: plan.json, motion.csv, plots/."""
+    from planner.plots import trajectory_figure
+
+    motion = sample(plan.motion, SAMPLE_RATE)
+    with atomic_folder(folder) as part:
+        (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
+        (part / "motion.csv").write_text(motion_csv(motion), encoding="utf-8")
+        (part / "plots").mkdir()
+        trajectory_figure(motion, plan.case).savefig(part / "plots" / "trajectory.svg")
+
+
+def motion_csv(motion: Motion) -> str:
+    """The motion as a table in mm and degrees; header as in CONVENTIONS."""
+    unit = np.r_[np.full(3, 1 / MM), np.full(3, 1 / DEG)]
+    table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
+    lines = [",".join(f"{value:.9g}" for value in row) for row in table]
+    return "\n".join([HEADER, *lines]) + "\n"
+
+
+@dataclass(frozen=True, slots=True)
+class SavedPlan:
+    """What other commands need of a plan folder.
+
+    Args:
+        folder: where it is.
+        case: loaded anew and unchanged since.
+        case_file: name or file of the case.
+        motion: the excitation.
+        data: all of plan.json.
+    """
+
+    folder: Path
+    case: Case
+    case_file: str
+    motion: FourierMotion
+    data: dict[str, Any]
+
+
+def load_plan(folder: Path) -> SavedPlan:
+    """Reads a plan folder.
+
+    Raises:
+        FileProblem: no plan there, damaged, or its case has changed since.
+        CaseError: its case is gone or no longer valid.
+    """
+    file = folder / "plan.json"
+    data = read_json(file, "hexcite plan")
+    try:
+        case_file, case_hash = str(data["case_file"]), str(data["case_hash"])
+        settings, series = data["settings"], data["fourier"]
+        motion = FourierMotion(
+            np.array(series["centre_m_rad"], dtype=float),
+            np.array(series["a_m_s_rad_s"], dtype=float),
+            np.array(series["b_m_s_rad_s"], dtype=float),
+            float(settings["period_s"]),
+            int(settings["repeats"]),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise FileProblem(f"{file}: entry {error} is missing or damaged; plan again") from error
+    shapes = motion.centre.shape == (6,) and motion.a.shape == motion.b.shape == (motion.order, 6)
+    if not shapes or not all(np.isfinite(v).all() for v in (motion.centre, motion.a, motion.b)):
+        raise FileProblem(f"{file}: fourier: coefficients are damaged; plan again")
+    case = load_case(case_file)
+    if case.hash != case_hash:
+        raise FileProblem(f"{file}: case {case_file} has changed since (hash {case.hash}, was {case_hash}); plan again")
+    return SavedPlan(folder, case, case_file, motion, data)

@@ -1,0 +1,71 @@
+"""Figures of plans and results, drawn with matplotlib; functions take data and return a Figure."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.motion import Motion
+from identification.result import Estimate
+
+Array = NDArray[np.float64]
+
+AXES = ("x", "y", "z", "a", "b", "c")
+
+
+def trajectory_figure(motion: Motion, case: Case) -> Figure:
+    """Position, velocity, acceleration and jerk over time, translations left, rotations right, with their limits."""
+    machine, _, limits = case.need_machine("the plot of a motion")
+    box = limits.motion
+    figure = Figure(figsize=(11, 9), layout="constrained")
+    axes = figure.subplots(4, 2, sharex=True)
+    rows = (
+        ("position from home", "mm", "deg", motion.pose - machine.home.vector, box.pose, (1 / MM, 1 / DEG)),
+        ("velocity", "mm/s", "deg/s", motion.rates, np.array([-box.rate, box.rate]), (1 / MM, 1 / DEG)),
+        ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), (1.0, 1.0)),
+        ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), (1.0, 1.0)),
+    )
+    for row, (name, length_unit, angle_unit, values, limit, scale) in zip(axes, rows, strict=True):
+        for ax, part, unit, factor in zip(
+            row, (slice(0, 3), slice(3, 6)), (length_unit, angle_unit), scale, strict=True
+        ):
+            for k in range(part.start, part.stop):
+                ax.plot(motion.t, values[:, k] * factor, label=AXES[k], linewidth=1.2)
+            for bound in limit[:, part]:
+                ax.axhline(
+                    float(np.abs(bound).max() * np.sign(bound[0]) * factor), color="0.3", dashes=(4, 3), linewidth=0.9
+                )
+            ax.set_ylabel(f"{name} [{unit}]")
+            ax.grid(alpha=0.25)
+    axes[0, 0].set_title("translations")
+    axes[0, 1].set_title("rotations (dashed: limits)")
+    for ax in axes[0]:
+        ax.legend(loc="upper right", ncols=3, fontsize="small")
+    for ax in axes[-1]:
+        ax.set_xlabel("time [s]")
+    return figure
+
+
+def _both(limit: Array) -> Array:
+    return np.array([-limit, limit])
+
+
+def residual_figure(estimate: Estimate) -> Figure:
+    """Residual of each channel over the samples and as a distribution, with the normal density of its rms."""
+    figure = Figure(figsize=(10, 4), layout="constrained")
+    over, spread = figure.subplots(1, 2, width_ratios=(3, 1))
+    for k in range(6):
+        over.plot(estimate.residuals[:, k], linewidth=0.6, label=f"channel {k + 1}")
+    over.set_xlabel("sample")
+    over.set_ylabel("residual f - A u [N or N m]")
+    over.legend(ncols=6, fontsize="small")
+    scaled = (estimate.residuals / np.maximum(estimate.residual_rms, 1e-300)).ravel()
+    spread.hist(scaled, bins=60, range=(-5, 5), density=True, color="0.7")
+    x = np.linspace(-5, 5, 200)
+    spread.plot(x, np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi), color="C3")
+    spread.set_xlabel("residual / rms of its channel")
+    spread.set_yticks([])
+    for ax in (over, spread):
+        ax.grid(alpha=0.25)
+    return figure

@@ -1,0 +1,157 @@
+"""Runs a program on a controller, simulates the sensors for what was really executed, and rates the run."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cases.errors import ExecutionError, HexciteError
+from cases.files import atomic_folder, json_text
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from identification.executed import StrutExecution
+from identification.model import identification_model
+from identification.motion import Joined, Trajectory
+from identification.path import executed_information, path_error
+from identification.recording import Recording, write_recording
+from identification.reference import reference_scaling
+from identification.simulate import TRUE_MODEL, simulate_recording
+from planner.bound import Bound, box_bound
+from planner.problem import mean_information
+from postprocessors.execute.executed_run import ExecutedRun, windows
+from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from postprocessors.execute.virtual import run_virtual
+from postprocessors.files import read_program, read_text
+from postprocessors.proof import prove_program
+from postprocessors.stretches import Timed, stretches
+
+CONTROLLERS = ("virtual", "linuxcnc")
+
+
+class Rating(NamedTuple):
+    """Planned against executed.
+
+    Args:
+        planned: duration of the excitation in the program [s].
+        executed: with the controller [s].
+        path_error: [m].
+        efficiency_planned: D-efficiency of the program's excitation.
+        efficiency: of the executed one.
+    """
+
+    planned: float
+    executed: float
+    path_error: float
+    efficiency_planned: float
+    efficiency: float
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """A run with its recording.
+
+    Args:
+        run: what the controller did.
+        recording: what was measured, simulated.
+        rating: planned against executed.
+        planned: the excitation that the program asks for.
+    """
+
+    run: ExecutedRun
+    recording: Recording
+    rating: Rating
+    planned: Trajectory
+
+
+def best_controller() -> tuple[str, str]:
+    """The real controller if it is installed, else the virtual one, with the reason."""
+    reason = linuxcnc_missing()
+    return ("linuxcnc", "LinuxCNC is installed") if reason is None else ("virtual", reason)
+
+
+def execute(program: Path, case: Case, on: str, seed: int) -> Outcome:
+    """Proves a program, runs it and simulates the recording.
+
+    Args:
+        program: its file.
+        case: with a simulated machine.
+        on: `virtual` or `linuxcnc`.
+        seed: of the sensors' noise.
+
+    Raises:
+        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
+    """
+    if on not in CONTROLLERS:
+        raise HexciteError(f"controller {on!r} is unknown; choose {', '.join(CONTROLLERS)}")
+    case.need_simulation("a run")
+    reading = read_program(program)
+    prove_program(reading, case).require()
+    excited = [s.points for s in stretches(reading, case) if isinstance(s, Timed) and s.trigger]
+    if not excited:
+        raise ExecutionError(f"{program}: no timed path runs with the trigger on; write it with hexcite post")
+    planned: Trajectory = excited[0] if len(excited) == 1 else Joined(tuple(excited))
+    run = run_virtual(reading, case) if on == "virtual" else _on_linuxcnc(program, case)
+    if not len(run.trigger):
+        raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
+    recording = simulate_recording(case, run.execution, run.trigger, seed)
+    return Outcome(run, recording, _rating(case, planned, run), planned)
+
+
+def _on_linuxcnc(program: Path, case: Case) -> ExecutedRun:
+    log = run_linuxcnc(program, case)
+    execution = StrutExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
+    return ExecutedRun(log.controller, execution, windows(log.trigger, log.period), real=True)
+
+
+def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> Rating:
+    model = identification_model(case, TRUE_MODEL)
+    scaling, bound = reference_scaling(case, model), box_bound(case, model)
+    after = executed_information(model, scaling, run.execution, run.trigger)
+    return Rating(
+        planned=planned.duration,
+        executed=run.excitation,
+        path_error=path_error(planned, run.execution, run.trigger),
+        efficiency_planned=_efficiency(bound, mean_information(model, scaling, planned)),
+        efficiency=_efficiency(bound, after),
+    )
+
+
+def _efficiency(bound: Bound, information: np.ndarray) -> float:
+    sign, logdet = np.linalg.slogdet(information)
+    return bound.efficiency(float(logdet)) if sign > 0 else 0.0
+
+
+def save_recording(
+    folder: Path, outcome: Outcome, program: Path, case: Case, case_file: str, seed: int
+) -> dict[str, Any]:
+    """Writes a recording folder; returns what `recording.json` holds."""
+    rating = outcome.rating
+    about = {
+        "schema_version": 1,
+        "case": case.name,
+        "case_file": case_file,
+        "case_hash": case.hash,
+        "program": str(program.resolve()),
+        "program_hash": hashlib.sha256(read_text(program).encode()).hexdigest()[:16],
+        "controller": outcome.run.controller,
+        "controller_real": outcome.run.real,
+        "simulated": True,
+        "simulated_parts": "sensors and encoders; the motion is what the controller executed",
+        "simulation_source": case.need_simulation("a recording").source,
+        "payload": None,
+        "seed": seed,
+        "samples": len(outcome.recording.forces),
+        "trigger_windows_s": outcome.run.trigger.tolist(),
+        "planned_s": rating.planned,
+        "executed_s": rating.executed,
+        "path_error_mm": rating.path_error * 1e3,
+        "d_efficiency_planned": rating.efficiency_planned,
+        "d_efficiency": rating.efficiency,
+        "units": "SI with the unit in each column name",
+    }
+    with atomic_folder(folder) as part:
+        write_recording(part / "recording.csv", outcome.recording, case)
+        (part / "recording.json").write_text(json_text(about), encoding="utf-8")
+    return about

@@ -1,0 +1,38 @@
+"""A run of a program on a controller, whichever it was: what moved, and when the trigger was on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identification.executed import Execution
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutedRun:
+    """A run.
+
+    Args:
+        controller: name and version.
+        execution: the motion, continuous in time.
+        trigger: start and end of each time the trigger was on, shape (k, 2) [s].
+        real: whether a real controller ran it (the machine is simulated in any case).
+    """
+
+    controller: str
+    execution: Execution
+    trigger: Array
+    real: bool
+
+    @property
+    def excitation(self) -> float:
+        """Time with the trigger on [s]."""
+        return float(np.sum(self.trigger[:, 1] - self.trigger[:, 0]))
+
+
+def windows(on: NDArray[np.bool_], period: float) -> Array:
+    """Start and end of each run of ones, shape (k, 2) [s]."""
+    edges = np.diff(np.r_[False, on, False].astype(int))
+    return np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)]) * period
