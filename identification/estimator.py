@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,20 @@ from cases.errors import IdentificationError
 
 Array = NDArray[np.float64]
 
+
+class Filtered(NamedTuple):
+    """What a low-pass did to white noise before the fit, and how many samples of it were kept.
+
+    Args:
+        gain: variance of filtered noise over that of recorded noise, the sum of the squared kernel.
+        stride: recorded samples for each one that is kept.
+    """
+
+    gain: float
+    stride: int
+
+
+UNFILTERED = Filtered(1.0, 1)
 WEIGHT_ROUNDS = 20
 WEIGHT_TOLERANCE = 1e-6
 
@@ -21,9 +36,10 @@ class Fit:
 
     Args:
         values: u, shape (u,).
-        covariance: s0^2 F^-1, (28), shape (u, u): right where residuals are white.
+        covariance: s0^2 F^-1, (28), shape (u, u): right where the recorded noise is white.
         covariance_robust: autocorrelation-robust, shape (u, u): right also where they are not.
-        s0: (27), dimensionless where weights are given, else [N].
+        s0: (27), of the recorded forces; dimensionless where weights are given, else [N].
+        freedom: degrees of freedom of s0.
         residuals: f - A u, shape (n, 6) [N, or N and N m].
         weights: diagonal of W for one sample, shape (6,).
         rank: of the scaled regressor.
@@ -34,14 +50,27 @@ class Fit:
     covariance: Array
     covariance_robust: Array
     s0: float
+    freedom: float
     residuals: Array
     weights: Array
     rank: int
     condition: float
 
 
-def gauss_markov(regressors: Array, forces: Array, names: Sequence[str], weights: Array, nuisance: int = 0) -> Fit:
+def gauss_markov(
+    regressors: Array,
+    forces: Array,
+    names: Sequence[str],
+    weights: Array,
+    nuisance: int = 0,
+    filtered: Filtered = UNFILTERED,
+) -> Fit:
     """Weighted least squares with W the same diagonal at every sample.
+
+    Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of the
+    unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of variance
+    gain s0^2, of which every stride-th was kept: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 / stride F^-1 is the
+    covariance, F being that of the kept samples.
 
     Args:
         regressors: A_j, shape (n, 6, u).
@@ -50,6 +79,7 @@ def gauss_markov(regressors: Array, forces: Array, names: Sequence[str], weights
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
         nuisance: so many of the last columns are no parameters of the model: they are estimated too, and cost
             certainty, but rank and condition are told without them.
+        filtered: what was done to both before.
 
     Raises:
         IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
@@ -81,13 +111,20 @@ def gauss_markov(regressors: Array, forces: Array, names: Sequence[str], weights
     values = scale * scaled
     residuals = forces - regressors @ values
     chi_squared = float(np.sum(weights * residuals**2))  # (27)
-    s0 = float(np.sqrt(chi_squared / (samples * sensors - unknowns)))
+    freedom = samples * sensors * filtered.gain * filtered.stride - unknowns
+    if freedom <= 0.0:
+        raise IdentificationError(
+            f"{samples * filtered.stride} samples hold {freedom + unknowns:.0f} independent forces behind the filter for "
+            f"{unknowns} unknowns; record longer or raise filter_cutoff_Hz"
+        )
+    s0 = float(np.sqrt(chi_squared * filtered.stride / freedom))
     inverse_root = scale[:, None] * solve_triangular(r, np.eye(unknowns))
     inverse = inverse_root @ inverse_root.T  # F^-1
     scores = np.einsum("nku,nk->nu", regressors, weights * residuals)
     robust = inverse @ long_run_covariance(scores) @ inverse
     condition = float(singular[0] / singular[-1])
-    return Fit(values, s0**2 * inverse, robust, s0, residuals, weights, rank, condition)
+    covariance = s0**2 / filtered.stride * inverse
+    return Fit(values, covariance, robust, s0, freedom, residuals, weights, rank, condition)
 
 
 def long_run_covariance(scores: Array) -> Array:

@@ -17,6 +17,11 @@ class Execution(Protocol):
     """What the machine did, from time 0 to `duration`."""
 
     @property
+    def hexapod(self) -> Hexapod:
+        """The machine's kinematics."""
+        ...
+
+    @property
     def duration(self) -> float:
         """Duration [s]."""
         ...

@@ -77,13 +77,13 @@ class Hexapod:
 
     @cached_property
     def inverse(self) -> ca.Function:
-        """pose -> strut lengths."""
+        """Pose -> strut lengths."""
         pose = ca.SX.sym("pose", 6)
         return ca.Function("inverse", [pose], [self._inverse_jacobian(pose)[0]], ["pose"], ["lengths"])
 
     @cached_property
     def inverse_jacobian(self) -> ca.Function:
-        """pose -> strut lengths, J_Hex^-1."""
+        """Pose -> strut lengths, J_Hex^-1."""
         pose = ca.SX.sym("pose", 6)
         return ca.Function(
             "inverse_jacobian", [pose], list(self._inverse_jacobian(pose)), ["pose"], ["lengths", "jacobian"]

@@ -1,7 +1,8 @@
 """From a recording to parameters: kinematics (7)-(9), regressor (17)-(22), Gauss-Markov (23)-(28), physical form.
 
-Struts pass a zero-phase low-pass that also differentiates them; forces are used as recorded, so that white noise stays
-white and (28) holds. The delay between forces and motion is estimated together with the parameters.
+Forces and struts of a moving run pass the same zero-phase low-pass, which also differentiates the struts: what a controller's
+blocks and the encoders' steps add above the cut-off then disturbs neither side. What is left is kept at the rate that it
+still needs. The delay between forces and motion is estimated together with the parameters.
 """
 
 from dataclasses import dataclass
@@ -11,11 +12,11 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from identification.estimator import Fit, gauss_markov, per_channel
+from identification.estimator import Filtered, Fit, gauss_markov, per_channel
 from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
 from identification.recording import Recording
-from identification.result import Delay, Estimate, estimate_of
+from identification.result import Delay, Estimate, Evaluation, estimate_of
 from identification.signals import Filter
 from identification.simulate import regressors
 
@@ -23,9 +24,8 @@ Array = NDArray[np.float64]
 
 LEAST_TRAVEL = 1e-4  # [m] of the struts; below, the pose counts as constant
 MOVING = 1e-3  # [m/s] strut speed from which the machine counts as moving, where there is no trigger
-STRIDE = 5  # the delay is first found on every fifth sample
-DELAY_STEPS = 6
-DELAY_TOLERANCE = 1e-8  # [s]
+DELAY_STEPS = 8
+DELAY_TOLERANCE = 1e-6  # [s]; the step that is left is in the fit's own nuisance
 MOST_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
 
@@ -82,7 +82,7 @@ def _from_standstills(recording: Recording, case: Case, model: Model) -> Estimat
     still = np.zeros((count, 6))
     matrices = model.matrices(positions, turns, still, still)
     fit = _fit(case, matrices, recording.forces, model.names)
-    return estimate_of(model, fit, recording.source, case, None, ())
+    return estimate_of(model, fit, recording.source, case, Evaluation(count, fit.residuals, None), ())
 
 
 def _rotations(poses: Array) -> Array:
@@ -99,15 +99,23 @@ class _Run:
     model: Model
     hexapod: Hexapod
     filter: Filter
-    rows: NDArray[np.int64]  # samples that are used, counted after the filter's margin
+    rows: NDArray[np.int64]  # samples that are evaluated, counted after the filter's margin
 
-    def matrices(self, delay: float, stride: int) -> tuple[Array, Array]:
-        """A at the instants t_k - delay, and the forces recorded at t_k."""
+    @property
+    def recorded_forces(self) -> Array:
+        """Forces as recorded at the evaluated samples, shape (n, 6)."""
+        return self.recording.forces[self.filter.margin + self.rows]
+
+    @property
+    def forces(self) -> Array:
+        """The same behind the filter."""
+        return self.filter.apply(self.recording.forces)[self.rows]
+
+    def matrices(self, delay: float) -> Array:
+        """A at the instants t_k - delay, shape (n, 6, u)."""
         assert self.recording.struts is not None
-        rows = self.rows[::stride]
-        strut_motion = [self.filter.apply(self.recording.struts, order, delay)[rows] for order in range(3)]
-        matrices = regressors(self.model, self.hexapod.kinematics(*strut_motion))
-        return matrices, self.recording.forces[self.filter.margin + rows]
+        strut_motion = [self.filter.apply(self.recording.struts, order, delay)[self.rows] for order in range(3)]
+        return regressors(self.model, self.hexapod.kinematics(*strut_motion))
 
 
 def _from_motion(recording: Recording, case: Case, model: Model) -> Estimate:
@@ -128,31 +136,26 @@ def _from_motion(recording: Recording, case: Case, model: Model) -> Estimate:
             f"{0.2 / step:.4g}"
         )
     low_pass = Filter(cutoff, step)
-    run = _Run(recording, model, Hexapod.of(case), low_pass, _window(recording, low_pass))
-    unknowns = len(model.names)
-    if len(run.rows) * 6 <= unknowns:
-        raise IdentificationError(
-            f"{recording.source}: {len(run.rows)} usable samples for {unknowns} unknowns; record longer"
-        )
-    fit, delay = _with_delay(run, case, model)
+    window = _window(recording, low_pass)
+    run = _Run(recording, model, Hexapod.of(case), low_pass, window[:: low_pass.stride])
+    if case.sensors.weights == "per_channel":
+        raise IdentificationError("a moving run with channel weights is not evaluated yet; set sensors.weights = equal")
+    fit, delay, residuals = _with_delay(run, model)
     warnings = () if abs(delay.value) < MOST_DELAY else (f"delay of {delay.value * 1e3:.1f} ms: do the streams match?",)
-    return estimate_of(model, fit, recording.source, case, delay, warnings)
+    return estimate_of(model, fit, recording.source, case, Evaluation(len(window), residuals, delay), warnings)
 
 
 def _window(recording: Recording, low_pass: Filter) -> NDArray[np.int64]:
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
     assert recording.struts is not None
     margin = low_pass.margin
-    if len(recording.struts) <= 2 * margin + 1:
-        low_pass.apply(recording.struts)  # raises, naming what is needed
+    speed = low_pass.apply(recording.struts, 1)  # raises where the run is shorter than the filter
     if recording.trigger is not None:
-        on = recording.trigger[margin:-margin]
-        if not on.any():
+        rows = np.flatnonzero(recording.trigger[margin:-margin])
+        if not len(rows):
             raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
-        rows = np.flatnonzero(on)
     else:
-        speed = np.abs(low_pass.apply(recording.struts, 1)).max(axis=1)
-        moving = np.flatnonzero(speed > MOVING)
+        moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)
         rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else moving
     travel = np.ptp(recording.struts[margin + rows], axis=0).max() if len(rows) else 0.0
     if travel < LEAST_TRAVEL:
@@ -163,27 +166,29 @@ def _window(recording: Recording, low_pass: Filter) -> NDArray[np.int64]:
     return rows
 
 
-def _with_delay(run: _Run, case: Case, model: Model) -> tuple[Fit, Delay]:
-    """Gauss-Newton over the delay; the last fit carries it as a nuisance, so that its uncertainty counts."""
-    delay, names = 0.0, [*model.names, "delay"]
+def _with_delay(run: _Run, model: Model) -> tuple[Fit, Delay, Array]:
+    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
+
+    Returns the fit, the delay and the residuals of the forces as recorded.
+    """
+    forces = run.forces
+    filtered = Filtered(run.filter.noise_gain, run.filter.stride)
+    delay = 0.0
     for _ in range(DELAY_STEPS):
-        fit = _augmented(run, model, delay, STRIDE, names)
+        matrices = run.matrices(delay)
+        late = _effect_of_delay(matrices, forces, run.filter.step * run.filter.stride)
+        fit = gauss_markov(
+            np.dstack([matrices, late]), forces, [*model.names, "delay"], np.ones(6), nuisance=1, filtered=filtered
+        )
         step = float(np.clip(fit.values[-1], -MOST_DELAY, MOST_DELAY))
         delay = float(np.clip(delay + step, -2 * MOST_DELAY, 2 * MOST_DELAY))
-        if abs(step) < 1e2 * DELAY_TOLERANCE:
+        if abs(step) < DELAY_TOLERANCE:
             break
-    fit = _augmented(run, model, delay, 1, names)
-    delay += float(fit.values[-1])
-    std = float(np.sqrt(fit.covariance_robust[-1, -1]))
-    if case.sensors.weights == "per_channel":
-        raise IdentificationError("a moving run with channel weights is not evaluated yet; set sensors.weights = equal")
-    return fit, Delay(delay, std)
+    residuals = run.recorded_forces - matrices @ fit.values[:-1]
+    return fit, Delay(delay, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals
 
 
-def _augmented(run: _Run, model: Model, delay: float, stride: int, names: list[str]) -> Fit:
-    """Fit with one more column: how the forces change with the delay, -d(A u)/dt."""
-    matrices, forces = run.matrices(delay, stride)
-    values = np.linalg.lstsq(matrices.reshape(-1, matrices.shape[2]), forces.ravel(), rcond=None)[0]
-    step = run.filter.step * stride
-    late = -np.gradient(matrices @ values, step, axis=0)
-    return gauss_markov(np.dstack([matrices, late]), forces, names, np.ones(6), nuisance=1)
+def _effect_of_delay(matrices: Array, forces: Array, step: float) -> Array:
+    """How forces change with the delay: -d(A u)/dt, u by plain least squares, shape (n, 6)."""
+    u = np.linalg.lstsq(matrices.reshape(-1, matrices.shape[2]), forces.ravel(), rcond=None)[0]
+    return np.asarray(-np.gradient(matrices @ u, step, axis=0))

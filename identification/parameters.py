@@ -80,7 +80,7 @@ def body_parameters(body: RigidBody) -> dict[str, float]:
 
 
 def linear_parameters(model: Model, truth: Truth) -> Array:
-    """u of (17) for a simulated machine whose compensation is K5, shape (u,).
+    """U of (17) for a simulated machine whose compensation is K5, shape (u,).
 
     Raises:
         KeyError: the model has parameters (K1, K3, K4) that the simulated machine has no values for.

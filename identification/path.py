@@ -4,9 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from cases.schema import Case
 from identification.executed import Execution
 from identification.model import Model
 from identification.motion import Trajectory, sample
+from identification.signals import Filter
 from identification.simulate import regressors
 
 Array = NDArray[np.float64]
@@ -35,8 +37,33 @@ def path_error(planned: Trajectory, execution: Execution, windows: Array) -> flo
     return float(tree.query(executed)[0].max())
 
 
-def executed_information(model: Model, scaling: Array, execution: Execution, windows: Array) -> Array:
-    """Time average of H A^T A H over the executed excitation, shape (u, u); W = 1."""
+def executed_information(model: Model, scaling: Array, execution: Execution, windows: Array, cutoff: float) -> Array:
+    """Time average of H A^T A H over the executed excitation, behind the filter of the evaluation, shape (u, u); W = 1.
+
+    Controllers that run a path in short blocks add ripple above the limits; the evaluation filters it off, so that it
+    must not count as information.
+
+    Args:
+        model: gives A.
+        scaling: diagonal of H, shape (u,).
+        execution: what the controller did.
+        windows: when it ran the excitation, shape (k, 2) [s].
+        cutoff: of the low-pass [Hz].
+    """
+    low_pass = Filter(cutoff, 1.0 / RATE)
+    t = np.arange(int(execution.duration * RATE) + 1) / RATE
+    struts = execution.struts(t)
+    inside = t[low_pass.margin : -low_pass.margin]
+    rows = np.zeros(len(inside), dtype=bool)
+    for start, end in windows:
+        rows |= (inside >= start) & (inside < end)
+    motion = [low_pass.apply(struts, order)[rows] for order in range(3)]
+    matrices = regressors(model, execution.hexapod.kinematics(*motion)).reshape(-1, len(scaling)) * scaling
+    return np.asarray(matrices.T @ matrices / rows.sum())
+
+
+def peak_acceleration_share(execution: Execution, windows: Array, case: Case) -> float:
+    """Largest executed acceleration of the origin along an axis of {B}, as a share of its limit."""
+    limits = case.need_machine("the rating of a run")[2].motion
     t = np.clip(instants(windows), 0.0, execution.duration)
-    rows = regressors(model, execution.kinematics(t)).reshape(-1, len(scaling)) * scaling
-    return np.asarray(rows.T @ rows / len(t))
+    return float(np.max(np.abs(execution.kinematics(t).twist_rate[:, :3]) / limits.acceleration[:3]))

@@ -24,6 +24,20 @@ class Delay(NamedTuple):
     std: float
 
 
+class Evaluation(NamedTuple):
+    """What was evaluated.
+
+    Args:
+        samples: recorded samples that went into the fit.
+        residuals: recorded forces less the model, shape (n, 6) [N, or N and N m].
+        delay: of the forces, where it was estimated.
+    """
+
+    samples: int
+    residuals: Array
+    delay: Delay | None
+
+
 class Value(NamedTuple):
     """An estimated parameter: SI value, standard deviation by (28), autocorrelation-robust one, and unit."""
 
@@ -32,7 +46,7 @@ class Value(NamedTuple):
     std_robust: float
     unit: str
 
-    def interval(self, freedom: int, level: float = 0.95) -> tuple[float, float]:
+    def interval(self, freedom: float, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval from the standard deviation of (28)."""
         half = float(stats.t.ppf(0.5 + level / 2, freedom)) * self.std
         return self.value - half, self.value + half
@@ -51,8 +65,9 @@ class Estimate:
         values: u, shape (u,).
         covariance: of u by (28), shape (u, u).
         physical: physical parameters by name.
-        s0: (27); dimensionless with per-channel weights, else [N].
-        s0_N: rms force residual of the channels in newtons [N].
+        s0: (27); dimensionless with per-channel weights, else [N]. Of a moving run: of the noise in the pass band, as
+            white noise of the recorded forces.
+        s0_N: rms residual of the recorded forces, over the channels in newtons [N].
         residual_rms: of each channel, shape (6,) [N, or N and N m].
         samples: used.
         freedom: degrees of freedom of the residuals.
@@ -61,7 +76,7 @@ class Estimate:
         weights: `equal` or `per_channel`.
         delay: of the forces, where it was estimated.
         warnings: sentences.
-        residuals: f - A u, shape (n, 6), not saved.
+        residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
     """
 
     case: str
@@ -76,7 +91,7 @@ class Estimate:
     s0_N: float
     residual_rms: Array
     samples: int
-    freedom: int
+    freedom: float
     rank: int
     condition: float
     weights: str
@@ -109,7 +124,7 @@ class Estimate:
 
 
 def estimate_of(
-    model: Model, fit: Fit, source: str, case: Case, delay: Delay | None, warnings: tuple[str, ...]
+    model: Model, fit: Fit, source: str, case: Case, evaluation: Evaluation, warnings: tuple[str, ...]
 ) -> Estimate:
     """Puts a fit into words; columns of the fit beyond the model's parameters are nuisances and left out."""
     unknowns = len(model.parameters)
@@ -133,14 +148,14 @@ def estimate_of(
         covariance=covariance,
         physical=physical,
         s0=fit.s0,
-        s0_N=float(np.sqrt(np.mean(fit.residuals[:, newtons] ** 2))),
-        residual_rms=np.sqrt(np.mean(fit.residuals**2, axis=0)),
-        samples=len(fit.residuals),
-        freedom=fit.residuals.size - len(fit.values),
+        s0_N=float(np.sqrt(np.mean(evaluation.residuals[:, newtons] ** 2))),
+        residual_rms=np.sqrt(np.mean(evaluation.residuals**2, axis=0)),
+        samples=evaluation.samples,
+        freedom=fit.freedom,
         rank=fit.rank,
         condition=fit.condition,
         weights=case.sensors.weights,
-        delay=delay,
+        delay=evaluation.delay,
         warnings=warnings,
         residuals=fit.residuals,
     )

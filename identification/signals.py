@@ -37,6 +37,16 @@ class Filter(NamedTuple):
         """Samples lost at each end."""
         return int(np.ceil(_HALF_LENGTH / self.cutoff / self.step)) + 1
 
+    @property
+    def stride(self) -> int:
+        """Every so many filtered samples hold all that is left of the signal: nothing passes above 1.5 cut-offs."""
+        return max(1, int(1.0 / (3.0 * self.cutoff * self.step)))
+
+    @property
+    def noise_gain(self) -> float:
+        """Variance of filtered white noise over that of the noise."""
+        return float(np.sum(self._exact_kernel(0, 0.0) ** 2))
+
     def _kernel(self, order: int, shift: float) -> Array:
         """Derivative `order` of the impulse response at multiples of `step` less `shift` [s], shape (2 margin + 1,)."""
         half = _HALF_LENGTH / self.cutoff

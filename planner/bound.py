@@ -6,7 +6,6 @@ d(state) = trace(A F^-1 A^T) over the box. Here dmax comes from a multi-start se
 bound, and says so; a certificate would need a proven global maximum.
 """
 
-import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 

@@ -10,11 +10,11 @@ import numpy as np
 from cases.errors import ExecutionError, HexciteError
 from cases.files import atomic_folder, json_text
 from cases.schema import Case
-from identification.hexapod import Hexapod
 from identification.executed import StrutExecution
+from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import Joined, Trajectory
-from identification.path import executed_information, path_error
+from identification.path import executed_information, path_error, peak_acceleration_share
 from identification.recording import Recording, write_recording
 from identification.reference import reference_scaling
 from identification.simulate import TRUE_MODEL, simulate_recording
@@ -38,7 +38,8 @@ class Rating(NamedTuple):
         executed: with the controller [s].
         path_error: [m].
         efficiency_planned: D-efficiency of the program's excitation.
-        efficiency: of the executed one.
+        efficiency: of the executed one, behind the filter of the evaluation.
+        peak_acceleration: largest executed acceleration as a share of its limit.
     """
 
     planned: float
@@ -46,6 +47,7 @@ class Rating(NamedTuple):
     path_error: float
     efficiency_planned: float
     efficiency: float
+    peak_acceleration: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,13 +110,17 @@ def _on_linuxcnc(program: Path, case: Case) -> ExecutedRun:
 def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> Rating:
     model = identification_model(case, TRUE_MODEL)
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
-    after = executed_information(model, scaling, run.execution, run.trigger)
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is None:
+        case.missing("recording.filter_cutoff_Hz", "the rating of a run")
+    after = executed_information(model, scaling, run.execution, run.trigger, cutoff)
     return Rating(
         planned=planned.duration,
         executed=run.excitation,
         path_error=path_error(planned, run.execution, run.trigger),
         efficiency_planned=_efficiency(bound, mean_information(model, scaling, planned)),
         efficiency=_efficiency(bound, after),
+        peak_acceleration=peak_acceleration_share(run.execution, run.trigger, case),
     )
 
 
@@ -149,6 +155,7 @@ def save_recording(
         "path_error_mm": rating.path_error * 1e3,
         "d_efficiency_planned": rating.efficiency_planned,
         "d_efficiency": rating.efficiency,
+        "peak_acceleration_of_limit": rating.peak_acceleration,
         "units": "SI with the unit in each column name",
     }
     with atomic_folder(folder) as part:

@@ -45,7 +45,7 @@ def _lines(block: Block) -> list[str]:
 
 
 def _timed(path: TimedPath) -> list[str]:
-    lines = [_comment(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64 P0.01 Q0", "G93"]
+    lines = [_comment(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64", "G93"]
     feeds = MINUTE / np.diff(path.times)
     for pose, feed in zip(path.poses[1:], feeds, strict=True):
         lines.append(f"G1 {_axes(pose)} F{_number(feed, FEED_DECIMALS)}")  # G93 wants F on every line

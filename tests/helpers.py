@@ -1,1 +1,72 @@
-def f(): return 1
+"""What many tests share: a derivative check, a smooth motion, the paper's poses, and the rule of one-line messages."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from cases.schema import Case
+from identification.motion import Motion
+
+Array = NDArray[np.float64]
+
+HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
+
+
+def taylor_slope(function: Callable[[float], Array], at: float, derivative: Array, largest_step: float) -> float:
+    """Order of what f(at + h) - f(at) - h f'(at) leaves as h shrinks: 2 for the right derivative, 1 for a wrong one."""
+    steps = largest_step * 2.0 ** -np.arange(6)
+    start = np.ravel(function(at))
+    left = [np.linalg.norm(np.ravel(function(at + h)) - start - h * np.ravel(derivative)) for h in steps]
+    return float(np.polyfit(np.log(steps), np.log(left), 1)[0])
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """A smooth, exciting motion about home: four harmonics with seeded amplitudes and phases in every coordinate."""
+
+    seed: int = 0
+    duration: float = 3.0
+    size: float = 1.0
+    home: Array = field(default_factory=lambda: HOME)
+
+    def at(self, t: ArrayLike) -> Motion:
+        draw, time = np.random.default_rng(self.seed), np.asarray(t, dtype=float)
+        order = np.arange(1, 5)[:, None]
+        amplitude = self.size * draw.normal(size=(4, 6)) * ([0.1] * 3 + [0.12] * 3) / order**1.5
+        phase, omega = draw.uniform(0.0, 2 * np.pi, (4, 6)), 2 * np.pi / self.duration * order
+        angle = omega * time[:, None, None] + phase
+        orders = [(amplitude * omega**k * np.sin(angle + k * np.pi / 2)).sum(axis=1) for k in range(4)]
+        return Motion(time, self.home + orders[0], *orders[1:])
+
+
+def paper_poses() -> tuple[Array, Array]:
+    """Positions (480, 3) and rotations (480, 3, 3) of section 6, tilt-and-torsion angles: see FACTS, section 1."""
+    grid = np.arange(-3, 4) * 0.1
+    places = [(x, y, 0.9) for x in grid for y in grid if 0.199 <= np.hypot(x, y) <= 0.301]
+    angles = [(a, t, s - a) for t in (10, 20) for a in (0, 90, 180, 270) for s in (-15, 0, 15)]
+    turns = Rotation.from_euler("ZYZ", angles, degrees=True).as_matrix()
+    return np.repeat(places, len(turns), axis=0), np.tile(turns, (len(places), 1, 1))
+
+
+def simulated(case: Case, **changes: float) -> Case:
+    """The case with other settings of its simulated machine."""
+    assert case.simulation is not None
+    return case.model_copy(update={"simulation": case.simulation.model_copy(update=changes)})
+
+
+def ideal(case: Case) -> Case:
+    """The case with sensors and encoders without noise, delay or steps."""
+    return simulated(
+        case, force_noise_N=0.0, encoder_resolution_um=0.0, force_delay_ms=0.0, force_sampling_offset_cycles=0.0
+    )
+
+
+def one_line(error: BaseException) -> str:
+    """The message of an error, which must be a single line that says something."""
+    text = str(error)
+    assert text.strip(), "an empty message"
+    assert len(text.splitlines()) == 1, text
+    return text

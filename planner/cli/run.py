@@ -47,6 +47,7 @@ def make_recording(
         "path_error_mm": about["path_error_mm"],
         "d_efficiency": about["d_efficiency"],
         "d_efficiency_planned": about["d_efficiency_planned"],
+        "peak_acceleration_of_limit": about["peak_acceleration_of_limit"],
         "simulated": True,
     }
     if not quiet:
@@ -56,5 +57,10 @@ def make_recording(
             f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} "
             f"(planned {answer['d_efficiency_planned']:.3f})"
         )
+        if answer["peak_acceleration_of_limit"] > 1.01:
+            print(
+                f"between its blocks the controller accelerates up to {answer['peak_acceleration_of_limit']:.2f} times the "
+                "limit (its planner, not the program); the evaluation's filter takes that ripple out"
+            )
         print(f"recording written: {folder} ({answer['samples']} samples)")
     return answer, outcome

@@ -18,7 +18,8 @@ class ControllerLog:
         strut_lengths: commanded strut lengths, shape (n, 6) [m].
         poses: commanded pose (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad].
         trigger: the recording output, shape (n,).
-        lines: the program line being executed, counted from 1; 0 while nothing moves, shape (n,).
+        lines: the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the
+            controller reports it so (LinuxCNC), shape (n,).
 
     Raises:
         ValueError: a shape is wrong, a value is not finite, or the log is empty.

@@ -61,7 +61,8 @@ def run_linuxcnc(program: Path, case: Case, *, speedup: float = 20.0, time_limit
         program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
         case: a case with machine, workspace, limits and controller.
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
-            depend on it. A computer that is too slow for it loses cycles or stretches dwells, which is an error.
+            depend on it, but for some cycles before the first blocks of a path on a busy computer. One that is too slow
+            for it loses cycles or stretches dwells, which is an error.
         time_limit: for the program [s on the wall]. By default its dwells and 20 s of controller time for each of its
             lines, both divided by the speed-up, and half a minute.
 

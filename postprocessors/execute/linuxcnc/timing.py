@@ -116,9 +116,9 @@ def dwell_problem(
     for number in durations:
         standstills.setdefault(int(np.searchsorted(executed, number)), []).append(number)
     for following, numbers in standstills.items():
-        # The cycle after the last one of a motion still moves, into its end.
-        start = window[0] if following == 0 else int(moving[following - 1]) + 2
-        end = window[1] if following == len(moving) else int(moving[following])
+        start = window[0] if following == 0 else int(moving[following - 1]) + 1
+        # The first cycle of a motion still shows the line before it.
+        end = window[1] if following == len(moving) else int(moving[following]) - 1
         taken = (end - start) * log.period
         planned = sum(durations[number] for number in numbers)
         allowed = planned + len(numbers) * (reserve + LATENCY) * speedup

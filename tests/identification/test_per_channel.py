@@ -1,0 +1,65 @@
+"""Weights per channel: channels of unlike units and noise are told apart from their residuals."""
+
+import numpy as np
+import pytest
+
+from cases.errors import IdentificationError
+from identification.estimator import gauss_markov, per_channel
+from tests.helpers import one_line
+
+DRAW = np.random.default_rng(0)
+A = DRAW.normal(size=(1000, 6, 4))
+U = np.array([1.0, -2.0, 0.5, 3.0])
+NAMES = ["m", "mxC", "myC", "mzC"]
+NOISE_STD = np.array([1.0, 0.1, 10.0, 2e-3, 5e-3, 3.0])
+FORCES = A @ U + NOISE_STD * DRAW.normal(size=(1000, 6))
+
+
+def test_the_noise_of_each_channel_is_recovered() -> None:
+    """Each standard deviation is known to 1 / sqrt(2000) = 2.2 % from 1000 residuals."""
+    fit = per_channel(A, FORCES, NAMES)
+    np.testing.assert_allclose(1 / np.sqrt(fit.weights), NOISE_STD, rtol=0.08)
+    assert fit.s0 == pytest.approx(1.0, abs=0.01)
+
+
+def test_it_settles_where_weights_and_residuals_agree() -> None:
+    fit = per_channel(A, FORCES, NAMES)
+    again = gauss_markov(A, FORCES, NAMES, fit.weights)
+    np.testing.assert_allclose(again.values, fit.values, rtol=1e-9)
+    variance = np.mean(again.residuals**2, axis=0) / (1 - 4 / FORCES.size)
+    np.testing.assert_allclose(1 / variance, fit.weights, rtol=1e-4)
+
+
+def test_it_is_nearer_to_the_truth_than_equal_weights_and_says_so() -> None:
+    weighted, equal = per_channel(A, FORCES, NAMES), gauss_markov(A, FORCES, NAMES, np.ones(6))
+    assert np.linalg.norm(weighted.values - U) < 0.1 * np.linalg.norm(equal.values - U)
+    assert np.all(np.diag(weighted.covariance) < np.diag(equal.covariance))
+    std = np.sqrt(np.diag(weighted.covariance))
+    assert np.all(np.abs(weighted.values - U) < 4 * std)
+
+
+def test_the_unit_of_a_channel_does_not_matter() -> None:
+    """Moments in N m or N mm give the same body."""
+    unit = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])
+    plain, scaled = per_channel(A, FORCES, NAMES), per_channel(A * unit[:, None], FORCES * unit, NAMES)
+    np.testing.assert_allclose(scaled.values, plain.values, rtol=1e-7)
+    np.testing.assert_allclose(scaled.covariance, plain.covariance, rtol=1e-5, atol=1e-20)
+
+
+@pytest.mark.parametrize("channel", range(6))
+@pytest.mark.parametrize("reading", [0.0, 5.0])
+def test_a_channel_that_is_stuck_is_named(channel: int, reading: float) -> None:
+    """A cable that came off reads the same value for ever; offsets fit it without residual."""
+    matrices = np.dstack([A, np.tile(np.eye(6), (1000, 1, 1))])
+    forces = FORCES.copy()
+    forces[:, channel] = reading
+    with pytest.raises(IdentificationError, match=f"channel {channel + 1} ") as caught:
+        per_channel(matrices, forces, NAMES + [f"f_q0_{k}" for k in range(1, 7)])
+    one_line(caught.value)
+
+
+@pytest.mark.parametrize("samples", [1, 30])
+def test_forces_that_are_all_zero_are_refused(samples: int) -> None:
+    with pytest.raises(IdentificationError) as caught:
+        per_channel(A[:samples], np.zeros((samples, 6)), NAMES)
+    one_line(caught.value)

@@ -1,0 +1,116 @@
+"""A recording survives the way through its file, whatever the file calls its columns."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.errors import RecordingError
+from cases.schema import Case
+from identification.executed import PoseExecution
+from identification.hexapod import Hexapod
+from identification.recording import Recording, read_recording, write_recording
+from identification.simulate import simulate_recording
+from tests.helpers import Harmonic, one_line
+
+
+@pytest.fixture
+def recording(hexapod_case: Case) -> Recording:
+    execution = PoseExecution(Hexapod.of(hexapod_case), Harmonic(duration=1.0))
+    return simulate_recording(hexapod_case, execution, np.array([[0.2, 0.8]]), seed=1)
+
+
+def test_what_is_written_is_read_back(tmp_path: Path, recording: Recording, hexapod_case: Case) -> None:
+    file = tmp_path / "recording.csv"
+    write_recording(file, recording, hexapod_case)
+    for place in (file, tmp_path):  # a file, or the folder that holds it
+        back = read_recording(place, hexapod_case)
+        np.testing.assert_allclose(back.t, recording.t, atol=1e-9)
+        np.testing.assert_allclose(back.struts, recording.struts, atol=1e-11)  # 1e-8 mm
+        np.testing.assert_allclose(back.forces, recording.forces, atol=1e-6)
+        np.testing.assert_array_equal(back.trigger, recording.trigger)
+        assert back.rotations is None
+        assert back.source == str(file)
+        assert back.step == pytest.approx(1e-3)
+
+
+def test_the_file_has_the_columns_of_the_conventions(tmp_path: Path, recording: Recording, hexapod_case: Case) -> None:
+    file = tmp_path / "recording.csv"
+    write_recording(file, recording, hexapod_case)
+    header, *rows = file.read_text().splitlines()
+    assert header.replace('"', "") == "t_s," + ",".join([f"l{k}_mm" for k in range(1, 7)]) + "," + ",".join(
+        [f"f{k}_N" for k in range(1, 7)]
+    ) + ",trigger"
+    assert len(rows) == len(recording.forces)
+    assert rows[300].endswith(",1")
+    assert rows[100].endswith(",0")
+
+
+def test_columns_may_have_other_names_and_any_order(tmp_path: Path, recording: Recording, hexapod_case: Case) -> None:
+    file = tmp_path / "recording.csv"
+    write_recording(file, recording, hexapod_case)
+    table = [line.replace('"', "").split(",") for line in file.read_text().splitlines()]
+    table[0] = [{"l1_mm": "q[0]", "t_s": "Zeit"}.get(n, n) for n in table[0]]
+    file.write_text("\n".join(",".join(reversed(row)) for row in table))
+    columns = {"l1_mm": "q[0]", "t_s": "Zeit"}
+    recorded = hexapod_case.recording.model_copy(update={"columns": columns})
+    back = read_recording(file, hexapod_case.model_copy(update={"recording": recorded}))
+    np.testing.assert_allclose(back.struts, recording.struts, atol=1e-11)
+    np.testing.assert_allclose(back.forces, recording.forces, atol=1e-6)
+    with pytest.raises(RecordingError, match="column l1_mm is missing; it has .*q\\[0\\]"):
+        read_recording(file, hexapod_case)
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_files_of_any_system_are_read(
+    tmp_path: Path, recording: Recording, hexapod_case: Case, newline: str, mark: str
+) -> None:
+    file = tmp_path / "recording.csv"
+    write_recording(file, recording, hexapod_case)
+    file.write_bytes((mark + file.read_text().replace("\n", newline)).encode())
+    np.testing.assert_allclose(read_recording(file, hexapod_case).forces, recording.forces, atol=1e-6)
+
+
+def test_a_column_of_words_that_nobody_asks_for_does_no_harm(
+    tmp_path: Path, recording: Recording, hexapod_case: Case
+) -> None:
+    file = tmp_path / "recording.csv"
+    write_recording(file, recording, hexapod_case)
+    header, *rows = file.read_text().splitlines()
+    file.write_text("\n".join([header + ",note", *(row + ",warm-up" for row in rows)]))
+    np.testing.assert_allclose(read_recording(file, hexapod_case).forces, recording.forces, atol=1e-6)
+
+
+def test_counts_of_a_long_running_clock_are_numbers(tmp_path: Path, recording: Recording, hexapod_case: Case) -> None:
+    """Integers beyond 2^53, such as nanoseconds since 1970, stand in columns that nobody asks for, too."""
+    file = tmp_path / "recording.csv"
+    write_recording(file, recording, hexapod_case)
+    header, *rows = file.read_text().splitlines()
+    stamps = [f"{row},{1_764_000_000_000_000_001 + k}" for k, row in enumerate(rows)]
+    file.write_text("\n".join([header + ",stamp_ns", *stamps]))
+    np.testing.assert_allclose(read_recording(file, hexapod_case).forces, recording.forces, atol=1e-6)
+
+
+def test_uneven_sampling_is_named_where_it_happens(recording: Recording) -> None:
+    """A gap of a second in a run of a second doubles the mean step; still the gap is at fault, not the first line."""
+    late = recording.t.copy()
+    late[700:] += 1.0
+    with pytest.raises(RecordingError, match=r"line 702, t_s: step of 1001 ms where the run has 1 ms") as caught:
+        _ = replace(recording, t=late).step
+    assert "without gaps" in one_line(caught.value)
+
+
+def test_rounded_time_stamps_count_as_even(recording: Recording) -> None:
+    assert replace(recording, t=np.round(recording.t, 5)).step == pytest.approx(1e-3)
+
+
+def test_standstills_have_no_step(recording: Recording) -> None:
+    with pytest.raises(RecordingError, match="no t_s column"):
+        _ = replace(recording, t=None).step
+
+
+def test_a_single_row_has_no_step(recording: Recording) -> None:
+    with pytest.raises(RecordingError, match="one row"):
+        _ = replace(recording, t=recording.t[:1]).step
