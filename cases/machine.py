@@ -84,7 +84,7 @@ class Workspace(Part):
 
 
 class MotionLimits(Part):
-    """The box that moving excitations keep: pose relative to home, and its time derivatives, coordinate by coordinate."""
+    """The box that moving excitations keep: pose relative to home, and its time derivatives, each coordinate."""
 
     x_mm: Range
     y_mm: Range

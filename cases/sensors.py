@@ -15,7 +15,7 @@ WORST_FRAME_CONDITION = 1e3
 
 
 class Bars(Part):
-    """Six single-axis force sensors, each in a bar from a lower to an upper point, positive in tension of the platform."""
+    """Six single-axis force sensors, each in a bar that carries the platform from a lower to an upper point."""
 
     lower: Joints
     upper: Joints

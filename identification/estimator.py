@@ -67,10 +67,10 @@ def gauss_markov(
 ) -> Fit:
     """Weighted least squares with W the same diagonal at every sample.
 
-    Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of the
-    unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of variance
-    gain s0^2, of which every stride-th was kept: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 / stride F^-1 is the
-    covariance, F being that of the kept samples.
+    Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
+    the unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of
+    variance gain s0^2, of which every stride-th was kept: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 /
+    stride F^-1 is the covariance, F being that of the kept samples.
 
     Args:
         regressors: A_j, shape (n, 6, u).
@@ -104,8 +104,8 @@ def gauss_markov(
         share = np.abs(directions[rank:]).max(axis=0)
         hidden = [name for name, s in zip(names, share, strict=False) if s > 1e-3]
         raise IdentificationError(
-            f"rank {rank} of {len(singular)}: {', '.join(hidden)} not determined by this run; excite them (plan a motion or "
-            "more poses) or choose a model without them"
+            f"rank {rank} of {len(singular)}: {', '.join(hidden)} not determined by this run; excite them (plan a "
+            "motion or more poses) or choose a model without them"
         )
     scaled = solve_triangular(r, q.T @ right)
     values = scale * scaled
@@ -114,8 +114,8 @@ def gauss_markov(
     freedom = samples * sensors * filtered.gain * filtered.stride - unknowns
     if freedom <= 0.0:
         raise IdentificationError(
-            f"{samples * filtered.stride} samples hold {freedom + unknowns:.0f} independent forces behind the filter for "
-            f"{unknowns} unknowns; record longer or raise filter_cutoff_Hz"
+            f"{samples * filtered.stride} samples hold {freedom + unknowns:.0f} independent forces behind the filter "
+            f"for {unknowns} unknowns; record longer or raise filter_cutoff_Hz"
         )
     s0 = float(np.sqrt(chi_squared * filtered.stride / freedom))
     inverse_root = scale[:, None] * solve_triangular(r, np.eye(unknowns))

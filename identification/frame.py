@@ -11,8 +11,8 @@ Array = NDArray[np.float64]
 def structure_matrix(frame: SensorFrame) -> Array:
     """J^-T of (2), shape (6, 6): columns (n_k; h_k x n_k) for bars [-, m].
 
-    Bar k runs from its lower point h_k to its upper point along n_k. A force/torque sensor that reads the support's push
-    has J^-T = 1, one that reads the load's pull J^-T = -1.
+    Bar k runs from its lower point h_k to its upper point along n_k. A force/torque sensor that reads the support's
+    push has J^-T = 1, one that reads the load's pull J^-T = -1.
     """
     if frame.bars is not None:
         lower, upper = frame.bars.lower.points, frame.bars.upper.points

@@ -1,7 +1,7 @@
 """Kinematics of a hexapod: struts from pose, pose from struts, and their first and second time derivatives (7)-(9).
 
-Strut k joins base joint b_k (in {B}) to platform joint p_k (in {P}): s_k = o + R p_k - b_k, l_k = |s_k|. Written once as
-CasADi functions; NumPy arrays go through them sample by sample.
+Strut k joins base joint b_k (in {B}) to platform joint p_k (in {P}): s_k = o + R p_k - b_k, l_k = |s_k|. Written once
+as CasADi functions; NumPy arrays go through them sample by sample.
 """
 
 from dataclasses import dataclass
@@ -122,7 +122,7 @@ class Hexapod:
 
     @cached_property
     def _newton_step(self) -> ca.Function:
-        """(pose, step in position and rotation vector) -> pose: turns about the axes of {B}, so RPY never divides by 0."""
+        """(pose, step in position and rotation vector) -> pose; turns about the axes of {B}."""
         pose, step = ca.SX.sym("pose", 6), ca.SX.sym("step", 6)
         half = step[3:] / 2  # Cayley: a proper rotation for every step, equal to it to second order
         turn = ca.solve(ca.SX.eye(3) - skew(half), (ca.SX.eye(3) + skew(half)) @ rotation(pose[3:]))
@@ -200,7 +200,7 @@ class Hexapod:
         twist_ = np.linalg.solve(jacobian, np.asarray(velocities)[:, :, None])[:, :, 0]
         drift = over_samples(self._jacobian_drift, pose, twist_)[0]
         rate = np.linalg.solve(jacobian, (np.asarray(accelerations) - drift)[:, :, None])[:, :, 0]
-        return Kinematics(pose, twist_, rate)
+        return Kinematics(pose, twist_, np.asarray(rate, dtype=np.float64))
 
 
 def kinematics_of_coordinates(pose: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:

@@ -1,8 +1,8 @@
 """From a recording to parameters: kinematics (7)-(9), regressor (17)-(22), Gauss-Markov (23)-(28), physical form.
 
-Forces and struts of a moving run pass the same zero-phase low-pass, which also differentiates the struts: what a controller's
-blocks and the encoders' steps add above the cut-off then disturbs neither side. What is left is kept at the rate that it
-still needs. The delay between forces and motion is estimated together with the parameters.
+Forces and struts of a moving run pass the same zero-phase low-pass, which also differentiates the struts: what a
+controller's blocks and the encoders' steps add above the cut-off then disturbs neither side. What is left is kept at
+the rate that it still needs. The delay between forces and motion is estimated together with the parameters.
 """
 
 from dataclasses import dataclass
@@ -132,8 +132,8 @@ def _from_motion(recording: Recording, case: Case, model: Model) -> Estimate:
     step = recording.step
     if not cutoff < 0.2 / step:
         raise RecordingError(
-            f"{recording.source}: filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second; at most "
-            f"{0.2 / step:.4g}"
+            f"{recording.source}: filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second; at "
+            f"most {0.2 / step:.4g}"
         )
     low_pass = Filter(cutoff, step)
     window = _window(recording, low_pass)

@@ -1,7 +1,7 @@
 """Numeric proof that a motion keeps the limits of its case.
 
-Written in NumPy from the definitions (rotation matrices differentiated by the product rule), with no code in common with
-the CasADi models that the optimiser uses.
+Written in NumPy from the definitions (rotation matrices differentiated by the product rule), with no code in common
+with the CasADi models that the optimiser uses.
 """
 
 from collections.abc import Iterable
@@ -22,7 +22,7 @@ PROOF_RATE = 10_000.0  # [1/s]; at most 200 rad/s^3 * (1e-4 s)^2 / 8 escape betw
 TOLERANCE = 1e-6  # a limit counts as kept up to this share of it: rounding, not motion
 CHUNK = 20_000  # samples at once, bounds memory
 
-_COORDINATES = ("x", "y", "z", "a", "b", "c")
+_COORDINATES: tuple[str, ...] = ("x", "y", "z", "a", "b", "c")
 
 
 class Status(StrEnum):

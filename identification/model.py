@@ -1,7 +1,7 @@
 """Identification models 0 to 9 (Table 2): the regressor A of f_q = A u, equations (17) to (22).
 
-The regressor is written once, as CasADi expressions, block by block; a model is a list of blocks. Planner, estimator and
-simulation share it. Units of the compensation factors: CONVENTIONS (the paper's "N/mm" must read N/m).
+The regressor is written once, as CasADi expressions, block by block; a model is a list of blocks. Planner, estimator
+and simulation share it. Units of the compensation factors: CONVENTIONS (the paper's "N/mm" must read N/m).
 """
 
 from collections.abc import Callable

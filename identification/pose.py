@@ -29,7 +29,7 @@ def rotation(rpy: ca.SX) -> ca.SX:
 
 
 def rate_matrix(rpy: ca.SX) -> ca.SX:
-    """The matrix of (39): omega in {B} = rate_matrix(rpy) (roll', pitch', yaw'), shape (3, 3)."""
+    """The matrix of (39), shape (3, 3): times (roll', pitch', yaw') it is omega in {B}."""
     sp, cp = ca.sin(rpy[1]), ca.cos(rpy[1])
     sy, cy = ca.sin(rpy[2]), ca.cos(rpy[2])
     return ca.vertcat(

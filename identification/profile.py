@@ -1,4 +1,4 @@
-"""The rest-to-rest motion profile with seven segments of constant jerk, in closed form, and straight moves that follow it."""
+"""The rest-to-rest profile with seven segments of constant jerk, in closed form, and straight moves that follow it."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -55,7 +55,7 @@ class Profile(NamedTuple):
 
 
 def fastest_profile(distance: float, velocity: float, acceleration: float, jerk: float) -> Profile:
-    """The fastest rest-to-rest profile over `distance` > 0 within the three limits, all > 0, in one unit of distance."""
+    """The fastest rest-to-rest profile over a distance within three limits, all above 0 and in one unit of distance."""
     jerk_time = min(acceleration / jerk, np.sqrt(velocity / jerk), np.cbrt(distance / (2 * jerk)))
     hold_time = 0.0
     if jerk_time == acceleration / jerk:  # only then does the acceleration reach its limit and can be held

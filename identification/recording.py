@@ -1,7 +1,8 @@
 """Recorded runs: read from CSV with every damage explained, written whole or not at all.
 
 Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` or a rotation matrix
-`r11`..`r33` (sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally `trigger` 0/1. The case maps other names.
+`r11`..`r33` (sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally `trigger` 0/1. The case maps other
+names.
 """
 
 from dataclasses import dataclass
@@ -202,7 +203,9 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
         recording: with time, struts and trigger.
         case: for the names of the forces.
     """
-    assert recording.t is not None and recording.struts is not None and recording.trigger is not None
+    assert recording.t is not None
+    assert recording.struts is not None
+    assert recording.trigger is not None
     table = {"t_s": np.round(recording.t, 9)}
     # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
     table |= {n: np.round(recording.struts[:, k] / MM, 8) for k, n in enumerate(STRUTS)}

@@ -14,10 +14,11 @@ from cases.errors import RecordingError
 
 Array = NDArray[np.float64]
 
-# Nuttall's four-term window with continuous first derivative (A. Nuttall, IEEE Trans. ASSP 29 (1981) 84): side lobes below
-# -93 dB, and no step at its ends, which sampled second derivatives would show.
+# Nuttall's four-term window with continuous first derivative (A. Nuttall, IEEE Trans. ASSP 29 (1981) 84): side lobes
+# below -93 dB, and no step at its ends, which sampled second derivatives would show.
 _WINDOW = (0.355768, 0.487396, 0.144232, 0.012604)
-# The main lobe of the window is 4 / half length wide: at 4 / cut-off the transition spans half to one and a half cut-offs.
+# The main lobe of the window is 4 / half length wide: at 4 / cut-off the transition spans half to one and a half cut-
+# offs.
 _HALF_LENGTH = 4.0
 
 
@@ -50,7 +51,7 @@ class Filter(NamedTuple):
     def _kernel(self, order: int, shift: float) -> Array:
         """Derivative `order` of the impulse response at multiples of `step` less `shift` [s], shape (2 margin + 1,)."""
         half = _HALF_LENGTH / self.cutoff
-        t = np.arange(-self.margin, self.margin + 1) * self.step - shift
+        t: Array = np.arange(-self.margin, self.margin + 1) * np.float64(self.step) - shift
         inside = np.abs(t) < half
         window = [np.zeros_like(t) for _ in range(3)]
         for k, weight in enumerate(_WINDOW):

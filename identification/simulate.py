@@ -1,7 +1,7 @@
 """Simulates what sensors and encoders record of an executed motion.
 
-No inverse crime: forces follow from the continuous motion's own derivatives, not from the recorded samples, and by default
-the recording is delayed, sampled between encoder cycles, quantised and noisy.
+No inverse crime: forces follow from the continuous motion's own derivatives, not from the recorded samples, and by
+default the recording is delayed, sampled between encoder cycles, quantised and noisy.
 """
 
 import numpy as np
@@ -55,7 +55,7 @@ def simulate_recording(
     """
     simulation = case.need_simulation("the simulation of sensor forces")
     step = 1.0 / simulation.encoder_rate_Hz
-    t = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * step
+    t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
     late = simulation.force_delay + simulation.force_sampling_offset_cycles * step
     forces = true_forces(case, execution, t - late)
     forces = forces + np.random.default_rng(seed).normal(0.0, simulation.force_noise_N, forces.shape)

@@ -1,11 +1,12 @@
-"""The information limit of a case: the D-optimal approximate design over the motion box of pose, rates and accelerations.
+"""The information limit of a case: the D-optimal approximate design over the motion box.
 
-Maximise log det sum_i w_i A_i^T A_i over states i of the box and weights w. By the general equivalence theorem (Kiefer and
-Wolfowitz 1960) log det F* <= log det F + u log(dmax / u) for every F, dmax being the largest directional derivative
+Maximise log det sum_i w_i A_i^T A_i over states i of the box and weights w. By the general equivalence theorem (Kiefer
+and Wolfowitz 1960) log det F* <= log det F + u log(dmax / u) for every F, dmax being the largest directional derivative
 d(state) = trace(A F^-1 A^T) over the box. Here dmax comes from a multi-start search: the result is an estimate of that
 bound, and says so; a certificate would need a proven global maximum.
 """
 
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -72,10 +73,8 @@ def box_bound(case: Case, model: Model, cache: Path | None = None) -> Bound:
         except (FileProblem, TypeError):
             file.unlink(missing_ok=True)  # a cache holds nothing that cannot be computed again
     bound = compute_bound(case, model)
-    try:
+    with suppress(FileProblem):  # without a writable cache it is computed anew each time
         write_text(file, json_text(asdict(bound)))
-    except FileProblem:
-        pass  # without a writable cache it is computed anew each time
     return bound
 
 
@@ -126,7 +125,7 @@ def _multiplicative(products: Array, weights: Array, size: int) -> Array:
         weights = weights * derivative / size
         if derivative.max() <= size * (1.0 + GAP / 10):
             break
-    return weights / weights.sum()
+    return np.asarray(weights / weights.sum())
 
 
 class _Search:
@@ -160,7 +159,7 @@ class _Search:
 
     def maximise(self, inverse: Array, known: Array, draw: np.random.Generator) -> tuple[Array, Array]:
         """Local maxima of the derivative by projected gradient steps from many starts; states and values."""
-        factor = np.linalg.cholesky(inverse)
+        factor: Array = np.asarray(np.linalg.cholesky(inverse), dtype=np.float64)
         random = _to_edges(draw.uniform(-1.0, 1.0, (20 * SEARCH_STARTS, 18)), draw)
         best = np.argsort(-self._values(random, factor))[:SEARCH_STARTS]
         shares = np.vstack([random[best], known])

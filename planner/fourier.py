@@ -126,7 +126,7 @@ class FourierFamily:
         return FourierMotion(self.home + centre, a, b, self.period, self.repeats)
 
     def maps(self) -> tuple[Array, Array, Array, Array]:
-        """Linear maps, each (K, q): unknowns of a coordinate -> its value and derivatives on the grid, in box widths."""
+        """Linear maps, each (K, q): unknowns of a coordinate -> it and its derivatives on the grid, in half widths."""
         basis, t = resting_basis(self.order), self.grid
         w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
         sine, cosine = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))

@@ -1,7 +1,7 @@
 """Solves an excitation problem from many random starts, in parallel processes, and rates what comes out in NumPy.
 
-IPOPT's own word is not taken for it: objective and limits of every result are computed anew from the motion, and a motion
-that passes a limit between the samples of the grid is scaled back until it does not.
+IPOPT's own word is not taken for it: objective and limits of every result are computed anew from the motion, and a
+motion that passes a limit between the samples of the grid is scaled back until it does not.
 """
 
 import os

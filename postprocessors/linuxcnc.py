@@ -7,7 +7,8 @@ import numpy as np
 from cases.units import DEG, MINUTE, MM
 from postprocessors.program import Array, Block, Dwell, Program, TimedPath, ToHome, Trigger
 
-# 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk limits.
+# 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
+# limits.
 LENGTH_DECIMALS = 5
 ANGLE_DECIMALS = 6
 FEED_DECIMALS = 6
@@ -38,14 +39,15 @@ def _lines(block: Block) -> list[str]:
         case Dwell():
             return [f"G4 P{_number(block.duration, 6)}"]
         case Trigger():
-            # At once: M62 and M63 would wait for a next motion. They break blending, but here the machine stands anyway.
+            # At once: M62 and M63 would wait for a next motion. They break blending, but here the machine stands
+            # anyway.
             return ["M64 P0" if block.on else "M65 P0"]
         case TimedPath():
             return _timed(block)
 
 
 def _timed(path: TimedPath) -> list[str]:
-    lines = [_comment(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64", "G93"]
+    lines = [_comment(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64 P1 Q0", "G93"]
     feeds = MINUTE / np.diff(path.times)
     for pose, feed in zip(path.poses[1:], feeds, strict=True):
         lines.append(f"G1 {_axes(pose)} F{_number(feed, FEED_DECIMALS)}")  # G93 wants F on every line

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cases.errors import ProgramError
 from cases.schema import Case
@@ -78,7 +79,7 @@ class _ConstantSpeed:
     end: Array
     duration: float
 
-    def at(self, t: Array) -> Motion:
+    def at(self, t: ArrayLike) -> Motion:
         time = np.asarray(t, dtype=float)
         way = self.end - self.start
         pose = self.start + (time / self.duration)[:, None] * way

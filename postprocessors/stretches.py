@@ -83,7 +83,8 @@ def stretches(reading: Reading, case: Case) -> tuple[Stretch, ...]:
         case: gives the speed of rapids.
 
     Raises:
-        ProgramError: a program whose motion is not defined: timed blocks from an unknown pose, blocks of the controller's
+        ProgramError: a program whose motion is not defined: timed blocks from an unknown pose, blocks of the
+        controller's
             own timing that run into each other, a trigger that waits for a motion which never comes.
     """
     return tuple(_Grouping(reading, case).run())

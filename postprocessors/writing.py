@@ -21,7 +21,7 @@ ROUNDING = np.r_[np.full(3, 1e-5 * MM), np.full(3, 1e-6 * DEG)]
 
 
 class Dialect(NamedTuple):
-    """A controller's language: suffix of its files, its writer, and its reader, which shares nothing with the writer."""
+    """A controller's language: suffix of its files, its writer, and a reader that shares nothing with the writer."""
 
     suffix: str
     write: Callable[[Program], str]

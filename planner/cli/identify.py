@@ -78,13 +78,15 @@ def show_result(answer: dict[str, Any]) -> None:
     for name, p in answer["parameters"].items():
         scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
         rows.append([name, *(f"{p[key] * scale:.6g}" for key in ("value", "std", "std_robust")), unit])
-    title = f"Model {answer['model']}: {answer['samples']} samples, rank {answer['rank']}, condition {answer['condition']:.3g}"
+    title = f"Model {answer['model']}: {answer['samples']} samples, rank {answer['rank']}"
+    title += f", condition {answer['condition']:.3g}"
     print_table(title, ("parameter", "value", "std (28)", "std robust", "unit"), rows)
     print(f"s0 = {answer['s0']:.4g}, force residual {answer['s0_N']:.4g} N rms, weights {answer['weights']}")
     if answer["delay_s"] is not None:
         delay = answer["delay_s"]
         print(
-            f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms (estimated, compensated)"
+            f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms "
+            "(estimated and compensated)"
         )
     for warning in answer["warnings"]:
         print(f"warning: {warning}")

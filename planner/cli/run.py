@@ -58,9 +58,10 @@ def make_recording(
             f"(planned {answer['d_efficiency_planned']:.3f})"
         )
         if answer["peak_acceleration_of_limit"] > 1.01:
+            times = f"{answer['peak_acceleration_of_limit']:.2f} times"
             print(
-                f"between its blocks the controller accelerates up to {answer['peak_acceleration_of_limit']:.2f} times the "
-                "limit (its planner, not the program); the evaluation's filter takes that ripple out"
+                f"between its blocks the controller accelerates up to {times} the limit (its planner, "
+                "not the program); the evaluation's filter takes that ripple out"
             )
         print(f"recording written: {folder} ({answer['samples']} samples)")
     return answer, outcome

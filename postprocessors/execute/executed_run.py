@@ -35,4 +35,4 @@ class ExecutedRun:
 def windows(on: NDArray[np.bool_], period: float) -> Array:
     """Start and end of each run of ones, shape (k, 2) [s]."""
     edges = np.diff(np.r_[False, on, False].astype(int))
-    return np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)]) * period
+    return np.asarray(np.column_stack([np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)]) * period, dtype=float)

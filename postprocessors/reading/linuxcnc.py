@@ -22,7 +22,8 @@ STILL = 1e-7  # a coordinate moves if it changes by more, in mm or degrees (the 
 
 _WORD = re.compile(r"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)))")
 _AXES = "XYZABC"
-# Words that change nothing that a hexapod program here relies on: plane, no compensation, no offset, no cycle, arc mode.
+# Words that change nothing that a hexapod program here relies on: plane, no compensation, no offset, no cycle, arc
+# mode.
 _NEUTRAL = {"G17", "G40", "G49", "G54", "G80", "G91.1"}
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
 _REMEDY = {
@@ -149,7 +150,7 @@ class _Interpreter:
 
 
 def _to_si(pose: Array) -> Array:
-    return np.r_[pose[:3] * MM, pose[3:] * DEG]
+    return np.concatenate([pose[:3] * MM, pose[3:] * DEG])
 
 
 def _words(file: str, number: int, text: str) -> Iterator[_Word]:

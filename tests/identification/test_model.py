@@ -55,7 +55,8 @@ def test_bars_carry_the_weight_upwards() -> None:
     positions, turns = paper_poses()
     u = np.r_[list(body.parameters.values())[:4], np.zeros(6)]
     centre = body.masses @ body.points / body.masses.sum()
-    for turn, forces in zip(turns[:24], model.matrices(positions[:24], turns[:24], STILL[:24], STILL[:24]) @ u, strict=True):
+    for turn, forces in zip(turns[:24], model.matrices(positions[:24], turns[:24], STILL[:24], STILL[:24]) @ u,
+    strict=True):
         wrench = wrench_of_bars(CASE.sensor_frame.bars, forces)
         np.testing.assert_allclose(turn @ wrench[:3], [0.0, 0.0, body.masses.sum() * 9.81], atol=1e-10)
         np.testing.assert_allclose(wrench[3:], np.cross(centre, wrench[:3]), atol=1e-10)

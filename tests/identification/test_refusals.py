@@ -1,0 +1,119 @@
+"""What a run cannot tell is refused by name, with the file and a remedy, before it becomes a number."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.errors import CaseError, HexciteError, IdentificationError, RecordingError
+from cases.loading import load_case
+from cases.schema import Case
+from identification.executed import PoseExecution
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.motion import Standstill
+from identification.recording import Recording
+from identification.simulate import simulate_recording
+from tests.helpers import HOME, Harmonic, one_line, paper_poses
+
+CASE = load_case("hexapod")
+WRIST = load_case("ft_wrist")
+RUN = simulate_recording(
+    CASE, PoseExecution(Hexapod.of(CASE), Harmonic(duration=1.5)), np.array([[0.2, 1.3]]), 0, "run.csv"
+)
+TURNS = paper_poses()[1][:24]
+STILL = replace(RUN, t=None, trigger=None)
+ROTATIONS = Recording("run.csv", None, None, TURNS, np.random.default_rng(0).normal(size=(24, 6)), None)
+
+
+def standing(trigger: bool) -> Recording:
+    execution = PoseExecution(Hexapod.of(CASE), Standstill(HOME, 1.5))
+    recording = simulate_recording(CASE, execution, np.array([[0.2, 1.3]]), 0, "run.csv")
+    return recording if trigger else replace(recording, trigger=None)
+
+
+def first(count: int) -> Recording:
+    return replace(RUN, t=RUN.t[:count], struts=RUN.struts[:count], forces=RUN.forces[:count], trigger=RUN.trigger[:count])
+
+
+def triggered(count: int) -> Recording:
+    on = np.zeros(len(RUN.t), dtype=bool)
+    on[700 : 700 + count] = True
+    return replace(RUN, trigger=on)
+
+
+def with_struts(change: Callable[[np.ndarray], None], of: Recording) -> Recording:
+    struts = of.struts.copy()
+    change(struts)
+    return replace(of, struts=struts)
+
+
+def jam(struts: np.ndarray) -> None:
+    struts[1000:] = [0.3, 1.5, 0.3, 1.5, 0.3, 1.5]
+
+
+def metres(struts: np.ndarray) -> None:
+    struts /= 1000.0
+
+
+def same_pose(struts: np.ndarray) -> None:
+    struts[:] = struts[0]
+
+
+def without_filter() -> Case:
+    return CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"filter_cutoff_Hz": None})})
+
+
+def filtered_at(cutoff: float) -> Case:
+    return CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})})
+
+
+# what -> recording, case, model, error, what the message says beside the file
+REFUSALS: dict[str, tuple[Recording, Case, int | None, type[HexciteError], str]] = {
+    "inertia from standstills": (STILL, CASE, 9, IdentificationError, "model 9 contains inertia.*choose a model from 0"),
+    "position from rotations": (ROTATIONS, WRIST, 5, IdentificationError, "model 5 needs the platform's position.*choose model 0"),
+    "inertia from rotations at rest": (ROTATIONS, WRIST, 6, IdentificationError, "inertia, which standstills cannot excite"),
+    "a motion of rotations only": (replace(ROTATIONS, t=np.arange(24.0)), WRIST, None, RecordingError, "remove t_s"),
+    "a standstill with trigger": (standing(True), CASE, None, IdentificationError, "the pose is constant"),
+    "a standstill without trigger": (standing(False), CASE, None, IdentificationError, "the pose is constant"),
+    "one pose many times": (with_struts(same_pose, STILL), CASE, None, IdentificationError, "rank 6 of 14: m, .*not determined"),
+    "one sample": (first(1), CASE, None, RecordingError, "."),
+    "two samples": (first(2), CASE, None, RecordingError, "2 samples are too few for a 40 Hz filter"),
+    "shorter than the filter": (first(150), CASE, None, RecordingError, "150 samples are too few.*record longer"),
+    "one standstill": (replace(first(1), t=None), CASE, None, IdentificationError, "1 samples? .*14 unknowns"),
+    "trigger never on": (triggered(0), CASE, None, RecordingError, "trigger: is never 1"),
+    "trigger on once": (triggered(1), CASE, None, IdentificationError, "."),
+    "trigger on for 4 samples": (triggered(4), CASE, None, IdentificationError, "record"),
+    "trigger on for 9 samples": (triggered(9), CASE, None, IdentificationError, "record"),
+    "trigger on for 20 samples": (triggered(20), CASE, None, IdentificationError, "record"),
+    "forces that are all zero": (replace(RUN, forces=0 * RUN.forces), CASE, None, IdentificationError, "."),
+    "struts in metres": (with_struts(metres, RUN), CASE, None, IdentificationError, "no pose has the strut lengths.*unit"),
+    "standstills in metres": (with_struts(metres, STILL), CASE, None, IdentificationError, "sample 1: no pose"),
+    "no filter": (RUN, without_filter(), None, RecordingError, "set recording.filter_cutoff_Hz"),
+    "a filter too fast": (RUN, filtered_at(300.0), None, RecordingError, "too high for 1000 samples a second; at most 200"),
+    "another model": (RUN, CASE, 10, IdentificationError, "model 10 .*choose 0, 1"),
+    "struts without a machine": (replace(STILL, source="run.csv"), WRIST, None, CaseError, "machine: is missing"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", REFUSALS)
+def test_it_is_refused_by_name(what: str) -> None:
+    recording, case, number, kind, says = REFUSALS[what]
+    with pytest.raises(kind, match=says) as caught:
+        identify(recording, case, number)
+    message = one_line(caught.value)
+    assert "run.csv" in message or what in ("another model", "struts without a machine")
+
+
+def test_struts_that_cannot_close_are_named_by_the_line_of_the_recording() -> None:
+    """Row 1000 of the arrays is line 1002 of the file; the filter smears the jam by less than its length."""
+    with pytest.raises(IdentificationError, match="no pose has the strut lengths") as caught:
+        identify(with_struts(jam, RUN), CASE)
+    line = int(one_line(caught.value).split("line ")[1].split(",")[0].split(":")[0])
+    assert 1002 - 110 <= line <= 1002 + 110
+
+
+def test_the_same_refusal_comes_from_a_standstill_with_its_line() -> None:
+    with pytest.raises(IdentificationError, match="run.csv, line 1002: no pose"):
+        identify(with_struts(jam, STILL), CASE)
