@@ -45,8 +45,8 @@ def over_samples(function: ca.Function, *arguments: ArrayLike) -> list[Array]:
         stop = min(start + CHUNK, count)
         buffer, evaluate = _mapped(function, stop - start).buffer()
         for k, value in enumerate(inputs):
-            buffer.set_arg(k, memoryview(value[start:stop]))
+            buffer.set_arg(k, value[start:stop].data)
         for k, result in enumerate(outputs):
-            buffer.set_res(k, memoryview(result[start:stop]))
+            buffer.set_res(k, result[start:stop].data)
         evaluate()
     return [r[:, 0, :] if r.shape[1] == 1 else r.transpose(0, 2, 1) for r in outputs]

@@ -1,5 +1,10 @@
 """Settings of all tests: hypothesis is seeded and never timed, slow studies run only where they are asked for."""
 
+import os
+
+# Small matrices: BLAS threads only wait for each other, all the more so when several tests run side by side.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import settings
 

@@ -69,8 +69,7 @@ def test_a_delay_beyond_reason_is_warned_of() -> None:
     assert any("do the streams match?" in w for w in identify(run(case), case).warnings)
 
 
-def test_lengths_forces_and_time_belong_to_the_recording_not_to_its_clock() -> None:
-    """A clock that started long ago gives the same parameters."""
+def test_a_clock_that_started_long_ago_gives_the_same_parameters() -> None:
     recording = run(CASE)
     plain, late = identify(recording, CASE), identify(replace(recording, t=recording.t + 8192.0), CASE)
     np.testing.assert_allclose(late.values, plain.values, rtol=1e-6, atol=1e-6)

@@ -1,0 +1,40 @@
+# Everything starts here: each target sets up what it needs in .venv. PYTHON=python3.12 chooses another interpreter.
+PYTHON ?= python3
+BIN := .venv/bin
+CONSTRAINTS := .ci/constraints.txt
+
+.PHONY: demo test check lint bench clean
+
+demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo/report.html
+	$(BIN)/hexcite demo
+
+test: .venv/.dev ## the tests
+	$(BIN)/pytest -n auto -m "not slow"
+
+check: lint test ## format, lint, types, import contracts, tests
+
+lint: .venv/.dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
+
+bench: .venv/.dev ## the figures that matter, measured; minutes, not seconds
+	$(BIN)/python -m pytest -m slow -q
+	$(BIN)/python tests/bench/figures.py
+
+.venv/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "hexcite needs Python 3.11 or newer; call make PYTHON=python3.11 ..."; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
+
+.venv/.runtime: .venv/bin/python pyproject.toml $(CONSTRAINTS)
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint $(CONSTRAINTS) --editable .
+	touch $@
+
+.venv/.dev: .venv/.runtime
+	$(BIN)/pip install --quiet --disable-pip-version-check --constraint $(CONSTRAINTS) --group dev
+	touch $@
+
+clean:
+	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache dist hexcite-demo

@@ -1,0 +1,98 @@
+"""Measures the figures that users care about, from real runs, and prints them side by side. Run by `make bench`."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is no installed package
+
+from cases.loading import load_case
+from identification.identify import identify
+from identification.recording import read_recording, write_recording
+from identification.simulate import simulate_recording
+from planner.cli.console import print_table
+from planner.running import execute, linuxcnc_missing
+from tests.bench.coverage import coverage, idealised
+
+HEXCITE = Path(sys.executable).parent / "hexcite"
+SEEDS = 100
+
+
+def command(*words: str) -> tuple[float, str]:
+    """Wall time of a whole command [s], and what it printed."""
+    began = time.perf_counter()
+    done = subprocess.run([str(HEXCITE), *words], capture_output=True, text=True, check=True)
+    return time.perf_counter() - began, done.stdout
+
+
+def demos(folder: Path) -> list[list[str]]:
+    """The demo on each controller."""
+    rows = []
+    controllers = ["virtual"] + ([] if linuxcnc_missing() else ["linuxcnc"])
+    for controller in controllers:
+        seconds, printed = command("demo", "--on", controller, "-o", str(folder / controller), "--json")
+        answer = json.loads(printed)
+        run, plan = answer["run"], answer["plan"]
+        rows += [
+            [f"hexcite demo on {controller}", f"{seconds:.1f} s", "60 s"],
+            ["  worst error in reported standard deviations", f"{answer['worst_error_in_std']:.2f}", "4"],
+            ["  Fourier order 5, 8 starts, solving", f"{plan['solve_s']:.1f} s", "30 s"],
+            ["  D-efficiency planned / executed", f"{plan['d_efficiency']:.3f} / {run['d_efficiency']:.3f}", ""],
+            ["  duration executed / planned", f"{run['duration_s'] / run['planned_s']:.4f}", ""],
+            ["  distance from the planned path", f"{run['path_error_mm']:.3f} mm", ""],
+        ]
+    return rows
+
+
+def identification(folder: Path) -> list[list[str]]:
+    """Identification of 20 000 samples, and coverage of the intervals."""
+    case = load_case("hexapod")
+    outcome = execute(folder / "virtual" / "excitation.ngc", case, "virtual", 0)
+    run = outcome.run
+    recording = simulate_recording(case, run.execution, run.trigger, 0)
+    repeats = 20_000 // len(recording.forces) + 1
+    assert recording.t is not None
+    assert recording.struts is not None
+    # The run begins and ends standing at home: repeated, it is a longer run of the same machine.
+    count = 20_000
+    long_run = type(recording)(
+        "long", np.arange(count) * 1e-3, np.tile(recording.struts, (repeats, 1))[:count], None,
+        np.tile(recording.forces, (repeats, 1))[:count], np.ones(count, dtype=bool),
+    )  # fmt: skip
+    file = folder / "long.csv"
+    write_recording(file, long_run, case)
+    times = []
+    for _ in range(3):
+        began = time.perf_counter()
+        identify(read_recording(file, case), case, 9)
+        times.append(time.perf_counter() - began)
+    rows = [["identification of 20 000 samples x 6 forces, CSV to result", f"{min(times):.2f} s", "1.5 s"]]
+    ideal = coverage(idealised(case), run.execution, run.trigger, SEEDS)
+    default = coverage(case, run.execution, run.trigger, SEEDS)
+    rows += [
+        [f"coverage, white noise and ideal encoders, {SEEDS} seeds: std (28)", f"{ideal.white:.1f} %", "92 to 98 %"],
+        ["  the same: robust std", f"{ideal.robust:.1f} %", ""],
+        ["coverage, default imperfections: std (28)", f"{default.white:.1f} %", "as it is"],
+        ["  the same: robust std", f"{default.robust:.1f} %", ""],
+        ["  the same: worst error in reported deviations", f"{default.worst:.2f}", ""],
+    ]
+    return rows
+
+
+def main() -> None:
+    """Prints all figures."""
+    starts = [command("--help")[0] for _ in range(7)]
+    rows = [["hexcite --help, median of 7", f"{np.median(starts):.2f} s", "0.4 s"]]
+    with tempfile.TemporaryDirectory() as name:
+        rows += demos(Path(name))
+        rows += identification(Path(name))
+    print_table("Figures, measured now on this machine", ("figure", "measured", "wanted"), rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,42 @@
+"""Evaluating a CasADi function over many samples gives, for each, what CasADi gives for one."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from identification.evaluate import CHUNK, over_samples
+
+X, Y = ca.SX.sym("x", 3), ca.SX.sym("y", 2)
+MATRIX = ca.Function("matrix", [X, Y], [ca.densify(X @ Y.T), X + ca.vertcat(Y, 0)])
+
+
+@pytest.mark.parametrize("count", [1, 2, CHUNK - 1, CHUNK, CHUNK + 1, 2 * CHUNK + 7])
+def test_every_sample_is_evaluated_on_its_own(count: int) -> None:
+    draw = np.random.default_rng(count)
+    x, y = draw.normal(size=(count, 3)), draw.normal(size=(count, 2))
+    outer, total = over_samples(MATRIX, x, y)
+    np.testing.assert_allclose(outer, x[:, :, None] * y[:, None, :], rtol=1e-15)
+    np.testing.assert_allclose(total, x + np.pad(y, ((0, 0), (0, 1))), rtol=1e-15)
+
+
+def test_memory_order_and_number_type_of_the_arguments_do_not_matter() -> None:
+    x, y = np.arange(12).reshape(4, 3), np.arange(8.0).reshape(2, 4).T
+    np.testing.assert_array_equal(over_samples(MATRIX, x, y)[0], x[:, :, None] * y[:, None, :])
+    np.testing.assert_array_equal(over_samples(MATRIX, x.tolist(), y[:, :])[0], x[:, :, None] * y[:, None, :])
+
+
+def test_arguments_are_left_as_they_are() -> None:
+    x, y = np.ones((5, 3)), np.full((5, 2), 2.0)
+    over_samples(MATRIX, x, y)[0][:] = 7.0
+    assert np.all(x == 1.0)
+    assert np.all(y == 2.0)
+
+
+@pytest.mark.parametrize(("x", "y", "says"), [
+    ((4, 2), (4, 2), r"matrix: input 0 has shape \(4, 2\), expected \(4, 3\)"),
+    ((4, 3), (5, 2), r"matrix: input 1 has shape \(5, 2\), expected \(4, 2\)"),
+    ((4, 3), (8,), r"matrix: input 1 has shape \(8,\), expected \(4, 2\)"),
+])  # fmt: skip
+def test_wrong_shapes_are_refused_before_casadi_reads_beyond_them(x: tuple, y: tuple, says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        over_samples(MATRIX, np.zeros(x), np.zeros(y))

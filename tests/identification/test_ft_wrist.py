@@ -1,0 +1,85 @@
+"""A real force/torque sensor on a real robot: 24 poses recorded at NTNU, and what others found in them (FACTS, section 8)."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from cases.schema import Case
+from identification.identify import identify
+from identification.recording import Recording, read_recording
+
+FILE = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
+OFFSETS = [9.0765, -1.0181, 9.9848, 0.4325, -0.6916, -0.1570]
+CASE = load_case("ft_wrist")
+
+pytestmark = pytest.mark.skipif(not FILE.is_file(), reason=f"the recording is not there: {FILE}")
+
+
+@pytest.fixture(scope="module")
+def recording() -> Recording:
+    return read_recording(FILE, CASE)
+
+
+def with_sense(sense: str) -> Case:
+    frame = CASE.sensor_frame
+    transducer = frame.transducer.model_copy(update={"sense": sense})
+    return CASE.model_copy(update={"sensor_frame": frame.model_copy(update={"transducer": transducer})})
+
+
+def rows(recording: Recording, which: slice) -> Recording:
+    return replace(recording, forces=recording.forces[which], rotations=recording.rotations[which])
+
+
+def weight_regressor(recording: Recording, which: slice) -> np.ndarray:
+    """The regressor of a load at rest, from F = m g and T = c x F: the pull of the load on the sensor."""
+    gravity = recording.rotations[which].transpose(0, 2, 1) @ CASE.gravity
+    matrices = np.zeros((len(gravity), 6, 10))
+    matrices[:, :3, 0] = gravity
+    matrices[:, 3:, 1:4] = -np.cross(gravity[:, None, :], np.eye(3)[None]).transpose(0, 2, 1)
+    matrices[:, :, 4:] = np.eye(6)
+    return matrices
+
+
+def test_mass_and_centre_of_gravity_are_the_published_ones(recording: Recording) -> None:
+    found = identify(recording, CASE).physical
+    assert found["m"].value == pytest.approx(0.932, abs=0.004)
+    assert found["zC"].value == pytest.approx(0.0439, abs=0.0005)
+    assert found["xC"].value == pytest.approx(0.0003, abs=0.0005)
+    assert found["yC"].value == pytest.approx(0.0001, abs=0.0005)
+
+
+@pytest.mark.parametrize("channel", range(6))
+def test_published_offsets_lie_in_their_95_percent_intervals(recording: Recording, channel: int) -> None:
+    estimate = identify(recording, CASE)
+    low, high = estimate.physical[f"f_q0_{channel + 1}"].interval(estimate.freedom)
+    assert low <= OFFSETS[channel] <= high
+
+
+def test_offsets_carry_the_unit_of_their_channel(recording: Recording) -> None:
+    found = identify(recording, CASE).physical
+    assert [found[f"f_q0_{k}"].unit for k in range(1, 7)] == ["N"] * 3 + ["N m"] * 3
+
+
+def test_the_wrong_sense_makes_the_mass_negative(recording: Recording) -> None:
+    right, wrong = (identify(recording, with_sense(s)).physical for s in ("load_on_sensor", "sensor_on_load"))
+    assert wrong["m"].value == pytest.approx(-right["m"].value)
+    assert wrong["zC"].value == pytest.approx(right["zC"].value)
+
+
+def test_the_first_twelve_poses_predict_the_other_twelve(recording: Recording) -> None:
+    """FACTS: rms at most 0.143 N and 0.0047 N m."""
+    first, rest = slice(0, 12), slice(12, 24)
+    estimate = identify(rows(recording, first), CASE)
+    error = recording.forces[rest] - weight_regressor(recording, rest) @ estimate.values
+    assert np.sqrt(np.mean(error[:, :3] ** 2, axis=0)).max() <= 0.1435
+    assert np.sqrt(np.mean(error[:, 3:] ** 2, axis=0)).max() <= 0.00475
+
+
+def test_newtons_and_newton_metres_are_weighted_by_their_own_noise(recording: Recording) -> None:
+    estimate = identify(recording, CASE)
+    assert estimate.s0 == pytest.approx(1.0, abs=1e-3)  # dimensionless
+    np.testing.assert_allclose(estimate.residual_rms[:3], [0.131, 0.047, 0.057], atol=0.002)
+    np.testing.assert_allclose(estimate.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)

@@ -1,0 +1,65 @@
+"""A result can be saved, and its intervals are Student's."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.files import json_text
+from cases.loading import load_case
+from identification.executed import PoseExecution
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.result import Estimate, Value
+from identification.simulate import simulate_recording
+from tests.helpers import Harmonic
+
+CASE = load_case("hexapod")
+
+
+@pytest.fixture(scope="module")
+def estimate() -> Estimate:
+    execution = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2.0))
+    return identify(simulate_recording(CASE, execution, np.array([[0.1, 1.9]]), 0, "run.csv"), CASE)
+
+
+def test_an_interval_of_95_percent_is_student_s() -> None:
+    """Quantiles of Student's distribution as printed in tables: 2.228 for 10 degrees of freedom, 1.960 for many."""
+    value = Value(5.0, 2.0, 3.0, "kg")
+    np.testing.assert_allclose(value.interval(10), (5.0 - 2.228 * 2.0, 5.0 + 2.228 * 2.0), atol=1e-3)
+    np.testing.assert_allclose(value.interval(10**6), (5.0 - 1.96 * 2.0, 5.0 + 1.96 * 2.0), atol=1e-3)
+    np.testing.assert_allclose(value.interval(10, 0.99), (5.0 - 3.169 * 2.0, 5.0 + 3.169 * 2.0), atol=1e-3)
+
+
+def test_everything_that_a_result_says_is_json(estimate: Estimate) -> None:
+    back = json.loads(json_text(estimate.to_json()))
+    assert back["case"] == "hexapod"
+    assert back["case_hash"] == CASE.hash
+    assert back["recording"] == "run.csv"
+    assert (back["model"], back["rank"], back["samples"]) == (9, 20, 1800)
+    assert back["parameters"]["m"] == estimate.physical["m"]._asdict()
+    assert back["linear"]["values"] == estimate.values.tolist()
+    assert np.array(back["covariance"]).shape == (20, 20)
+    assert back["delay_s"]["value"] == estimate.delay.value
+
+
+def test_physical_standard_deviations_follow_from_the_covariance_of_the_linear_ones(estimate: Estimate) -> None:
+    """Those of mass, offsets and factors are diagonal elements; that of xC is a ratio's, by hand."""
+    std = dict(zip(estimate.names, np.sqrt(np.diag(estimate.covariance)), strict=True))
+    for name in ("m", "f_q0_1", "f_q0_6", "k0", "k3"):
+        assert estimate.physical[name].std == pytest.approx(std[name])
+    mass, first = estimate.values[:2]
+    gradient = np.array([-first / mass**2, 1 / mass])
+    by_hand = np.sqrt(gradient @ estimate.covariance[:2, :2] @ gradient)
+    assert estimate.physical["xC"].std == pytest.approx(by_hand)
+
+
+def test_rms_residuals_are_those_of_the_recorded_forces(estimate: Estimate) -> None:
+    np.testing.assert_allclose(estimate.residual_rms, np.sqrt(np.mean(estimate.residuals**2, axis=0)))
+    assert estimate.s0_N == pytest.approx(np.sqrt(np.mean(estimate.residuals**2)))
+    assert estimate.s0_N == pytest.approx(CASE.simulation.force_noise_N, rel=0.1)
+
+
+def test_a_result_without_delay_says_so(estimate: Estimate) -> None:
+    assert replace(estimate, delay=None).to_json()["delay_s"] is None
