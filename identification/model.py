@@ -129,6 +129,11 @@ K3 = Block(_per_sensor("K3", "xyz", "N s^2/m"), _k3, False)
 K4 = Block(_per_sensor("K4", "xyz", "N"), _k4, False)
 K5 = Block((Parameter("k2", "N"), Parameter("k3", "N m")), _k5, True)
 
+# A force/torque sensor's last three channels are moments.
+_WRENCH_OFFSETS = OFFSETS._replace(
+    parameters=tuple(Parameter(p.name, "N" if k < 3 else "N m") for k, p in enumerate(OFFSETS.parameters))
+)
+
 _STATIC = (MASS, FIRST_MOMENT, OFFSETS)
 _DYNAMIC = (MASS, FIRST_MOMENT, INERTIA, OFFSETS)
 
@@ -259,4 +264,7 @@ def identification_model(case: Case, number: int) -> Model:
     """
     if number not in MODELS:
         raise IdentificationError(f"model {number} is not one of Table 2; choose {', '.join(map(str, MODELS))}")
-    return Model(number, MODELS[number], structure_matrix(case.sensor_frame), case.gravity)
+    blocks = MODELS[number]
+    if case.sensor_frame.transducer is not None:
+        blocks = tuple(_WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
+    return Model(number, blocks, structure_matrix(case.sensor_frame), case.gravity)

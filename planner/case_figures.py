@@ -9,7 +9,7 @@ from cases.loading import find_case, load_case
 from cases.schema import Case
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
-from identification.limits import prove, worst_of
+from identification.limits import prove
 from identification.motion import Motion
 
 GRID = (-1.0, 0.0, 1.0)
@@ -33,7 +33,7 @@ def case_figures(name: str) -> dict[str, Any]:
     """Loads a case and computes its figures.
 
     Raises:
-        CaseError: not valid, or home or the motion box are out of the machine's reach.
+        CaseError: not valid, or home is out of the machine's reach.
     """
     case = load_case(name)
     frame = structure_matrix(case.sensor_frame)
@@ -58,16 +58,16 @@ def _reach(case: Case, file: str) -> dict[str, Any]:
     corners = np.stack(np.meshgrid(*([GRID] * 6), indexing="ij"), axis=-1).reshape(-1, 6)
     middle, half = limits.motion.pose.mean(axis=0), np.ptp(limits.motion.pose, axis=0) / 2
     poses = np.vstack([machine.home.vector, machine.home.vector + middle + corners * half])
-    for kind, some in (("home", poses[[0, 0]]), ("the motion box", poses)):
-        report = worst_of([prove(_Poses(some), case, 1.0)])
-        broken = [v for v in report.violations if v.name.split(" (")[0] in STATIC]
-        if broken:
-            raise CaseError(
-                file,
-                "limits.motion",
-                f"{kind} is out of reach: {broken[0].name} is {broken[0].worst:.4g} {broken[0].unit}, "
-                f"limit {broken[0].limit:.4g}; narrow the box or widen the workspace",
-            )
+    at_home = prove(_Poses(poses[[0, 0]]), case, 1.0)
+    if at_home.violations:
+        broken = at_home.violations[0]
+        raise CaseError(
+            file,
+            "machine.home",
+            f"is out of reach: {broken.name} is {broken.worst:.4g} {broken.unit}, limit {broken.limit:.4g}; move home or "
+            "widen that limit",
+        )
+    report = prove(_Poses(poses), case, 1.0)
     return {
         "home_struts_mm": (Hexapod.of(case).strut_lengths(poses[:1])[0] * 1e3).tolist(),
         "poses": len(poses),

@@ -51,7 +51,8 @@ class Problem:
         unknowns: the symbol.
         objective: -log det F / u, F the mean information over the grid in reference scaling.
         rows: linear rows in units of their limits.
-        strut_motion: strut velocities and accelerations over the grid in units of their limits, a Function to (12, K).
+        strut_motion: strut lengths, velocities and accelerations over the grid in units of their limits, a Function to
+            (18, K).
     """
 
     unknowns: ca.MX
@@ -60,7 +61,7 @@ class Problem:
     strut_motion: ca.Function
 
     def with_struts(self, active: NDArray[np.bool_]) -> ca.MX:
-        """Rows with the strut limits where `active`, shape (12, K), is set."""
+        """Rows with the strut limits where `active`, shape (18, K), is set."""
         columns = np.flatnonzero(active.any(axis=0))
         if not len(columns):
             return self.rows
@@ -69,7 +70,7 @@ class Problem:
 
 
 def strut_shares(problem: Problem, unknowns: Array) -> Array:
-    """Share of each strut limit that is used at each sample of the grid, shape (12, K)."""
+    """Share of each strut limit that is used at each sample of the grid, shape (18, K)."""
     return np.asarray(np.abs(problem.strut_motion(unknowns).full()))
 
 
@@ -82,7 +83,7 @@ def build_problem(case: Case, model: Model, family: LinearFamily, scaling: Array
         family: what the unknowns mean.
         scaling: reference scaling, shape (u,).
     """
-    machine, _, limits = case.need_machine("planning")
+    machine, workspace, limits = case.need_machine("planning")
     box = limits.motion
     half, middle = (box.pose[1] - box.pose[0]) / 2, (box.pose[1] + box.pose[0]) / 2
     maps = [ca.sparsify(ca.DM(m)) for m in family.maps()]
@@ -107,8 +108,14 @@ def build_problem(case: Case, model: Model, family: LinearFamily, scaling: Array
         if needed:
             rows.append(ca.vec((share @ ca.diag(ca.DM(1.0 / own)))[:, needed]))
 
-    _, velocity, acceleration = Hexapod.of(case).strut_motion.map(count)(*samples)
-    struts = ca.vertcat(velocity / box.strut_velocity_m_s, acceleration / box.strut_acceleration_m_s2)
+    length, velocity, acceleration = Hexapod.of(case).strut_motion.map(count)(*samples)
+    shortest = max(box.strut_length[0], workspace.strut_length[0])
+    longest = min(box.strut_length[1], workspace.strut_length[1])
+    struts = ca.vertcat(
+        (length - (longest + shortest) / 2) / ((longest - shortest) / 2),
+        velocity / box.strut_velocity_m_s,
+        acceleration / box.strut_acceleration_m_s2,
+    )
     return Problem(unknowns, objective, ca.vertcat(*rows), ca.Function("struts", [unknowns], [struts]))
 
 

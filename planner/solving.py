@@ -154,7 +154,7 @@ def run_start(task: Task) -> Start:
 
 def _optimise(problem: Problem, unknowns: Array, stage: Stage) -> tuple[Array, str, int]:
     """IPOPT, again with more strut rows as long as one is passed; unknowns, its last words, iterations."""
-    active = np.zeros((12, problem.strut_motion.size2_out(0)), dtype=bool)
+    active = np.zeros((18, problem.strut_motion.size2_out(0)), dtype=bool)
     iterations, status = 0, ""
     for _ in range(STRUT_ROUNDS if stage.struts else 1):
         solver = ca.nlpsol(

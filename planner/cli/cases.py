@@ -43,4 +43,8 @@ def check(case: Annotated[str, typer.Argument(help="Built-in name, folder or cas
     if "limits_in_box" in figures:
         print(f"struts at home: {', '.join(f'{v:.1f}' for v in figures['home_struts_mm'])} mm")
         rows = limit_rows(figures["limits_in_box"])
-        print_table(f"Standing anywhere in the motion box ({figures['poses']} poses)", LIMIT_COLUMNS, rows)
+        print_table(
+            f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box", LIMIT_COLUMNS, rows
+        )
+        if any(v["ratio"] > 1.0 for v in figures["limits_in_box"].values()):
+            print("Not the whole box is within reach: plans are held to the limits above 100 % as well.")

@@ -65,10 +65,12 @@ def status(text: str, quiet: bool) -> Iterator[None]:
 
 def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
     """Rows of a limit report as it stands in JSON."""
-    return [
-        [v["at"], f"{v['worst']:.4g}", f"{v['limit']:.4g}", v["unit"], f"{100 * v['ratio']:.2f} %", v["status"]]
-        for v in limits.values()
-    ]
+    rows = []
+    for v in limits.values():
+        known = v["status"] == "proven"  # what the controller times itself has no value that we know
+        worst, used = (f"{v['worst']:.4g}", f"{100 * v['ratio']:.2f} %") if known else ("-", "-")
+        rows.append([v["at"], worst, f"{v['limit']:.4g}", v["unit"], used, v["status"]])
+    return rows
 
 
 LIMIT_COLUMNS = ("limit", "worst", "limit at", "unit", "used", "status")

@@ -43,6 +43,7 @@ def make_plan(request: Any, output: Path | None, quiet: bool) -> dict[str, Any]:
     from planner.solving import REFINED, Start
 
     loaded = load_case(request.case_file)
+    loaded.need_machine("planning")
     folder = output if output is not None else Path(f"{loaded.name}-fourier")
     case_file = request.case_file
     if find_case(case_file).is_relative_to(Path.cwd()) or Path(case_file).exists():

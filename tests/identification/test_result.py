@@ -21,7 +21,7 @@ CASE = load_case("hexapod")
 @pytest.fixture(scope="module")
 def estimate() -> Estimate:
     execution = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2.0))
-    return identify(simulate_recording(CASE, execution, np.array([[0.1, 1.9]]), 0, "run.csv"), CASE)
+    return identify(simulate_recording(CASE, execution, np.array([[0.15, 1.85]]), 0, "run.csv"), CASE)
 
 
 def test_an_interval_of_95_percent_is_student_s() -> None:
@@ -37,7 +37,7 @@ def test_everything_that_a_result_says_is_json(estimate: Estimate) -> None:
     assert back["case"] == "hexapod"
     assert back["case_hash"] == CASE.hash
     assert back["recording"] == "run.csv"
-    assert (back["model"], back["rank"], back["samples"]) == (9, 20, 1800)
+    assert (back["model"], back["rank"], back["samples"]) == (9, 20, 1700)
     assert back["parameters"]["m"] == estimate.physical["m"]._asdict()
     assert back["linear"]["values"] == estimate.values.tolist()
     assert np.array(back["covariance"]).shape == (20, 20)
@@ -56,9 +56,9 @@ def test_physical_standard_deviations_follow_from_the_covariance_of_the_linear_o
 
 
 def test_rms_residuals_are_those_of_the_recorded_forces(estimate: Estimate) -> None:
-    np.testing.assert_allclose(estimate.residual_rms, np.sqrt(np.mean(estimate.residuals**2, axis=0)))
-    assert estimate.s0_N == pytest.approx(np.sqrt(np.mean(estimate.residuals**2)))
-    assert estimate.s0_N == pytest.approx(CASE.simulation.force_noise_N, rel=0.1)
+    """The simulated noise is white with 1 N, so this is what is left of each channel."""
+    np.testing.assert_allclose(estimate.residual_rms, CASE.simulation.force_noise_N, rtol=0.1)
+    assert estimate.s0_N == pytest.approx(np.sqrt(np.mean(estimate.residual_rms**2)))
 
 
 def test_a_result_without_delay_says_so(estimate: Estimate) -> None:

@@ -1,0 +1,139 @@
+"""The cases that ship with hexcite, and how a case is found and told apart."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from cases.errors import CaseError
+from cases.loading import built_in_cases, find_case, load_case
+from cases.schema import Case
+from tests.cases.editing import HEXAPOD, edited
+from tests.helpers import one_line
+
+
+@pytest.mark.parametrize("name", built_in_cases())
+def test_every_built_in_case_loads_by_name_folder_and_file(name: str) -> None:
+    file = built_in_cases()[name]
+    cases = [load_case(n) for n in (name, str(file.parent), str(file))]
+    assert {case.name for case in cases} == {name}
+    assert len({case.hash for case in cases}) == 1
+
+
+def test_cases_are_equal_when_their_values_are(hexapod_case: Case, wrist_case: Case) -> None:
+    assert hexapod_case == load_case("hexapod")
+    assert hexapod_case != wrist_case
+
+
+def test_hexapod_and_wrist_sensor_are_built_in() -> None:
+    assert {"hexapod", "ft_wrist"} <= set(built_in_cases())
+
+
+def test_values_of_the_file_become_si_and_radians(hexapod_case: Case) -> None:
+    machine, box = hexapod_case.machine, hexapod_case.limits.motion
+    np.testing.assert_allclose(np.linalg.norm(machine.base.points[:, :2], axis=1), 0.7)
+    np.testing.assert_allclose(machine.home.vector, [0, 0, 0.9, 0, 0, 0])
+    np.testing.assert_allclose(box.rate, [0.6] * 3 + [np.pi / 3] * 3)
+    np.testing.assert_allclose(box.acceleration, [6.0] * 3 + [10.0] * 3)
+    np.testing.assert_allclose(box.pose[1], [0.25, 0.25, 0.1] + [np.pi / 9] * 3)
+    np.testing.assert_allclose(box.strut_length, [0.72, 1.46])
+    assert hexapod_case.simulation.force_delay == 0.002
+    assert hexapod_case.simulation.encoder_resolution == 1e-7
+    assert hexapod_case.controller.block == 0.01
+    assert hexapod_case.controller.safe_feed == 0.05
+
+
+def test_joints_of_a_ring_stand_in_pairs_minus_side_first(hexapod_case: Case) -> None:
+    angles = np.rad2deg(np.arctan2(*hexapod_case.machine.base.points[:, 1::-1].T)) % 360
+    np.testing.assert_allclose(angles, [78, 102, 198, 222, 318, 342])
+
+
+def test_a_case_cannot_be_changed(hexapod_case: Case) -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        hexapod_case.nominal.mass_kg = 1.0
+    for array in (hexapod_case.gravity, hexapod_case.machine.base.points, hexapod_case.limits.motion.pose):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+
+
+def test_comments_layout_and_spelling_of_numbers_do_not_change_the_hash(tmp_path: Path, hexapod_case: Case) -> None:
+    lines = [line.split(" #")[0] for line in HEXAPOD.splitlines() if line and not line.startswith("#")]
+    text = "\n\n# nothing\n".join(lines).replace("radius_mm = 700.0", "radius_mm   =   7e2")
+    (tmp_path / "case.toml").write_text(text.replace("mass_kg = 33.0", "mass_kg = 33"))
+    assert load_case(str(tmp_path)).hash == hexapod_case.hash
+
+
+def values(data: object, path: tuple[str | int, ...] = ()) -> list[tuple[tuple[str | int, ...], object]]:
+    if isinstance(data, dict | list):
+        items = data.items() if isinstance(data, dict) else enumerate(data)
+        return [found for k, v in items for found in values(v, (*path, k))]
+    return [(path, data)]
+
+
+def changed(data: object, path: tuple[str | int, ...], value: object) -> object:
+    if not path:
+        return value
+    copy = dict(data) if isinstance(data, dict) else list(data)
+    copy[path[0]] = changed(data[path[0]], path[1:], value)
+    return copy
+
+
+NUMBERS = [(p, v) for p, v in values(tomllib.loads(HEXAPOD)) if isinstance(v, float)]
+
+
+@given(which=st.integers(0, len(NUMBERS) - 1))
+def test_any_value_that_changes_changes_the_hash(which: int) -> None:
+    path, value = NUMBERS[which]
+    data = changed(tomllib.loads(HEXAPOD), path, value * 1.001 if value else 1e-3)
+    assert Case.model_validate(data).hash != load_case("hexapod").hash
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"), [("hexapd", "did you mean 'hexapod'"), ("ft-wrist", "did you mean 'ft_wrist'"), ("lathe", "hexapod")]
+)
+def test_an_unknown_name_is_answered_with_the_known_ones(name: str, hint: str) -> None:
+    with pytest.raises(CaseError, match=hint) as caught:
+        load_case(name)
+    message = one_line(caught.value)
+    assert message.startswith(f"{name}: no such case")
+    assert "ft_wrist, hexapod" in message
+
+
+@given(name=st.text(max_size=20) | st.text("ab./ ", min_size=250, max_size=5000))
+def test_whatever_is_given_as_a_name_the_answer_is_a_file_or_one_line(name: str) -> None:
+    try:
+        assert find_case(name).is_file()
+    except CaseError as error:
+        assert "no such case" in one_line(error)
+
+
+def test_a_folder_without_a_case_is_no_case(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match="no such case") as caught:
+        load_case(str(tmp_path))
+    assert str(tmp_path) in one_line(caught.value)
+
+
+def test_a_byte_order_mark_as_windows_editors_write_it_does_no_harm(tmp_path: Path, hexapod_case: Case) -> None:
+    (tmp_path / "case.toml").write_bytes(b"\xef\xbb\xbf" + HEXAPOD.encode())
+    assert load_case(str(tmp_path)).hash == hexapod_case.hash
+
+
+@pytest.mark.parametrize(
+    ("need", "part"), [("need_machine", "machine"), ("need_controller", "controller"), ("need_simulation", "simulation")]
+)
+def test_a_part_that_a_case_lacks_is_asked_for_by_name(wrist_case: Case, need: str, part: str) -> None:
+    with pytest.raises(CaseError, match=f"case ft_wrist: {part}: is missing; baking needs it") as caught:
+        getattr(wrist_case, need)("baking")
+    assert caught.value.key == part
+
+
+def test_a_case_with_a_machine_but_without_limits_lacks_the_limits(tmp_path: Path) -> None:
+    start = HEXAPOD.index("[limits.motion]")
+    end = HEXAPOD.index("[sensor_frame.bars]")
+    case = load_case(edited(tmp_path, HEXAPOD[start:end], ""))
+    with pytest.raises(CaseError, match="limits.motion: is missing"):
+        case.need_machine("planning")

@@ -1,0 +1,162 @@
+"""Files and folders appear whole or not at all, and never in the place of somebody else's."""
+
+import json
+import os
+import stat
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cases.errors import FileProblem
+from cases.files import atomic_file, atomic_folder, json_text, read_json, write_text
+from tests.helpers import one_line
+
+
+def tree(folder: Path) -> dict[str, str | None]:
+    """Everything below a folder: file contents by name, None for folders."""
+    return {str(p.relative_to(folder)): p.read_text() if p.is_file() else None for p in folder.rglob("*")}
+
+
+def plan(folder: Path, content: str) -> None:
+    with atomic_folder(folder) as part:
+        (part / "plan.json").write_text(content)
+        (part / "plots").mkdir()
+        (part / "plots" / "pose.svg").write_text(content)
+
+
+def test_a_file_appears_when_it_is_whole(tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "down" / "run.csv"
+    with atomic_file(target) as part:
+        part.write_text("half")
+        assert not target.exists()
+        part.write_text("whole")
+    assert tree(tmp_path) == {"deep": None, "deep/down": None, "deep/down/run.csv": "whole"}
+
+
+def test_a_file_is_replaced_as_a_whole(tmp_path: Path) -> None:
+    write_text(tmp_path / "a.txt", "old")
+    write_text(tmp_path / "a.txt", "new: äöü")
+    assert tree(tmp_path) == {"a.txt": "new: äöü"}
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, MemoryError])
+def test_an_error_leaves_the_old_file_and_nothing_else(error: type[BaseException], tmp_path: Path) -> None:
+    write_text(tmp_path / "a.txt", "old")
+    with pytest.raises(error), atomic_file(tmp_path / "a.txt") as part:
+        part.write_text("new")
+        raise error
+    assert tree(tmp_path) == {"a.txt": "old"}
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, MemoryError])
+def test_an_error_leaves_the_old_folder_and_nothing_else(error: type[BaseException], tmp_path: Path) -> None:
+    plan(tmp_path / "p", "old")
+    before = tree(tmp_path)
+    with pytest.raises(error), atomic_folder(tmp_path / "p") as part:
+        (part / "plan.json").write_text("new")
+        raise error
+    assert tree(tmp_path) == before
+
+
+def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:
+    plan(tmp_path / "p", "old")
+    with atomic_folder(tmp_path / "p") as part:
+        (part / "plan.json").write_text("new")
+    assert tree(tmp_path) == {"p": None, "p/plan.json": "new"}
+
+
+def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
+    (tmp_path / "p").mkdir()
+    plan(tmp_path / "p", "new")
+    assert tree(tmp_path)["p/plan.json"] == "new"
+
+
+@pytest.mark.parametrize("name", ["thesis.tex", ".git", "plan.json.bak"])
+def test_a_folder_of_somebody_else_is_left_alone(name: str, tmp_path: Path) -> None:
+    (tmp_path / "p").mkdir()
+    (tmp_path / "p" / name).write_text("years of work")
+    with pytest.raises(FileProblem, match="not a folder written by hexcite; choose another place with -o") as caught:
+        plan(tmp_path / "p", "new")
+    assert one_line(caught.value).startswith(str(tmp_path / "p"))
+    assert tree(tmp_path) == {"p": None, f"p/{name}": "years of work"}
+
+
+def test_a_file_is_not_replaced_by_a_folder(tmp_path: Path) -> None:
+    (tmp_path / "p").write_text("a file")
+    with pytest.raises(FileProblem, match="not a folder written by hexcite"):
+        plan(tmp_path / "p", "new")
+    assert tree(tmp_path) == {"p": "a file"}
+
+
+def test_a_folder_is_not_replaced_by_a_file(tmp_path: Path) -> None:
+    plan(tmp_path / "p", "old")
+    before = tree(tmp_path)
+    with pytest.raises(FileProblem, match=r"p: cannot be written \(Is a directory\)"):
+        write_text(tmp_path / "p", "new")
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("write", [plan, write_text])
+def test_a_place_below_a_file_cannot_be_written(write: Callable[[Path, str], None], tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(FileProblem, match=r"cannot be written \(.*\); choose another place with -o") as caught:
+        write(tmp_path / "file" / "below", "new")
+    assert one_line(caught.value).startswith(str(tmp_path / "file" / "below"))
+
+
+@pytest.mark.parametrize("context", [atomic_file, atomic_folder])
+def test_a_disk_that_is_full_is_told_in_one_line(context: Callable, tmp_path: Path) -> None:
+    with pytest.raises(FileProblem, match="cannot be written .No space left on device") as caught, context(tmp_path / "p"):
+        raise OSError(28, "No space left on device")
+    assert one_line(caught.value).startswith(str(tmp_path / "p"))
+    assert tree(tmp_path) == {}
+
+
+@pytest.mark.parametrize("context", [atomic_file, atomic_folder])
+def test_an_error_of_ours_passes_through_unchanged(context: Callable, tmp_path: Path) -> None:
+    """What could not be read is not to be reported as a place that cannot be written."""
+    ours = FileProblem("in.json: cannot be read (gone)")
+    with pytest.raises(FileProblem) as caught, context(tmp_path / "p"):
+        raise ours
+    assert caught.value is ours
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o077])
+def test_files_and_folders_have_the_rights_that_the_user_gives_new_ones(mask: int, tmp_path: Path) -> None:
+    before = os.umask(mask)
+    try:
+        plan(tmp_path / "p", "x")
+        write_text(tmp_path / "a.txt", "x")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "a.txt").stat().st_mode) == 0o666 & ~mask
+    assert stat.S_IMODE((tmp_path / "p").stat().st_mode) == 0o777 & ~mask
+
+
+def test_json_survives_the_way_through_its_file(tmp_path: Path) -> None:
+    value = {"m": 31.83, "names": ["xC", "φ"], "none": None, "deep": {"k": [1, 2.5e-7]}}
+    write_text(tmp_path / "r.json", json_text(value))
+    assert read_json(tmp_path / "r.json", "hexcite identify") == value == json.loads(json_text(value))
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_what_is_not_json_is_not_written(value: float) -> None:
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        json_text({"x": value})
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [(b"{", "is not JSON"), (b"[1]", "holds no JSON object"), (b"", "is not JSON"), (b"\xff\xfe{}", "is not JSON")],
+)
+def test_what_is_not_a_json_object_is_named_with_its_maker(content: bytes, says: str, tmp_path: Path) -> None:
+    (tmp_path / "r.json").write_bytes(content)
+    with pytest.raises(FileProblem, match=f"r.json: {says}.*write it again with hexcite plan") as caught:
+        read_json(tmp_path / "r.json", "hexcite plan")
+    one_line(caught.value)
+
+
+def test_a_json_file_that_is_missing_is_named_with_its_maker(tmp_path: Path) -> None:
+    with pytest.raises(FileProblem, match=r"r.json: cannot be read \(No such file or directory\); hexcite plan writes it"):
+        read_json(tmp_path / "r.json", "hexcite plan")
