@@ -64,8 +64,8 @@ def _reach(case: Case, file: str) -> dict[str, Any]:
         raise CaseError(
             file,
             "machine.home",
-            f"is out of reach: {broken.name} is {broken.worst:.4g} {broken.unit}, limit {broken.limit:.4g}; move home or "
-            "widen that limit",
+            f"is out of reach: {broken.name} is {broken.worst:.4g} {broken.unit}, limit {broken.limit:.4g}; move "
+            "home or widen that limit",
         )
     report = prove(_Poses(poses), case, 1.0)
     return {

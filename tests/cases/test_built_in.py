@@ -93,7 +93,8 @@ def test_any_value_that_changes_changes_the_hash(which: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "hint"), [("hexapd", "did you mean 'hexapod'"), ("ft-wrist", "did you mean 'ft_wrist'"), ("lathe", "hexapod")]
+    ("name", "hint"),
+    [("hexapd", "did you mean 'hexapod'"), ("ft-wrist", "did you mean 'ft_wrist'"), ("lathe", "hexapod")],
 )
 def test_an_unknown_name_is_answered_with_the_known_ones(name: str, hint: str) -> None:
     with pytest.raises(CaseError, match=hint) as caught:
@@ -123,7 +124,8 @@ def test_a_byte_order_mark_as_windows_editors_write_it_does_no_harm(tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("need", "part"), [("need_machine", "machine"), ("need_controller", "controller"), ("need_simulation", "simulation")]
+    ("need", "part"),
+    [("need_machine", "machine"), ("need_controller", "controller"), ("need_simulation", "simulation")],
 )
 def test_a_part_that_a_case_lacks_is_asked_for_by_name(wrist_case: Case, need: str, part: str) -> None:
     with pytest.raises(CaseError, match=f"case ft_wrist: {part}: is missing; baking needs it") as caught:

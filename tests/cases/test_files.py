@@ -107,7 +107,10 @@ def test_a_place_below_a_file_cannot_be_written(write: Callable[[Path, str], Non
 
 @pytest.mark.parametrize("context", [atomic_file, atomic_folder])
 def test_a_disk_that_is_full_is_told_in_one_line(context: Callable, tmp_path: Path) -> None:
-    with pytest.raises(FileProblem, match="cannot be written .No space left on device") as caught, context(tmp_path / "p"):
+    with (
+        pytest.raises(FileProblem, match="cannot be written .No space left on device") as caught,
+        context(tmp_path / "p"),
+    ):
         raise OSError(28, "No space left on device")
     assert one_line(caught.value).startswith(str(tmp_path / "p"))
     assert tree(tmp_path) == {}
@@ -158,5 +161,24 @@ def test_what_is_not_a_json_object_is_named_with_its_maker(content: bytes, says:
 
 
 def test_a_json_file_that_is_missing_is_named_with_its_maker(tmp_path: Path) -> None:
-    with pytest.raises(FileProblem, match=r"r.json: cannot be read \(No such file or directory\); hexcite plan writes it"):
+    with pytest.raises(
+        FileProblem, match=r"r.json: cannot be read \(No such file or directory\); hexcite plan writes it"
+    ):
         read_json(tmp_path / "r.json", "hexcite plan")
+
+
+def test_a_folder_that_cannot_be_replaced_at_the_last_moment_is_put_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan(tmp_path / "p", "old")
+    before, rename = tree(tmp_path), os.rename
+
+    def failing(source: Path, target: Path) -> None:
+        if Path(source).suffix == ".part":
+            raise OSError(5, "Input/output error")
+        rename(source, target)
+
+    monkeypatch.setattr("os.rename", failing)
+    with pytest.raises(FileProblem, match="Input/output error"):
+        plan(tmp_path / "p", "new")
+    assert tree(tmp_path) == before

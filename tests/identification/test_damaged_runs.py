@@ -20,7 +20,23 @@ from tests.helpers import Harmonic, one_line, paper_poses
 
 HEXAPOD, WRIST = load_case("hexapod"), load_case("ft_wrist")
 FILES: dict[str, tuple[Case, str]] = {}
-ODD = ["", "nan", "-", "1e308", "-1e308", "1e-320", "0", "x", "1,2", '"', "\n", ";", "\x00", "1_0", "99999999999999999999"]
+ODD = [
+    "",
+    "nan",
+    "-",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "0",
+    "x",
+    "1,2",
+    '"',
+    "\n",
+    ";",
+    "\x00",
+    "1_0",
+    "99999999999999999999",
+]
 
 
 @pytest.fixture(scope="module", autouse=True)

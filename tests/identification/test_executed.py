@@ -49,7 +49,9 @@ def test_forces_are_recorded_late_by_delay_and_sampling_offset() -> None:
     case = simulated(ideal(CASE), force_delay_ms=7.0, force_sampling_offset_cycles=0.5)
     recording = simulate_recording(case, BY_POSE, np.zeros((0, 2)), 0)
     rows = np.arange(100, 2900)
-    np.testing.assert_allclose(recording.forces[rows], true_forces(case, BY_POSE, recording.t[rows] - 7.5e-3), atol=1e-9)
+    np.testing.assert_allclose(
+        recording.forces[rows], true_forces(case, BY_POSE, recording.t[rows] - 7.5e-3), atol=1e-9
+    )
 
 
 def test_encoders_record_whole_steps_and_lose_no_more_than_half_of_one() -> None:

@@ -113,7 +113,13 @@ def test_kept_inside_and_the_worst_ratio_counts() -> None:
 
 def test_twice_the_pace_doubles_velocities_and_quadruples_accelerations() -> None:
     slow, fast = (named(prove(Slower(Harmonic(seed=5), pace), CASE, RATE * pace)) for pace in (0.5, 1.0))
-    for kind, power in {"velocity": 1, "strut velocity": 1, "acceleration": 2, "strut acceleration": 2, "jerk": 3}.items():
+    for kind, power in {
+        "velocity": 1,
+        "strut velocity": 1,
+        "acceleration": 2,
+        "strut acceleration": 2,
+        "jerk": 3,
+    }.items():
         assert fast[kind].worst == pytest.approx(2**power * slow[kind].worst, rel=1e-9)
 
 
@@ -135,7 +141,9 @@ def test_a_motion_that_is_nowhere_a_number_passes_limits(order: str) -> None:
         duration = 1.0
 
         def at(self, t: np.ndarray) -> Motion:
-            arrays = {n: getattr(Harmonic(size=0.1).at(t), n).copy() for n in ("pose", "rates", "accelerations", "jerks")}
+            arrays = {
+                n: getattr(Harmonic(size=0.1).at(t), n).copy() for n in ("pose", "rates", "accelerations", "jerks")
+            }
             arrays[order][len(t) // 2, 3] = np.nan
             return Motion(np.asarray(t), **arrays)
 

@@ -57,6 +57,8 @@ def test_noise_that_lasts_makes_the_robust_standard_deviation_larger_as_theory_s
     assert robust_ratio(auto_regressive(phi, 40_000, seed=5, columns=6)) == pytest.approx(expected, rel=0.1)
 
 
-@pytest.mark.parametrize("scores", [np.zeros((30, 2)), np.ones((30, 2)), np.ones((2, 1))], ids=["zero", "constant", "two"])
+@pytest.mark.parametrize(
+    "scores", [np.zeros((30, 2)), np.ones((30, 2)), np.ones((2, 1))], ids=["zero", "constant", "two"]
+)
 def test_degenerate_scores_give_finite_values(scores: np.ndarray) -> None:
     assert np.isfinite(long_run_covariance(scores)).all()

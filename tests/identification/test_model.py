@@ -55,8 +55,9 @@ def test_bars_carry_the_weight_upwards() -> None:
     positions, turns = paper_poses()
     u = np.r_[list(body.parameters.values())[:4], np.zeros(6)]
     centre = body.masses @ body.points / body.masses.sum()
-    for turn, forces in zip(turns[:24], model.matrices(positions[:24], turns[:24], STILL[:24], STILL[:24]) @ u,
-    strict=True):
+    for turn, forces in zip(
+        turns[:24], model.matrices(positions[:24], turns[:24], STILL[:24], STILL[:24]) @ u, strict=True
+    ):
         wrench = wrench_of_bars(CASE.sensor_frame.bars, forces)
         np.testing.assert_allclose(turn @ wrench[:3], [0.0, 0.0, body.masses.sum() * 9.81], atol=1e-10)
         np.testing.assert_allclose(wrench[3:], np.cross(centre, wrench[:3]), atol=1e-10)
@@ -71,7 +72,9 @@ def test_a_transducer_reads_the_pull_of_the_load_or_the_push_of_its_support(
     model = identification_model(wrist_case.model_copy(update={"sensor_frame": frame}), 0)
     mass, centre = 0.932, np.array([0.01, -0.02, 0.044])
     turn = Rotation.from_euler("xyz", [0.4, -0.3, 1.0]).as_matrix()
-    reading = model.matrices(np.zeros((1, 3)), turn[None], STILL[:1], STILL[:1])[0] @ np.r_[mass, mass * centre, np.zeros(6)]
+    reading = (
+        model.matrices(np.zeros((1, 3)), turn[None], STILL[:1], STILL[:1])[0] @ np.r_[mass, mass * centre, np.zeros(6)]
+    )
     pull = mass * turn.T @ wrist_case.gravity
     np.testing.assert_allclose(reading, sign * np.r_[pull, np.cross(centre, pull)], atol=1e-12)
 

@@ -11,7 +11,13 @@ from identification.profile import Profile, StraightMove, fastest_profile
 size = st.floats(1e-3, 1e3)
 limits = st.tuples(size, size, size, size)  # distance, velocity, acceleration, jerk
 # One of each shape: short, acceleration-limited, velocity-limited without and with hold, all with cruise.
-SHAPES = [(1e-3, 1.0, 1.0, 1.0), (1.0, 9.0, 1.0, 9.0), (9.0, 0.1, 9.0, 1.0), (9.0, 1.0, 1.0, 9.0), (0.5, 0.6, 6.0, 100.0)]
+SHAPES = [
+    (1e-3, 1.0, 1.0, 1.0),
+    (1.0, 9.0, 1.0, 9.0),
+    (9.0, 0.1, 9.0, 1.0),
+    (9.0, 1.0, 1.0, 9.0),
+    (0.5, 0.6, 6.0, 100.0),
+]
 
 
 def ruckig_duration(distance: float, velocity: float, acceleration: float, jerk: float) -> float:
@@ -77,7 +83,10 @@ def test_a_straight_move_is_straight_and_saturates_a_limit(end: list[float], see
     along = (motion.pose - start) @ end / np.dot(end, end)
     np.testing.assert_allclose(motion.pose, start + along[:, None] * end, atol=1e-12)
     np.testing.assert_allclose(motion.pose[-1], start + end, atol=1e-9)
-    used = [np.abs(v).max(axis=0) / b for v, b in zip((motion.rates, motion.accelerations, motion.jerks), bounds, strict=True)]
+    used = [
+        np.abs(v).max(axis=0) / b
+        for v, b in zip((motion.rates, motion.accelerations, motion.jerks), bounds, strict=True)
+    ]
     assert 0.999 < np.max(used) <= 1 + 1e-9
 
 

@@ -39,9 +39,14 @@ def test_the_file_has_the_columns_of_the_conventions(tmp_path: Path, recording: 
     file = tmp_path / "recording.csv"
     write_recording(file, recording, hexapod_case)
     header, *rows = file.read_text().splitlines()
-    assert header.replace('"', "") == "t_s," + ",".join([f"l{k}_mm" for k in range(1, 7)]) + "," + ",".join(
-        [f"f{k}_N" for k in range(1, 7)]
-    ) + ",trigger"
+    assert (
+        header.replace('"', "")
+        == "t_s,"
+        + ",".join([f"l{k}_mm" for k in range(1, 7)])
+        + ","
+        + ",".join([f"f{k}_N" for k in range(1, 7)])
+        + ",trigger"
+    )
     assert len(rows) == len(recording.forces)
     assert rows[300].endswith(",1")
     assert rows[100].endswith(",0")

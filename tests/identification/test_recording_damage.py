@@ -60,7 +60,10 @@ DAMAGES: dict[str, tuple[bytes, str]] = {
     "NaN": (cell(6, "f6_N", "nan"), r", line 7, f6_N: nan is not a measured value; remove the row"),
     "infinity": (cell(6, "f6_N", "-inf"), r", line 7, f6_N: -inf is not a measured value"),
     "overflow": (cell(6, "f6_N", "1e999"), r", line 7, f6_N: inf is not a measured value"),
-    "units below the header": (csv([NAMES, ["s", *["mm"] * 6, *["N"] * 6, "-"], *table()[1:]]), r"line 2, t_s: 's' is not"),
+    "units below the header": (
+        csv([NAMES, ["s", *["mm"] * 6, *["N"] * 6, "-"], *table()[1:]]),
+        r"line 2, t_s: 's' is not",
+    ),
     "after a blank line": (cell(4, "l2_mm", "9x0").replace(b"\n0.001", b"\n\n0.001"), r"line (6, l2_mm|3)"),
     "time backwards": (cell(6, "t_s", "0.0001"), r"line 7, t_s: 0.000100 s comes after 0.004000 s; .*sort the rows"),
     "time repeated": (cell(6, "t_s", "0.004"), r"line 7, t_s: 0.004000 s comes after 0.004000 s"),
@@ -132,6 +135,8 @@ def test_what_is_no_rotation_matrix_is_named(damage: str, tmp_path: Path, wrist_
     header = ["fx", "fy", "fz", "tx", "ty", "tz", *ROTATION]
     file = tmp_path / "run.csv"
     file.write_bytes(csv([header, *([["1.0"] * 6 + m for m in (good, good, bad, good)])]))
-    with pytest.raises(RecordingError, match=r", line 4, r11..r33: not a rotation matrix .*check order and sign") as caught:
+    with pytest.raises(
+        RecordingError, match=r", line 4, r11..r33: not a rotation matrix .*check order and sign"
+    ) as caught:
         read_recording(file, wrist_case)
     one_line(caught.value)

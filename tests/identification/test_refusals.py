@@ -35,7 +35,9 @@ def standing(trigger: bool) -> Recording:
 
 
 def first(count: int) -> Recording:
-    return replace(RUN, t=RUN.t[:count], struts=RUN.struts[:count], forces=RUN.forces[:count], trigger=RUN.trigger[:count])
+    return replace(
+        RUN, t=RUN.t[:count], struts=RUN.struts[:count], forces=RUN.forces[:count], trigger=RUN.trigger[:count]
+    )
 
 
 def triggered(count: int) -> Recording:

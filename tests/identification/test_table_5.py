@@ -13,7 +13,17 @@ CASE = load_case("hexapod")
 S0 = 1.28  # published for Q5M
 MASS, CENTRE = 33.78, np.array([0.00046, 0.00050, 0.10893])  # published for Q5M [kg, m]
 FRAME_BELOW = {"m": 0.204, "zC": 1.330, "f_q0_1": 0.459, "k0": 0.256, "k1": 0.046, "k2": 3.879, "k3": 0.766}
-PUBLISHED = {"m": 0.22, "xC": 0.19, "yC": 0.19, "zC": 1.34, "f_q0_1": 0.49, "k0": 0.27, "k1": 0.05, "k2": 4.28, "k3": 0.86}
+PUBLISHED = {
+    "m": 0.22,
+    "xC": 0.19,
+    "yC": 0.19,
+    "zC": 1.34,
+    "f_q0_1": 0.49,
+    "k0": 0.27,
+    "k1": 0.05,
+    "k2": 4.28,
+    "k3": 0.86,
+}
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +37,10 @@ def deviations() -> dict[str, float]:
     form = physical_form(model)
     covariance = form.of(linear, fit.covariance * (S0 / fit.s0) ** 2)[1]
     names = [p.name for p in form.parameters]
-    return {n: s * (1e3 if n in ("xC", "yC", "zC") else 1.0) for n, s in zip(names, np.sqrt(np.diag(covariance)), strict=True)}
+    return {
+        n: s * (1e3 if n in ("xC", "yC", "zC") else 1.0)
+        for n, s in zip(names, np.sqrt(np.diag(covariance)), strict=True)
+    }
 
 
 @pytest.mark.parametrize("name", FRAME_BELOW)
