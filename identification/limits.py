@@ -4,6 +4,7 @@ Written in NumPy from the definitions (rotation matrices differentiated by the p
 with the CasADi models that the optimiser uses.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from cases.machine import Machine, MotionLimits, Workspace
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.motion import Motion, Trajectory, sample
+from identification.motion import Motion, Trajectory
 
 Array = NDArray[np.float64]
 
@@ -115,17 +116,14 @@ def prove(trajectory: Trajectory, case: Case, rate: float = PROOF_RATE, offset: 
         CaseError: the case has no machine or no limits.
     """
     machine, workspace, limits = case.need_machine("the proof of limits")
-    motion = sample(trajectory, rate)
+    steps = max(1, math.ceil(trajectory.duration * rate - 1e-9))
     reports = []
-    for start in range(0, len(motion.t), CHUNK):
-        rows = slice(start, start + CHUNK)
-        part = Motion(
-            motion.t[rows] + offset,
-            motion.pose[rows],
-            motion.rates[rows],
-            motion.accelerations[rows],
-            motion.jerks[rows],
+    for first in range(0, steps + 1, CHUNK):
+        t = np.minimum(
+            np.arange(first, min(first + CHUNK, steps + 1)) * (trajectory.duration / steps), trajectory.duration
         )
+        m = trajectory.at(t)
+        part = Motion(t + offset, m.pose, m.rates, m.accelerations, m.jerks)
         reports.append(LimitReport(tuple(_checks(part, machine, workspace, limits.motion))))
     return worst_of(reports)
 

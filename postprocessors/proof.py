@@ -9,11 +9,12 @@ from numpy.typing import ArrayLike
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import MM
-from identification.limits import LimitCheck, LimitReport, Status, prove, worst_of
+from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, worst_of
 from identification.motion import Array, Motion, Standstill
 from postprocessors.reading.words import Reading
 from postprocessors.stretches import Still, Stretch, Timed, Untimed, stretches
 
+SAMPLES_A_BLOCK = 100.0
 MARGIN_RATE = 1000.0  # [1/s] for moves at constant speed: straight lines need no fine grid
 BY_CONTROLLER = {"acceleration", "angular acceleration", "strut acceleration"}
 BY_NOBODY = {"jerk", "angular jerk"}
@@ -90,7 +91,7 @@ class _ConstantSpeed:
 def prove_program(reading: Reading, case: Case) -> ProgramProof:
     """Proves a program that was read.
 
-    Timed paths are proven at 10 kHz under the assumption that the controller passes the points at their times along the
+    Timed paths are proven at 10 kHz, or a hundred samples a block where blocks are longer than 10 ms, under the assumption that the controller passes the points at their times along the
     quintic spline through them. Moves whose time law is the controller's are proven in their geometry and speed; their
     acceleration is the controller's to keep, if its own limits are those of the case, and their jerk nobody's.
 
@@ -124,10 +125,15 @@ def _line(part: Stretch, time: float) -> int:
 
 def _judge(part: Stretch, case: Case, clock: float) -> tuple[LimitReport, float]:
     if isinstance(part, Timed):
-        return prove(part.points, case, offset=clock), part.points.duration
+        return prove(part.points, case, _rate(part), clock), part.points.duration
     if isinstance(part, Still):
         return LimitReport(()), part.duration
     return _untimed(part, case, clock), part.duration or 0.0
+
+
+def _rate(part: Timed) -> float:
+    """At least a hundred samples in the shortest block, and no more than 10 kHz: slow programs need no fine grid."""
+    return min(PROOF_RATE, SAMPLES_A_BLOCK / float(np.diff(part.points.times).min()))
 
 
 def _untimed(part: Untimed, case: Case, clock: float) -> LimitReport:

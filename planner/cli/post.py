@@ -8,6 +8,9 @@ import typer
 from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table
 
 
+SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
+
+
 def post(
     plan: Annotated[Path, typer.Argument(help="Plan folder.")],
     dialect: Annotated[str, typer.Option(help="The controller's language: linuxcnc.")] = "linuxcnc",
@@ -30,8 +33,8 @@ def make_program(plan: Path, dialect_name: str, speed: float, output: Path | Non
     from planner.plan import load_plan
     from postprocessors.writing import dialect, proven_text
 
-    if not 0.0 < speed <= 1.0:
-        raise HexciteError(f"speed {speed:g} is outside 0 to 1; choose 0.1 for a first try")
+    if not SLOWEST <= speed <= 1.0:
+        raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
     language = dialect(dialect_name)
     saved = load_plan(plan)
     file = output if output is not None else Path(f"{plan.resolve().name}{language.suffix}")

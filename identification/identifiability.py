@@ -1,0 +1,163 @@
+"""Which parameters a regressor determines, alone or only together: section 5 of the paper.
+
+Pearson correlation of the columns, QR decomposition of the scaled regressor with the paper's numerical zero (Figure 3),
+singular values, and the combinations that stay identifiable where parameters are not.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+Array = NDArray[np.float64]
+
+INVOLVED = 1e-3  # share of a unit direction from which a parameter counts as part of it
+
+
+class Group(NamedTuple):
+    """Parameters that can only be determined together.
+
+    Args:
+        parameters: their names.
+        hidden: so many directions among them that the data do not see.
+        combinations: what is determined instead: sums of factor times parameter, by name; empty where nothing is.
+    """
+
+    parameters: tuple[str, ...]
+    hidden: int
+    combinations: tuple[dict[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Identifiability:
+    """What a regressor says about the parameters of its columns.
+
+    Args:
+        names: of the columns.
+        correlation: Pearson coefficients of the columns, shape (u, u); 0 for a column without variation.
+        r: R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements.
+        zero: the paper's numerical zero m n eps max|R_ii|.
+        singular_values: of the scaled regressor, descending, shape (u,).
+        rank: singular values above the numerical zero.
+        groups: of what is not determined.
+    """
+
+    names: tuple[str, ...]
+    correlation: Array
+    r: Array
+    zero: float
+    singular_values: Array
+    rank: int
+    groups: tuple[Group, ...]
+
+    @property
+    def unidentifiable(self) -> tuple[str, ...]:
+        """All parameters that are not determined alone."""
+        return tuple(name for group in self.groups for name in group.parameters)
+
+    @property
+    def condition(self) -> float:
+        """mu_1 / mu_u, infinite where the rank is not full."""
+        full = self.rank == len(self.names)
+        return float(self.singular_values[0] / self.singular_values[-1]) if full else float("inf")
+
+    def strongest(self, count: int = 5) -> list[tuple[str, str, float]]:
+        """The pairs of parameters with the largest correlation, the largest first."""
+        upper = np.triu(np.abs(self.correlation), 1)
+        order = np.argsort(-upper, axis=None)[:count]
+        pairs = [np.unravel_index(int(k), upper.shape) for k in order]
+        return [(self.names[i], self.names[j], float(self.correlation[i, j])) for i, j in pairs]
+
+    def to_json(self) -> dict[str, Any]:
+        """Tables for JSON."""
+        return {
+            "names": list(self.names),
+            "rank": self.rank,
+            "numerical_zero": self.zero,
+            "singular_values": self.singular_values.tolist(),
+            "correlation": self.correlation.tolist(),
+            "r": self.r.tolist(),
+            "groups": [
+                {"parameters": list(g.parameters), "hidden": g.hidden, "combinations": list(g.combinations)}
+                for g in self.groups
+            ],
+        }
+
+
+def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
+    """Analyses a regressor.
+
+    Args:
+        regressors: A_j, shape (n, 6, u), weighted if channels differ in unit.
+        names: of the u columns.
+    """
+    matrix = regressors.reshape(-1, regressors.shape[2])
+    norms = np.linalg.norm(matrix, axis=0)
+    scaled = matrix / np.where(norms > 0.0, norms, 1.0)  # (26)
+    r = np.linalg.qr(scaled, mode="r")
+    r = r * np.where(np.diag(r) < 0.0, -1.0, 1.0)[:, None]
+    _, singular, directions = np.linalg.svd(r)
+    zero = float(matrix.shape[0] * np.finfo(float).eps * np.abs(np.diag(r)).max())  # Figure 3
+    rank = int(np.sum(singular > zero))
+    factors = np.where(norms > 0.0, norms, 1.0)
+    return Identifiability(
+        names=tuple(names),
+        correlation=_correlation(matrix),
+        r=r,
+        zero=zero,
+        singular_values=singular,
+        rank=rank,
+        groups=tuple(_groups(directions[rank:], factors, names)),
+    )
+
+
+def _correlation(matrix: Array) -> Array:
+    deviation = matrix - matrix.mean(axis=0)
+    size = np.linalg.norm(deviation, axis=0)
+    alive = size > 0.0
+    unit = np.where(alive, deviation / np.where(alive, size, 1.0), 0.0)
+    return np.asarray(unit.T @ unit)
+
+
+def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
+    """Splits the directions that are not seen into groups of parameters that share none of them.
+
+    Two parameters belong together where some hidden direction mixes them. The projector onto the hidden space does not
+    depend on the basis the decomposition chose for it, and its blocks are the groups.
+    """
+    projector = hidden.T @ hidden
+    left = [k for k in range(len(names)) if projector[k, k] > INVOLVED**2]
+    groups = []
+    while left:
+        members, frontier = {left[0]}, [left[0]]
+        while frontier:
+            near = {int(k) for k in np.flatnonzero(np.abs(projector[frontier.pop()]) > INVOLVED**2)} - members
+            members |= near
+            frontier += near
+        index = sorted(members)
+        left = [k for k in left if k not in members]
+        groups.append(_group(hidden[:, index], factors[index], [names[k] for k in index]))
+    return groups
+
+
+def _group(hidden: Array, factors: Array, names: list[str]) -> Group:
+    """Base parameters of a group: one determined combination for each direction of its space that is seen.
+
+    In reduced form, as in Gautier (1991), "Numerical calculation of the base inertial parameters of robots": as many
+    parameters as there are directions stand with factor 1, each in one combination; the rest are added to them.
+    """
+    _, size, basis = np.linalg.svd(hidden)
+    count = int(np.sum(size > INVOLVED))
+    seen = basis[count:] * factors  # from scaled back to the parameters' own units
+    pivots = qr(basis[count:], mode="r", pivoting=True)[1][: len(seen)]
+    combinations = []
+    for pivot, row in sorted(
+        zip(pivots, np.linalg.solve(seen[:, pivots], seen), strict=True), key=lambda pair: pair[0]
+    ):
+        negligible = np.abs(row) * factors[pivot] <= INVOLVED * factors
+        others = {names[k]: float(row[k]) for k in np.flatnonzero(~negligible) if k not in pivots}
+        combinations.append({names[pivot]: 1.0} | others)
+    return Group(tuple(names), count, tuple(combinations))
