@@ -156,31 +156,38 @@ class Hexapod:
         lengths = np.asarray(lengths, dtype=float)
         count = len(lengths)
         coarse = np.unique(np.r_[np.arange(0, count, COARSE), count - 1])
-        at_coarse = self._newton(lengths[coarse], np.tile(self.home, (len(coarse), 1)), coarse)
-        index = np.arange(count)
-        start = np.column_stack([np.interp(index, coarse, at_coarse[:, k]) for k in range(6)])
-        return self._newton(lengths, start, index)
+        at_coarse, closed = self._newton(lengths[coarse], np.tile(self.home, (len(coarse), 1)))
+        start = np.tile(self.home, (count, 1))
+        if closed.any():
+            index, known = np.arange(count), coarse[closed]
+            start = np.column_stack([np.interp(index, known, at_coarse[closed, k]) for k in range(6)])
+        poses, closed = self._newton(lengths, start)
+        if not closed.all():
+            first = int(np.argmin(closed))
+            raise IdentificationError(
+                f"sample {first + 1}: no pose has the strut lengths "
+                f"{', '.join(f'{v * 1e3:.3f}' for v in lengths[first])} mm; check unit, order and offset of the struts"
+            )
+        return poses
 
-    def _newton(self, lengths: Array, start: Array, index: NDArray[np.int64]) -> Array:
-        pose = start.copy()
+    def _newton(self, lengths: Array, start: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Poses, and for which samples the struts close."""
+        pose, closed = start.copy(), np.zeros(len(start), dtype=bool)
         active = np.arange(len(pose))
         for _ in range(MOST_STEPS):
             reached, jacobian = over_samples(self.inverse_jacobian, pose[active])
             error = lengths[active] - reached
-            open_ = ~(np.abs(error).max(axis=1) <= STRUT_TOLERANCE)
-            if not open_.any():
-                return pose
-            active, error, jacobian = active[open_], error[open_], jacobian[open_]
-            try:
-                step = np.linalg.solve(jacobian, error[:, :, None])[:, :, 0]
-            except np.linalg.LinAlgError:
+            done = np.abs(error).max(axis=1) <= STRUT_TOLERANCE
+            closed[active[done]] = True
+            # A sample that has run off into a singularity or to infinity is given up, not the others with it.
+            alive = ~done & np.isfinite(error).all(axis=1)
+            alive &= np.abs(np.linalg.det(np.where(alive[:, None, None], jacobian, 0.0))) > np.finfo(float).tiny
+            active, error, jacobian = active[alive], error[alive], jacobian[alive]
+            if not len(active):
                 break
+            step = np.linalg.solve(jacobian, error[:, :, None])[:, :, 0]
             pose[active] = over_samples(self._newton_step, pose[active], step)[0]
-        worst = int(active[0])
-        raise IdentificationError(
-            f"sample {int(index[worst]) + 1}: no pose has the strut lengths "
-            f"{', '.join(f'{v * 1e3:.3f}' for v in lengths[worst])} mm; check unit, order and offset of the struts"
-        )
+        return pose, closed
 
     def kinematics(self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike) -> Kinematics:
         """Pose, twist and twist rate from strut motion: (7), (8), (9).

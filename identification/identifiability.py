@@ -97,7 +97,7 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
     matrix = regressors.reshape(-1, regressors.shape[2])
     norms = np.linalg.norm(matrix, axis=0)
     scaled = matrix / np.where(norms > 0.0, norms, 1.0)  # (26)
-    r = np.linalg.qr(scaled, mode="r")
+    r = np.asarray(np.linalg.qr(scaled, mode="r"))
     r = r * np.where(np.diag(r) < 0.0, -1.0, 1.0)[:, None]
     _, singular, directions = np.linalg.svd(r)
     zero = float(matrix.shape[0] * np.finfo(float).eps * np.abs(np.diag(r)).max())  # Figure 3

@@ -91,9 +91,10 @@ class _ConstantSpeed:
 def prove_program(reading: Reading, case: Case) -> ProgramProof:
     """Proves a program that was read.
 
-    Timed paths are proven at 10 kHz, or a hundred samples a block where blocks are longer than 10 ms, under the assumption that the controller passes the points at their times along the
-    quintic spline through them. Moves whose time law is the controller's are proven in their geometry and speed; their
-    acceleration is the controller's to keep, if its own limits are those of the case, and their jerk nobody's.
+    Timed paths are proven at 10 kHz, or at a hundred samples a block where blocks are longer than 10 ms, under the
+    assumption that the controller passes the points at their times along the quintic spline through them. Moves whose
+    time law is the controller's are proven in their geometry and speed; their acceleration is the controller's to keep,
+    if its own limits are those of the case, and their jerk nobody's.
 
     Raises:
         ProgramError: the motion is not defined.

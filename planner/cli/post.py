@@ -7,7 +7,6 @@ import typer
 
 from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table
 
-
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
 
