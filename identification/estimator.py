@@ -107,6 +107,9 @@ def gauss_markov(
             f"rank {rank} of {len(singular)}: {', '.join(hidden)} not determined by this run; excite them (plan a "
             "motion or more poses) or choose a model without them"
         )
+    unseen = np.flatnonzero(np.abs(np.diag(r)) <= zero)
+    if len(unseen):
+        raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
     scaled = solve_triangular(r, q.T @ right)
     values = scale * scaled
     residuals = forces - regressors @ values
@@ -147,6 +150,22 @@ def long_run_covariance(scores: Array) -> Array:
     return np.asarray(moving.T @ moving / width)
 
 
+def require_alive(forces: Array) -> None:
+    """Refuses channels that read one and the same value: a cable came off, or an amplifier is at its end.
+
+    Args:
+        forces: as recorded, shape (n, 6), n >= 2.
+
+    Raises:
+        IdentificationError: names the first such channel.
+    """
+    stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
+    if len(stuck):
+        raise IdentificationError(
+            f"channel {stuck[0] + 1} reads {forces[0, stuck[0]]:g} at every sample; check its cable and amplifier"
+        )
+
+
 def per_channel(regressors: Array, forces: Array, names: Sequence[str]) -> Fit:
     """Gauss-Markov with W from the residual variance of each channel, estimated in turns with the parameters.
 
@@ -155,6 +174,9 @@ def per_channel(regressors: Array, forces: Array, names: Sequence[str]) -> Fit:
     Raises:
         IdentificationError: as `gauss_markov`.
     """
+    if len(forces) < 2:
+        raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
+    require_alive(forces)
     # Start from each channel's own spread: N and N m are not comparable.
     spread = forces.std(axis=0)
     weights = 1.0 / np.maximum(spread, 1e-12 * max(spread.max(), 1e-300)) ** 2

@@ -40,6 +40,22 @@ class Kinematics:
     twist_rate: Array
 
 
+class StrutsDoNotClose(IdentificationError):
+    """No pose has given strut lengths.
+
+    Args:
+        sample: index of the first such sample, from 0.
+        lengths: its struts, shape (6,) [m].
+    """
+
+    def __init__(self, sample: int, lengths: Array) -> None:
+        self.sample, self.lengths = sample, lengths
+        words = ", ".join(f"{v * 1e3:.3f}" for v in lengths)
+        super().__init__(
+            f"sample {sample + 1}: no pose has the strut lengths {words} mm; check unit, order and offset of the struts"
+        )
+
+
 class Hexapod:
     """A hexapod with given joints.
 
@@ -151,7 +167,7 @@ class Hexapod:
             Poses, shape (n, 6) [m, rad].
 
         Raises:
-            IdentificationError: the struts cannot close; the message names the first such sample.
+            StrutsDoNotClose: the struts cannot close; the message names the first such sample.
         """
         lengths = np.asarray(lengths, dtype=float)
         count = len(lengths)
@@ -164,10 +180,7 @@ class Hexapod:
         poses, closed = self._newton(lengths, start)
         if not closed.all():
             first = int(np.argmin(closed))
-            raise IdentificationError(
-                f"sample {first + 1}: no pose has the strut lengths "
-                f"{', '.join(f'{v * 1e3:.3f}' for v in lengths[first])} mm; check unit, order and offset of the struts"
-            )
+            raise StrutsDoNotClose(first, lengths[first])
         return poses
 
     def _newton(self, lengths: Array, start: Array) -> tuple[Array, NDArray[np.bool_]]:

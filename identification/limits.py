@@ -124,7 +124,8 @@ def prove(trajectory: Trajectory, case: Case, rate: float = PROOF_RATE, offset: 
         )
         m = trajectory.at(t)
         part = Motion(t + offset, m.pose, m.rates, m.accelerations, m.jerks)
-        reports.append(LimitReport(tuple(_checks(part, machine, workspace, limits.motion))))
+        with np.errstate(invalid="ignore"):  # what is no number counts as passed, and is reported so
+            reports.append(LimitReport(tuple(_checks(part, machine, workspace, limits.motion))))
     return worst_of(reports)
 
 

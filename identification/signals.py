@@ -28,15 +28,17 @@ class Filter(NamedTuple):
     Args:
         cutoff: frequency of half gain [Hz]; gain 1 within 1e-4 below half of it, 0 above one and a half.
         step: time between samples [s].
+        reach: largest delay, either way, that `apply` will be asked for [s].
     """
 
     cutoff: float
     step: float
+    reach: float = 0.04
 
     @property
     def margin(self) -> int:
         """Samples lost at each end."""
-        return int(np.ceil(_HALF_LENGTH / self.cutoff / self.step)) + 1
+        return int(np.ceil((_HALF_LENGTH / self.cutoff + self.reach) / self.step)) + 1
 
     @property
     def stride(self) -> int:
@@ -94,7 +96,7 @@ class Filter(NamedTuple):
         Args:
             values: shape (n, channels).
             order: 0, 1 or 2: of the time derivative.
-            delay: the result at sample k belongs to the instant t_k - delay [s]; less than half the margin.
+            delay: the result at sample k belongs to the instant t_k - delay [s]; at most `reach` either way.
 
         Returns:
             Shape (n - 2 margin, channels).
@@ -102,6 +104,8 @@ class Filter(NamedTuple):
         Raises:
             RecordingError: fewer samples than the filter is long.
         """
+        if abs(delay) > self.reach:
+            raise ValueError(f"delay {delay:g} s is beyond the filter's reach of {self.reach:g} s")
         if len(values) <= 2 * self.margin + 1:
             raise RecordingError(
                 f"{len(values)} samples are too few for a {self.cutoff:g} Hz filter, which needs more than "

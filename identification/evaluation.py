@@ -1,0 +1,192 @@
+"""A recording made ready for regression: regressors and forces on the samples that are evaluated.
+
+Standstills go in as they are. Forces and struts of a moving run pass the same zero-phase low-pass, which also
+differentiates the struts: what a controller's blocks and the encoders' steps add above the cut-off then disturbs
+neither side. What is left is kept at the rate that it still needs.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError, RecordingError
+from cases.schema import Case
+from identification.estimator import Filtered
+from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
+from identification.model import Model
+from identification.recording import Recording
+from identification.signals import Filter
+from identification.simulate import regressors
+
+Array = NDArray[np.float64]
+
+LEAST_TRAVEL = 1e-4  # [m] of the struts; below, the pose counts as constant
+MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
+MOVING = 1e-3  # [m/s] strut speed from which the machine counts as moving, where there is no trigger
+
+
+@dataclass(frozen=True, slots=True)
+class Standstills:
+    """Averaged standstills: nothing moves, nothing is filtered.
+
+    Args:
+        forces: shape (n, 6) [N, or N and N m].
+        regressors: A, shape (n, 6, u).
+    """
+
+    forces: Array
+    regressors: Array
+
+    @property
+    def samples(self) -> int:
+        """Recorded samples that are evaluated."""
+        return len(self.forces)
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A moving run, ready to be evaluated at any delay between forces and motion.
+
+    Args:
+        recording: with struts and a clock.
+        model: gives A.
+        hexapod: kinematics.
+        filter: for both sides.
+        rows: samples that are evaluated, counted after the filter's margin, shape (n,).
+        samples: recorded samples of the window that they stand for.
+    """
+
+    recording: Recording
+    model: Model
+    hexapod: Hexapod
+    filter: Filter
+    rows: NDArray[np.int64]
+    samples: int
+
+    @property
+    def t(self) -> Array:
+        """Time of the evaluated samples, shape (n,) [s]."""
+        assert self.recording.t is not None
+        return self.recording.t[self.filter.margin + self.rows]
+
+    @property
+    def step(self) -> float:
+        """Time between evaluated samples [s]."""
+        return self.filter.step * self.filter.stride
+
+    @property
+    def filtered(self) -> Filtered:
+        """What the filter did to white noise."""
+        return Filtered(self.filter.noise_gain, self.filter.stride)
+
+    @property
+    def recorded_forces(self) -> Array:
+        """Forces as recorded at the evaluated samples, shape (n, 6)."""
+        return self.recording.forces[self.filter.margin + self.rows]
+
+    @property
+    def forces(self) -> Array:
+        """The same behind the filter."""
+        return self.filter.apply(self.recording.forces)[self.rows]
+
+    def regressors(self, delay: float) -> Array:
+        """A at the instants t_k - delay, shape (n, 6, u)."""
+        assert self.recording.struts is not None
+        strut_motion = [self.filter.apply(self.recording.struts, order, delay)[self.rows] for order in range(3)]
+        try:
+            return regressors(self.model, self.hexapod.kinematics(*strut_motion))
+        except StrutsDoNotClose as error:  # say which sample of the recording it is
+            raise StrutsDoNotClose(int(self.filter.margin + self.rows[error.sample]), error.lengths) from error
+
+
+def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
+    """Regressors of averaged standstills.
+
+    Raises:
+        IdentificationError: the model needs what the recording does not have, or the struts cannot close.
+    """
+    _require_position(recording, model)
+    count = len(recording.forces)
+    still = np.zeros((count, 6))
+    if recording.struts is not None:
+        poses = Hexapod.of(case).poses(recording.struts)
+        return Standstills(recording.forces, regressors(model, Kinematics(poses, still, still)))
+    assert recording.rotations is not None  # the reader admits no recording without a pose
+    matrices = model.matrices(np.zeros((count, 3)), recording.rotations, still, still)
+    return Standstills(recording.forces, matrices)
+
+
+def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False) -> Run:
+    """A moving run with its window found.
+
+    Args:
+        recording: with struts and a clock.
+        case: machine and filter.
+        model: gives A.
+        whole: evaluate all samples, not only the excitation.
+
+    Raises:
+        RecordingError: no struts, no filter in the case, a filter that does not fit the rate, a trigger that is never
+        on.
+        IdentificationError: the pose is constant.
+    """
+    _require_position(recording, model)
+    if recording.struts is None:
+        raise RecordingError(
+            f"{recording.source}: has a clock and rotation matrices; moving runs are evaluated from struts only, "
+            "remove t_s if each row is an averaged standstill"
+        )
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is None:
+        raise RecordingError(
+            f"{recording.source}: a moving run needs a filter; set recording.filter_cutoff_Hz in the case"
+        )
+    if len(recording.forces) < 2:
+        raise RecordingError(f"{recording.source}: {len(recording.forces)} sample is no run; record longer")
+    step = recording.step
+    if not cutoff < 0.2 / step:
+        raise RecordingError(
+            f"{recording.source}: filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second; at "
+            f"most {0.2 / step:.4g}"
+        )
+    low_pass = Filter(cutoff, step, MOST_DELAY)
+    count = len(recording.struts) - 2 * low_pass.margin
+    window = np.arange(max(count, 0)) if whole else _window(recording, low_pass)
+    low_pass.apply(recording.struts)  # raises where the run is shorter than the filter
+    rows = window[:: low_pass.stride]
+    if len(rows) < 2:
+        raise IdentificationError(
+            f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a {cutoff:g} Hz "
+            "filter; record longer"
+        )
+    return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window))
+
+
+def _require_position(recording: Recording, model: Model) -> None:
+    if model.needs_position and recording.struts is None:
+        raise IdentificationError(
+            f"{recording.source}: model {model.number} needs the platform's position, the recording has orientations "
+            "only; choose model 0 or 6, or record the struts"
+        )
+
+
+def _window(recording: Recording, low_pass: Filter) -> NDArray[np.int64]:
+    """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
+    assert recording.struts is not None
+    margin = low_pass.margin
+    speed = low_pass.apply(recording.struts, 1)  # raises where the run is shorter than the filter
+    if recording.trigger is not None:
+        rows = np.flatnonzero(recording.trigger[margin:-margin])
+        if not len(rows):
+            raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
+    else:
+        moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)
+        rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else moving
+    travel = np.ptp(recording.struts[margin + rows], axis=0).max() if len(rows) else 0.0
+    if travel < LEAST_TRAVEL:
+        raise IdentificationError(
+            f"{recording.source}: the pose is constant (struts move by {travel * 1e3:.3g} mm, at least "
+            f"{LEAST_TRAVEL * 1e3:g} mm are needed); record the excitation, or remove t_s from averaged standstills"
+        )
+    return rows

@@ -1,0 +1,82 @@
+"""A result that was saved, as other commands use it: parameters to predict forces with."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import FileProblem
+from cases.files import read_json
+from cases.schema import Case
+from identification.model import Model, identification_model
+from identification.result import SCHEMA_VERSION
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class SavedResult:
+    """Identified parameters.
+
+    Args:
+        source: the file.
+        case_name: of the case they belong to.
+        case_hash: fingerprint of that case when they were identified.
+        model: number in Table 2.
+        values: u, shape (u,).
+        covariance: of u, shape (u, u).
+        delay: of the forces [s]; 0 where none was estimated.
+    """
+
+    source: str
+    case_name: str
+    case_hash: str
+    model: int
+    values: Array
+    covariance: Array
+    delay: float
+
+    def model_of(self, case: Case) -> Model:
+        """The model of the parameters, for a case of the same machine.
+
+        Raises:
+            FileProblem: the parameters belong to another case.
+        """
+        if case.name != self.case_name:
+            raise FileProblem(
+                f"{self.source}: parameters of case {self.case_name}, not {case.name}; identify them for {case.name}"
+            )
+        return identification_model(case, self.model)
+
+
+def load_result(path: Path) -> SavedResult:
+    """Reads `result.json`, or the folder that holds it.
+
+    Raises:
+        FileProblem: missing, damaged or of another version.
+    """
+    file = path / "result.json" if path.is_dir() else path
+    data = read_json(file, "hexcite identify")
+    if data.get("schema_version") != SCHEMA_VERSION:
+        raise FileProblem(
+            f"{file}: schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}; identify again"
+        )
+    try:
+        delay = data["delay_s"]
+        result = SavedResult(
+            source=str(file),
+            case_name=str(data["case"]),
+            case_hash=str(data["case_hash"]),
+            model=int(data["model"]),
+            values=np.array(data["linear"]["values"], dtype=float),
+            covariance=np.array(data["covariance"], dtype=float),
+            delay=0.0 if delay is None else float(delay["value"]),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error
+    count = len(result.values)
+    whole = result.values.ndim == 1 and result.covariance.shape == (count, count)
+    if not whole or not (np.isfinite(result.values).all() and np.isfinite(result.covariance).all()):
+        raise FileProblem(f"{file}: values and covariance do not belong together; identify again")
+    return result
