@@ -157,8 +157,8 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     rows = window[:: low_pass.stride]
     if len(rows) < 2:
         raise IdentificationError(
-            f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a {cutoff:g} Hz "
-            "filter; record longer"
+            f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a {cutoff:g} "
+            "Hz filter; record longer"
         )
     return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window))
 

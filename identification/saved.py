@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from cases.errors import FileProblem
 from cases.files import read_json
 from cases.schema import Case
 from identification.model import Model, identification_model
+from identification.parameters import physical_form
 from identification.result import SCHEMA_VERSION
 
 Array = NDArray[np.float64]
@@ -80,3 +82,33 @@ def load_result(path: Path) -> SavedResult:
     if not whole or not (np.isfinite(result.values).all() and np.isfinite(result.covariance).all()):
         raise FileProblem(f"{file}: values and covariance do not belong together; identify again")
     return result
+
+
+def with_tare(
+    path: Path, result: SavedResult, case: Case, values: Array, covariance: Array, source: str
+) -> dict[str, Any]:
+    """What `result.json` holds with other linear values: physical parameters and deviations follow from them.
+
+    Args:
+        path: the result that is changed.
+        result: the same, loaded.
+        case: of the same machine.
+        values: new u, shape (u,).
+        covariance: of u, shape (u, u).
+        source: the recording that they come from.
+    """
+    file = path / "result.json" if path.is_dir() else path
+    data = read_json(file, "hexcite identify")
+    form = physical_form(result.model_of(case))
+    physical, spread = form.of(values, covariance)
+    std = np.sqrt(np.diag(spread))
+    parameters = dict(data["parameters"])
+    for p, value, deviation in zip(form.parameters, physical, std, strict=True):
+        robust = float(deviation) if p.name.startswith("f_q0") else parameters[p.name]["std_robust"]
+        parameters[p.name] = {"value": float(value), "std": float(deviation), "std_robust": robust, "unit": p.unit}
+    return data | {
+        "parameters": parameters,
+        "linear": {"names": data["linear"]["names"], "values": values.tolist()},
+        "covariance": covariance.tolist(),
+        "tared_with": source,
+    }

@@ -10,7 +10,7 @@ import traceback
 import typer
 
 from cases.errors import HexciteError
-from planner.cli import cases, demo, identify, plan, post, run
+from planner.cli import cases, demo, force, identify, plan, post, run
 
 app = typer.Typer(
     name="hexcite",
@@ -27,6 +27,9 @@ app.command("post")(post.post)
 app.command("check")(post.check)
 app.command("run")(run.run)
 app.command("identify")(identify.identify)
+app.command("force")(force.force)
+app.command("tare")(force.tare)
+app.command("payload")(force.payload)
 app.command("demo")(demo.demo)
 
 

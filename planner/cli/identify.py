@@ -16,6 +16,9 @@ def identify(
     model: Annotated[
         int | None, typer.Option(help="Identification model, 0 to 9; by default what the run can carry.")
     ] = None,
+    verify: Annotated[
+        Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
+    ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to write.")] = None,
     json: Json = False,
 ) -> None:
@@ -25,6 +28,8 @@ def identify(
     if len(recordings) > 1:
         raise RecordingError(f"{recordings[1]}: one file of one run is read so far; join the files and name one")
     answer, _ = make_result(recordings[0], case, model, output, quiet=json)
+    if verify is not None:
+        answer["verify"] = verify_result(verify, case_of(recordings[0], case), Path(answer["result"]), quiet=json)
     if json:
         print_json(answer)
 
@@ -38,7 +43,7 @@ def make_result(
     from identification.recording import read_recording
     from planner.plots import residual_figure
 
-    loaded = _case_of(path, case)
+    loaded = case_of(path, case)
     folder = output if output is not None else Path(f"{path.resolve().stem}-result")
     with status("identifying", quiet):
         recording = read_recording(path, loaded)
@@ -53,7 +58,33 @@ def make_result(
     return answer, estimate
 
 
-def _case_of(path: Path, case: str | None) -> Any:
+def verify_result(path: Path, case: Any, result: Path, quiet: bool) -> dict[str, Any]:
+    """How well the parameters predict another run: what is left of force and moment, and of each channel."""
+    from identification.force import external_force
+    from identification.recording import read_recording
+    from identification.saved import load_result
+
+    found = external_force(read_recording(path, case), case, load_result(result), whole=False)
+    deviation = found.wrench.std(axis=0)
+    answer = {
+        "recording": str(path),
+        "samples": len(found.t),
+        "force_3s_N": (3 * deviation[:3]).tolist(),
+        "moment_3s_Nm": (3 * deviation[3:]).tolist(),
+        "mean_force_N": found.wrench[:, :3].mean(axis=0).tolist(),
+        "mean_moment_Nm": found.wrench[:, 3:].mean(axis=0).tolist(),
+        "channel_rms": ((found.residuals**2).mean(axis=0) ** 0.5).tolist(),
+    }
+    if not quiet:
+        force, moment = (
+            ", ".join(f"{v:.3g}" for v in answer["force_3s_N"]),
+            ", ".join(f"{v:.3g}" for v in answer["moment_3s_Nm"]),
+        )
+        print(f"verified on {path}: left of the force +- {force} N (3 s), of the moment +- {moment} N m (3 s)")
+    return answer
+
+
+def case_of(path: Path, case: str | None) -> Any:
     """The case that was named, or the one that a recording folder was made for and that has not changed since."""
     from cases.errors import RecordingError
     from cases.files import read_json
@@ -72,12 +103,18 @@ def _case_of(path: Path, case: str | None) -> Any:
     return loaded
 
 
-def show_result(answer: dict[str, Any]) -> None:
-    """Prints a result for people."""
+def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
+    """Rows of a parameter table, lengths in mm."""
     rows = []
-    for name, p in answer["parameters"].items():
+    for name, p in parameters.items():
         scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
         rows.append([name, *(f"{p[key] * scale:.6g}" for key in ("value", "std", "std_robust")), unit])
+    return rows
+
+
+def show_result(answer: dict[str, Any]) -> None:
+    """Prints a result for people."""
+    rows = parameter_rows(answer["parameters"])
     title = f"Model {answer['model']}: {answer['samples']} samples, rank {answer['rank']}"
     title += f", condition {answer['condition']:.3g}"
     print_table(title, ("parameter", "value", "std (28)", "std robust", "unit"), rows)

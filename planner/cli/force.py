@@ -1,0 +1,122 @@
+"""`hexcite force`, `tare` and `payload`: identified parameters in use."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, print_json, print_table
+
+AXES = ("fx", "fy", "fz", "mx", "my", "mz")
+UNITS = ("N", "N", "N", "N m", "N m", "N m")
+
+Parameters = Annotated[Path, typer.Option("--parameters", help="Result folder of hexcite identify.")]
+CaseOption = Annotated[
+    str | None, typer.Option("--case", help="Built-in name, folder or file; a recording folder knows.")
+]
+
+
+def force(
+    recording: Annotated[Path, typer.Argument(help="Recording: a CSV file, or a folder of hexcite run.")],
+    parameters: Parameters,
+    case: CaseOption = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="CSV file to write.")] = None,
+    json: Json = False,
+) -> None:
+    """Compute external force and moment over a recording."""
+    from cases.files import atomic_file
+    from identification.force import external_force
+    from identification.recording import read_recording
+    from identification.saved import load_result
+    from planner.cli.identify import case_of
+
+    loaded = case_of(recording, case)
+    file = output if output is not None else Path(f"{recording.resolve().stem}-force.csv")
+    found = external_force(read_recording(recording, loaded), loaded, load_result(parameters))
+    with atomic_file(file) as part:
+        _write(part, found)
+    answer: dict[str, Any] = {
+        "force": str(file),
+        "samples": len(found.t),
+        "rms": {f"{a}_{u.replace(' ', '')}": float(v) for a, u, v in zip(AXES, UNITS, found.rms, strict=True)},
+        "peak": {f"{a}_{u.replace(' ', '')}": float(v) for a, u, v in zip(AXES, UNITS, found.peak, strict=True)},
+    }
+    if json:
+        print_json(answer)
+        return
+    rows = [
+        [a, f"{r:.4g}", f"{p:.4g}", u] for a, u, r, p in zip(AXES, UNITS, found.rms, found.peak, strict=True)
+    ]  # fmt: skip
+    print_table("External force and moment in {P}", ("component", "rms", "peak", "unit"), rows)
+    print(f"written: {file} ({len(found.t)} samples, behind the filter of the case)")
+
+
+def _write(file: Path, found: Any) -> None:
+    import numpy as np
+    import pyarrow as pa
+    import pyarrow.csv as pacsv
+
+    table = {"t_s": found.t}
+    table |= {
+        f"{a}_{u.replace(' ', '')}": np.ascontiguousarray(found.wrench[:, k])
+        for k, (a, u) in enumerate(zip(AXES, UNITS, strict=True))
+    }
+    pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
+
+
+def tare(
+    recording: Annotated[Path, typer.Argument(help="Recording of a standstill without contact.")],
+    parameters: Parameters,
+    case: CaseOption = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Result folder to write.")] = None,
+    json: Json = False,
+) -> None:
+    """Identify the sensor offsets anew from a short standstill; leave all other parameters."""
+    from cases.files import atomic_folder, json_text
+    from identification.force import tare as new_offsets
+    from identification.recording import read_recording
+    from identification.saved import load_result, with_tare
+    from planner.cli.identify import case_of
+
+    loaded = case_of(recording, case)
+    saved = load_result(parameters)
+    found = new_offsets(read_recording(recording, loaded), loaded, saved)
+    folder = output if output is not None else Path(f"{parameters.resolve().stem}-tared")
+    content = with_tare(parameters, saved, loaded, found.values, found.covariance, str(recording))
+    with atomic_folder(folder) as part:
+        (part / "result.json").write_text(json_text(content), encoding="utf-8")
+    if json:
+        print_json({"result": str(folder)} | content)
+        return
+    rows = [
+        [f"f_q0_{k + 1}", f"{found.change[k]:+.4g}", f"{found.std[k]:.2g}"] for k in range(6)
+    ]  # fmt: skip
+    print_table("Offsets", ("offset", "change", "std"), rows)
+    print(f"result written: {folder}")
+
+
+def payload(
+    before: Annotated[Path, typer.Argument(help="Result folder without the payload.")],
+    after: Annotated[Path, typer.Argument(help="Result folder with it.")],
+    case: Annotated[str, typer.Option("--case", help="Built-in name, folder or case file.")],
+    json: Json = False,
+) -> None:
+    """Tell the payload's mass, centre of gravity and inertia from two results."""
+    from cases.loading import load_case
+    from identification.payload import payload_between
+    from identification.saved import load_result
+    from planner.cli.identify import parameter_rows
+
+    loaded = load_case(case)
+    old, new = load_result(before), load_result(after)
+    found = payload_between(old, new, old.model_of(loaded), new.model_of(loaded))
+    answer = {
+        "parameters": {name: value._asdict() for name, value in found.parameters.items()},
+        "warnings": list(found.warnings),
+    }
+    if json:
+        print_json(answer)
+        return
+    print_table("Payload", ("parameter", "value", "std", "std robust", "unit"), parameter_rows(answer["parameters"]))
+    for warning in found.warnings:
+        print(f"warning: {warning}")
