@@ -10,6 +10,10 @@ from pathlib import Path
 class HexciteError(Exception):
     """Root of all errors that a user can cause and mend."""
 
+    def __str__(self) -> str:
+        """One printable line, whatever names and values it quotes."""
+        return "".join(c if c.isprintable() else repr(c)[1:-1] for c in super().__str__())
+
 
 class CaseError(HexciteError, ValueError):
     """A case file does not describe a usable machine.

@@ -49,6 +49,8 @@ def atomic_file(path: Path) -> Iterator[Path]:
         part.chmod(0o666 & ~_mask())
         _flush(part)
         os.replace(part, path)
+    except FileProblem:  # of something else that the block read or wrote
+        raise
     except OSError as error:
         raise FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o") from error
     finally:
@@ -82,10 +84,19 @@ def atomic_folder(path: Path) -> Iterator[Path]:
         if path.exists():
             old = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
             os.rename(path, old / path.name)
-            os.rename(part, path)
-            shutil.rmtree(old)
+            try:
+                os.rename(part, path)
+            except OSError:
+                os.rename(old / path.name, path)
+                raise
+            finally:
+                shutil.rmtree(old)
         else:
             os.rename(part, path)
+    except FileProblem:
+        raise
+    except OSError as error:
+        raise FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o") from error
     finally:
         shutil.rmtree(part, ignore_errors=True)
 

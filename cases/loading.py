@@ -1,6 +1,7 @@
 """From a name, folder or file to a validated case, or one line that says what is wrong with it."""
 
 import difflib
+import os
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -13,6 +14,28 @@ from cases.errors import CaseError
 from cases.schema import Case
 
 BUILT_IN = Path(__file__).parent
+
+# Unit suffixes of keys, ours and those that users write instead.
+_OURS: tuple[str, ...] = (
+    "m",
+    "mm",
+    "um",
+    "deg",
+    "kg",
+    "kg_m2",
+    "s",
+    "ms",
+    "N",
+    "Nm",
+    "N_m",
+    "Nm_m",
+    "Hz",
+    "cycles",
+    "mm_min",
+)
+_OURS += ("mm_s", "m_s", "m_s2", "m_s3", "deg_s", "rad_s2", "rad_s3")
+_OTHERS = ("cm", "in", "rad", "mrad", "g", "t", "kN", "min", "us", "kHz", "rad_s", "deg_s2", "deg_s3", "mm_s2", "mm_s3")
+UNITS = tuple(sorted((*_OURS, *_OTHERS), key=len, reverse=True))
 
 
 def built_in_cases() -> dict[str, Path]:
@@ -29,14 +52,14 @@ def find_case(name: str) -> Path:
     known = built_in_cases()
     if name in known:
         return known[name]
-    path = Path(name)
-    if path.is_dir():
-        path = path / "case.toml"
-    if path.is_file():
-        return path
+    file = os.path.join(name, "case.toml") if os.path.isdir(name) else name
+    if os.path.isfile(file):  # of os.path, which answers "no" to names that no file system takes
+        return Path(file)
     close = difflib.get_close_matches(name, known, n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
-    raise CaseError(name, "", f"no such case; {hint}built-in cases are {', '.join(known)}, else name a folder or file")
+    raise CaseError(
+        name or "''", "", f"no such case; {hint}built-in cases are {', '.join(known)}, else name a folder or file"
+    )
 
 
 def load_case(name: str) -> Case:
@@ -50,7 +73,7 @@ def load_case(name: str) -> Case:
     """
     path = find_case(name)
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
     except tomllib.TOMLDecodeError as error:
@@ -65,8 +88,9 @@ def _explained(path: Path, data: dict[str, Any], error: ValidationError) -> Case
     """The first problem in words; unknown keys come first, since a misspelt key also makes its right name missing."""
     problems = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
     first = problems[0]
-    key = ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in first["loc"]).replace(".[", "[")
-    more = f" ({len(problems) - 1} more problems)" if len(problems) > 1 else ""
+    key = ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in first["loc"])
+    key, others = key.replace(".[", "["), len(problems) - 1
+    more = f" ({others} more problem{'s' if others > 1 else ''})" if others else ""
     return CaseError(path, key, _words(first, data) + more)
 
 
@@ -81,20 +105,23 @@ def _words(problem: ErrorDetails, data: dict[str, Any]) -> str:
     if kind == "too_short" or kind == "too_long":
         expected = problem.get("ctx", {}).get("actual_length", "?")
         return f"has {expected} entries; {problem['msg'].lower()}"
-    return f"{value!r}: {problem['msg'].lower()}; correct the value"
+    return f"{value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
 
 
 def _unknown_key(key: str, known: list[str]) -> str:
-    with_unit = [name for name in known if name.startswith(f"{key}_")]
-    if with_unit:
-        return f"has no unit; keys carry their unit, write {' or '.join(with_unit)}"
-    stem = key.rsplit("_", 1)[0]
-    other_unit = [name for name in known if name.rsplit("_", 1)[0] == stem or name.startswith(f"{stem}_")]
-    if other_unit:
-        return f"is not in the unit expected here; write {' or '.join(other_unit)}"
+    stem = _without_unit(key)
+    meant = [name for name in known if _without_unit(name) == stem]
+    if meant and stem == key:
+        return f"has no unit; keys carry their unit, write {' or '.join(meant)}"
+    if meant:
+        return f"is not in the unit expected here; write {' or '.join(meant)}"
     close = difflib.get_close_matches(key, known, n=1)
     hint = f"did you mean {close[0]}? " if close else ""
     return f"is an unknown key; {hint}known keys here are {', '.join(sorted(known))}"
+
+
+def _without_unit(key: str) -> str:
+    return next((key[: -len(unit) - 1] for unit in UNITS if key.endswith(f"_{unit}")), key)
 
 
 def _siblings(location: tuple[int | str, ...]) -> Iterable[str]:

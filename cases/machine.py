@@ -5,6 +5,7 @@ from functools import cached_property
 import numpy as np
 from pydantic import model_validator
 
+from cases.geometry import WORST_CONDITION, condition_of_lines
 from cases.parts import Array, Number, Part, Positive, PositiveVector, Range, SixPoints, Vector, frozen
 from cases.units import DEG, MM
 
@@ -60,12 +61,33 @@ class Pose(Part):
         )
 
 
+def _turn(axis: int, angle: float) -> Array:
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    turn = np.eye(3)
+    turn[i, i] = turn[j, j] = np.cos(angle)
+    turn[j, i], turn[i, j] = np.sin(angle), -np.sin(angle)
+    return turn
+
+
 class Machine(Part):
     """A hexapod: strut k joins base joint k to platform joint k."""
 
     base: Joints
     platform: Joints
     home: Pose
+
+    @model_validator(mode="after")
+    def _stands_firmly(self) -> "Machine":
+        roll, pitch, yaw = self.home.vector[3:]
+        x, y, z = (_turn(axis, angle) for axis, angle in enumerate((roll, pitch, yaw)))
+        arms = self.platform.points @ (z @ y @ x).T
+        condition = condition_of_lines(arms, self.home.vector[:3] + arms - self.base.points)
+        if not condition <= WORST_CONDITION:
+            raise ValueError(
+                f"the struts do not hold the platform at home: it is singular (condition {condition:.3g}, at most "
+                f"{WORST_CONDITION:.0f}); joints of base and platform must not form similar hexagons"
+            )
+        return self
 
 
 class Workspace(Part):

@@ -1,6 +1,7 @@
 """Writes programs for LinuxCNC: XYZABC in mm and degrees, timed paths as dense G1 in inverse time (G93)."""
 
 import re
+import textwrap
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from postprocessors.program import Array, Block, Dwell, Program, TimedPath, ToHo
 LENGTH_DECIMALS = 5
 ANGLE_DECIMALS = 6
 FEED_DECIMALS = 6
+COMMENT_WIDTH = 100  # a line of the controller holds 252 characters
 
 
 def _number(value: float, decimals: int) -> str:
@@ -26,16 +28,17 @@ def _axes(pose: Array) -> str:
     return " ".join(f"{letter}{value}" for letter, value in zip("XYZABC", lengths + angles, strict=True))
 
 
-def _comment(text: str) -> str:
-    """A comment; LinuxCNC has no nesting and reads (MSG, ..) and the like as commands, hence the leading blank."""
-    return f"( {re.sub(r'[^ -~]', '?', text).replace('(', '[').replace(')', ']')} )"
+def _comments(text: str) -> list[str]:
+    """Comment lines. LinuxCNC knows no nesting, and reads (MSG, ..) as a command, hence the leading dash."""
+    plain = re.sub(r"[^ -~]", "?", text).replace("(", "[").replace(")", "]")
+    return [f"(- {line})" for line in textwrap.wrap(plain, COMMENT_WIDTH)]
 
 
 def _lines(block: Block) -> list[str]:
     match block:
         case ToHome():
             feed = _number(block.feed * MINUTE / MM, FEED_DECIMALS)
-            return [_comment("to home"), "G61", f"G94 G1 {_axes(block.pose)} F{feed}"]
+            return [*_comments("to home"), "G61", f"G94 G1 {_axes(block.pose)} F{feed}"]
         case Dwell():
             return [f"G4 P{_number(block.duration, 6)}"]
         case Trigger():
@@ -47,7 +50,7 @@ def _lines(block: Block) -> list[str]:
 
 
 def _timed(path: TimedPath) -> list[str]:
-    lines = [_comment(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64 P1 Q0", "G93"]
+    lines = [*_comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64 P1 Q0", "G93"]
     feeds = MINUTE / np.diff(path.times)
     for pose, feed in zip(path.poses[1:], feeds, strict=True):
         lines.append(f"G1 {_axes(pose)} F{_number(feed, FEED_DECIMALS)}")  # G93 wants F on every line
@@ -57,7 +60,7 @@ def _timed(path: TimedPath) -> list[str]:
 
 def write_linuxcnc(program: Program) -> str:
     """The program's text."""
-    lines = [_comment(line) for line in program.header]
+    lines = [c for line in program.header for c in _comments(line)]
     lines.append("G17 G21 G40 G49 G54 G80 G90 G91.1 G94")
     for block in program.blocks:
         lines += _lines(block)

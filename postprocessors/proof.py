@@ -15,7 +15,8 @@ from postprocessors.reading.words import Reading
 from postprocessors.stretches import Still, Stretch, Timed, Untimed, stretches
 
 SAMPLES_A_BLOCK = 100.0
-MARGIN_RATE = 1000.0  # [1/s] for moves at constant speed: straight lines need no fine grid
+SAMPLES_A_LINE = 1000.0  # for moves at constant speed: straight lines need no fine grid
+LONGEST = 3600.0  # [s] of a timed path: excitations take seconds, and a proof takes its time
 BY_CONTROLLER = {"acceleration", "angular acceleration", "strut acceleration"}
 BY_NOBODY = {"jerk", "angular jerk"}
 
@@ -107,6 +108,13 @@ def prove_program(reading: Reading, case: Case) -> ProgramProof:
     reports: list[LimitReport] = []
     violations: list[Violation] = []
     for part in parts:
+        if isinstance(part, Timed) and part.points.duration > LONGEST:
+            raise ProgramError(
+                reading.file,
+                part.lines[0],
+                0,
+                f"a timed path of {part.points.duration:.4g} s, at most {LONGEST:.0f} s are proven; raise its feeds (F)",
+            )
         report, duration = _judge(part, case, clock)
         reports.append(report)
         violations += [Violation(_line(part, v.time - clock), v) for v in report.violations]
@@ -140,11 +148,11 @@ def _rate(part: Timed) -> float:
 def _untimed(part: Untimed, case: Case, clock: float) -> LimitReport:
     """Geometry and speed; what depends on the controller's time law says who answers for it."""
     if part.start is None or part.duration is None or part.duration == 0.0:
-        report = prove(Standstill(part.end, 0.0), case, MARGIN_RATE, clock)
+        report = prove(Standstill(part.end, 0.0), case, 1.0, clock)
         speed = tuple(_speed_checks(part, case, clock)) if part.start is None else ()
         return LimitReport(tuple(_relabelled(report.checks, case)) + speed)
     line = _ConstantSpeed(part.start, part.end, part.duration)
-    return LimitReport(tuple(_relabelled(prove(line, case, MARGIN_RATE, clock).checks, case)))
+    return LimitReport(tuple(_relabelled(prove(line, case, SAMPLES_A_LINE / part.duration, clock).checks, case)))
 
 
 def _speed_checks(part: Untimed, case: Case, clock: float) -> Iterable[LimitCheck]:

@@ -110,16 +110,17 @@ class _Grouping:
                 self._settle_trigger()
                 self.timed.append(event)
                 continue
+            if isinstance(event, Switch) and not event.at_once:
+                self.waiting = event  # no reason for the controller to stop
+                continue
             yield from self._finish_timed()
             if isinstance(event, Move):
                 self._settle_trigger()
                 yield self._untimed(event)
             elif isinstance(event, Pause):
                 yield Still(event.line, event.duration, self.trigger)
-            elif event.at_once:
-                self.trigger = event.on
             else:
-                self.waiting = event
+                self.trigger = event.on
         yield from self._finish_timed()
         if self.waiting is not None:
             raise self.error(self.waiting.line, "the trigger waits for a next motion that never comes; use M64 or M65")
@@ -135,6 +136,12 @@ class _Grouping:
         if self.pose is None:
             raise self.error(
                 moves[0].line, "a timed block starts from an unknown pose; first move home at a feed (G94)"
+            )
+        stopping = next((m for m in moves if m.exact_stop), None)
+        if stopping is not None:
+            raise self.error(
+                stopping.line,
+                "a timed block under G61: the controller stops at its end and does not keep the time; use G64",
             )
         times = np.concatenate([[0.0], np.cumsum([m.value for m in moves])])
         poses = np.vstack([self.pose, *(m.end for m in moves)])
@@ -152,6 +159,6 @@ class _Grouping:
         if start is not None:
             way = np.abs(move.end - start)
             linear, angular = float(np.linalg.norm(way[:3])), float(np.linalg.norm(way[3:]))
-            length = linear if linear > STILL else angular
+            length = linear if move.linear else angular
             duration = float(np.max(way / self.rate)) if rapid else length / move.value
         return Untimed(move.line, start, move.end, duration, None if rapid else move.value, self.trigger)

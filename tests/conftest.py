@@ -6,12 +6,14 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
-from hypothesis import settings
+from hypothesis import Phase, settings
 
 from cases.loading import load_case
 from cases.schema import Case
 
-settings.register_profile("check", derandomize=True, deadline=None, max_examples=60, print_blob=True)
+# A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
+AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)
+settings.register_profile("check", derandomize=True, deadline=None, max_examples=60, print_blob=True, phases=AT_ONCE)
 settings.register_profile("bench", deadline=None, max_examples=5000, print_blob=True)
 settings.load_profile("check")
 

@@ -2,15 +2,18 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.motion import Motion
 
 Array = NDArray[np.float64]
+Answer = TypeVar("Answer")
 
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
 
@@ -65,8 +68,18 @@ def ideal(case: Case) -> Case:
 
 
 def one_line(error: BaseException) -> str:
-    """The message of an error, which must be a single line that says something."""
+    """The message of an error, which must be a single printable line that says something."""
     text = str(error)
     assert text.strip(), "an empty message"
-    assert len(text.splitlines()) == 1, text
+    assert text.isprintable(), repr(text)  # no line breaks, no control characters
     return text
+
+
+def answer(call: Callable[[], Answer], place: str) -> Answer | None:
+    """What a call gives, or None where it raises an error of ours: one line that names the place."""
+    try:
+        return call()
+    except HexciteError as error:
+        message = one_line(error)
+    assert place in message
+    return None

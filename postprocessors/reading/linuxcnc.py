@@ -22,6 +22,24 @@ STILL = 1e-7  # a coordinate moves if it changes by more, in mm or degrees (the 
 
 _WORD = re.compile(r"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)))")
 _AXES = "XYZABC"
+LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
+LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
+# Two words of one modal group on a line are an error to the controller.
+_GROUPS = (
+    ("G0", "G1", "G2", "G3", "G80"),
+    ("G17", "G18", "G19"),
+    ("G20", "G21"),
+    ("G90", "G91"),
+    ("G91.1",),
+    ("G93", "G94"),
+    ("G61", "G64"),
+    ("G40",),
+    ("G49",),
+    ("G54",),
+    ("G4",),
+    ("M62", "M63", "M64", "M65"),
+    ("M2", "M30"),
+)
 # Words that change nothing that a hexapod program here relies on: plane, no compensation, no offset, no cycle, arc
 # mode.
 _NEUTRAL = {"G17", "G40", "G49", "G54", "G80", "G91.1"}
@@ -70,17 +88,20 @@ class _Interpreter:
             if word.letter in "GM":
                 codes.append(word)
             elif word.letter in "XYZABCFPQ":
+                if abs(word.value) > (LARGEST_FEED if word.letter == "F" else LARGEST):
+                    raise self.error(line, word, f"{word.letter}{word.value:g} is no machine's number; correct it")
                 if word.letter in seen:
                     raise self.error(line, word, f"a second {word.letter} word on one line; remove one")
                 seen[word.letter] = word
             else:
                 raise self.error(line, word, f"{word.letter}{word.value:g} is not a word of an excitation; remove it")
+        self._require_one_of_each_group(line, codes)
         for word in codes:
-            self._code(line, word, seen, codes)
-        if not any(w.code in ("G4", "G64", *_SWITCHES) for w in codes):
-            for letter in "PQ":
-                if letter in seen:
-                    raise self.error(line, seen[letter], f"{letter} without G4, G64 or a trigger word; remove it")
+            self._code(line, word, seen)
+        written = {w.code for w in codes}
+        for letter, owners in (("P", {"G4", "G64", *_SWITCHES}), ("Q", {"G64"})):
+            if letter in seen and not written & owners:
+                raise self.error(line, seen[letter], f"{letter} without {' or '.join(sorted(owners))}; remove it")
         if "F" in seen:
             if not seen["F"].value > 0.0:
                 raise self.error(line, seen["F"], f"feed F{seen['F'].value:g} is not positive; correct it")
@@ -90,8 +111,17 @@ class _Interpreter:
         elif self.inverse_time:
             self.feed = None
 
-    def _code(self, line: int, word: _Word, seen: dict[str, _Word], codes: list[_Word]) -> None:
+    def _require_one_of_each_group(self, line: int, codes: list[_Word]) -> None:
+        for group in _GROUPS:
+            members = [w for w in codes if w.code in group]
+            if len(members) > 1:
+                words = " and ".join(w.code for w in members)
+                raise self.error(line, members[1], f"{words} on one line exclude each other; remove one")
+
+    def _code(self, line: int, word: _Word, seen: dict[str, _Word]) -> None:
         code = word.code
+        if code == "G80":
+            self.motion = None
         if code in _NEUTRAL:
             return
         if code == "G21":
@@ -99,8 +129,6 @@ class _Interpreter:
         elif code == "G90":
             self.absolute = True
         elif code in ("G0", "G1"):
-            if sum(w.code in ("G0", "G1") for w in codes) > 1:
-                raise self.error(line, word, "two motion words on one line; remove one")
             self.motion = code
         elif code in ("G93", "G94"):
             self.inverse_time = code == "G93"
@@ -133,7 +161,7 @@ class _Interpreter:
             missing = _AXES[int(np.flatnonzero(np.isnan(end))[0])]
             raise self.error(line, None, f"the first move leaves {missing} open; name all six axes")
         timing, value = self._timing(line, seen, end)
-        self.events.append(Move(line, _to_si(end), timing, value, self.exact))
+        self.events.append(Move(line, _to_si(end), timing, value, self.exact, self._linear(end)))
         self.pose = end
 
     def _timing(self, line: int, seen: dict[str, _Word], end: Array) -> tuple[Timing, float]:
@@ -145,8 +173,11 @@ class _Interpreter:
             return Timing.DURATION, MINUTE / seen["F"].value
         if self.feed is None:
             raise self.error(line, None, "G1 without a feed; add F")
-        linear = np.isnan(self.pose).any() or bool(np.any(np.abs(end - self.pose)[:3] > STILL))
-        return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
+        return Timing.FEED, self.feed * (MM if self._linear(end) else DEG) / MINUTE
+
+    def _linear(self, end: Array) -> bool:
+        """Whether X, Y or Z moves; from an unknown pose they are taken to."""
+        return bool(np.isnan(self.pose).any() or np.any(np.abs(end - self.pose)[:3] > STILL))
 
 
 def _to_si(pose: Array) -> Array:
@@ -156,6 +187,9 @@ def _to_si(pose: Array) -> Array:
 def _words(file: str, number: int, text: str) -> Iterator[_Word]:
     if len(text) > LONGEST_LINE:
         raise ProgramError(file, number, 0, f"{len(text)} characters, the controller takes {LONGEST_LINE}; split it")
+    strange = next((k for k, c in enumerate(text) if not (c == "\t" or " " <= c <= "~")), None)
+    if strange is not None:
+        raise ProgramError(file, number, strange + 1, f"character {text[strange]!r} is not plain ASCII; remove it")
     position = 0
     while text[position:].strip():
         match = _WORD.match(text, position)
@@ -182,7 +216,7 @@ def read_linuxcnc(text: str, file: str) -> Reading:
     """
     interpreter = _Interpreter(file)
     blocks = 0
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.replace("\r\n", "\n").split("\n"), start=1):
         if words := list(_words(file, number, line)):
             interpreter.read(number, words)
             blocks += 1

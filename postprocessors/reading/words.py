@@ -30,6 +30,7 @@ class Move:
         timing: what `value` means.
         value: see `Timing`.
         exact_stop: whether the controller comes to rest at the end.
+        linear: whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles.
     """
 
     line: int
@@ -37,6 +38,7 @@ class Move:
     timing: Timing
     value: float
     exact_stop: bool
+    linear: bool
 
 
 @dataclass(frozen=True, slots=True)
