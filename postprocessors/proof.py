@@ -113,7 +113,7 @@ def prove_program(reading: Reading, case: Case) -> ProgramProof:
                 reading.file,
                 part.lines[0],
                 0,
-                f"a timed path of {part.points.duration:.4g} s, at most {LONGEST:.0f} s are proven; raise its feeds (F)",
+                f"a timed path of {part.points.duration:.4g} s, at most {LONGEST:.0f} s are proven; raise its F",
             )
         report, duration = _judge(part, case, clock)
         reports.append(report)

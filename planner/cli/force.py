@@ -110,7 +110,7 @@ def payload(
     loaded = load_case(case)
     old, new = load_result(before), load_result(after)
     found = payload_between(old, new, old.model_of(loaded), new.model_of(loaded))
-    answer = {
+    answer: dict[str, Any] = {
         "parameters": {name: value._asdict() for name, value in found.parameters.items()},
         "warnings": list(found.warnings),
     }
