@@ -14,7 +14,8 @@ from cases.controller import Controller
 from cases.errors import CaseError
 from cases.machine import Limits, Machine, Workspace
 from cases.parts import Array, Part, Vector, frozen
-from cases.sensors import RecordingFormat, RigidBody, SensorFrame, Sensors, Simulation
+from cases.recording import RecordingFormat
+from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation
 
 
 class Case(Part):

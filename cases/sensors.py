@@ -6,12 +6,10 @@ from typing import Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from cases.geometry import WORST_CONDITION, condition_of_lines
 from cases.machine import Joints
 from cases.parts import Array, NonNegative, Number, Part, Positive, Six, Vector, frozen
 from cases.units import MM, MS, UM
-
-# Beyond this condition number (moments divided by the frame's size) a sensor's error is amplified a thousandfold.
-WORST_FRAME_CONDITION = 1e3
 
 
 class Bars(Part):
@@ -26,14 +24,11 @@ class Bars(Part):
         length = np.linalg.norm(direction, axis=1)
         if np.any(length == 0.0):
             raise ValueError(f"bar {int(np.argmin(length)) + 1} has no length; its lower and upper point coincide")
-        unit = direction / length[:, None]
-        size = np.linalg.norm(self.lower.points, axis=1).max()
-        lines = np.hstack([unit, np.cross(self.lower.points, unit) / max(size, 1e-9)])
-        condition = float(np.linalg.cond(lines))
-        if not condition <= WORST_FRAME_CONDITION:
+        condition = condition_of_lines(self.lower.points, direction)
+        if not condition <= WORST_CONDITION:
             raise ValueError(
                 f"the six bars do not measure all forces and moments (condition {condition:.3g}, at most "
-                f"{WORST_FRAME_CONDITION:.0f}); bars must not all be parallel, coplanar or meet one line"
+                f"{WORST_CONDITION:.0f}); bars must not all be parallel, coplanar or meet one line"
             )
         return self
 
@@ -133,12 +128,3 @@ class Simulation(Part):
     def force_delay(self) -> float:
         """How much later than the motion the forces are recorded [s]."""
         return self.force_delay_ms * MS
-
-
-class RecordingFormat(Part):
-    """How recordings of this case are to be read."""
-
-    filter_cutoff_Hz: Positive | None = None
-    """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
-    columns: dict[str, str] = Field(default_factory=dict)
-    """Our column name -> the file's, for files that use other names. Units are those of our name."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from cases.errors import IdentificationError
-from identification.estimator import Filtered, Fit, long_run_covariance
+from identification.estimator import UNFILTERED, Filtered, Fit, long_run_covariance
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def compress(regressors: Array, forces: Array, weights: Array) -> Compressed:
             "with fewer parameters"
         )
     joined = np.concatenate([regressors, forces[:, :, None]], axis=2) * np.sqrt(weights)[:, None]
-    r = np.linalg.qr(joined.reshape(-1, unknowns + 1), mode="r")
+    r = _triangle(joined.reshape(-1, unknowns + 1))
     return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), samples * sensors)
 
 
@@ -86,7 +86,7 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
         IdentificationError: parameters that are not determined, by name.
     """
     counted = root.shape[1] - nuisance
-    scaled = np.linalg.qr(root * column_scale(root), mode="r")[:counted, :counted]
+    scaled = _triangle(root * column_scale(root))[:counted, :counted]
     singular, directions = np.linalg.svd(scaled)[1:]
     rank = int(np.sum(singular > rows * np.finfo(float).eps * singular[0]))
     if rank < counted:
@@ -102,8 +102,12 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
 def inverse_root(root: Array) -> Array:
     """L with L L^T = (R^T R)^-1, shape (u, u), for R of full rank, shape (k, u)."""
     scale = column_scale(root)
-    r = np.linalg.qr(root * scale, mode="r")
-    return np.asarray(scale[:, None] * solve_triangular(r, np.eye(root.shape[1])))
+    return np.asarray(scale[:, None] * solve_triangular(_triangle(root * scale), np.eye(root.shape[1])))
+
+
+def _triangle(matrix: Array) -> Array:
+    """R of the QR decomposition, shape (u, u)."""
+    return np.asarray(np.linalg.qr(matrix, mode="r"))
 
 
 def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
@@ -135,7 +139,7 @@ def fit_along(
     values: Array,
     tangent: Array,
     nuisance: int = 0,
-    filtered: Filtered = Filtered(1.0, 1),
+    filtered: Filtered = UNFILTERED,
 ) -> Fit:
     """The Fit at the least chi^2 among u = u(theta), its uncertainty along du/dtheta.
 

@@ -63,19 +63,42 @@ def full_weights(
     freedom = independent - unknowns / sensors  # each channel pays its share of the unknowns
     if freedom <= sensors + 1:
         raise IdentificationError(
-            f"{samples} samples are too few for the covariance of six channels; record more or weight each channel alone"
+            f"{samples} samples are too few for the covariance of six channels; record more or weight channels alone"
         )
     spread = forces.std(axis=0)
     channels = np.diag(np.maximum(spread, 1e-12 * max(float(spread.max()), 1e-300)) ** 2)
     fit, rounds, converged = _weighted(regressors, forces, names, channels, nuisance, filtered), 0, False
     while not converged and rounds < WEIGHT_ROUNDS:
-        new = fit.residuals.T @ fit.residuals * filtered.stride / (freedom * filtered.stride)
-        new = new if filtered.gain == 1.0 else new
-        _independent(new)
-        std = np.sqrt(np.diag(new))
+        new = fit.residuals.T @ fit.residuals * filtered.stride / freedom  # s0^2 of `gauss_markov`, for each pair
+        std = _independent(new, spread)
         converged = bool(np.abs((new - channels) / np.outer(std, std)).max() < WEIGHT_TOLERANCE)
         channels, rounds = new, rounds + 1
         fit = _weighted(regressors, forces, names, channels, nuisance, filtered)
     raised = independent / (independent - sensors - 1)
-    fit = replace(fit, covariance=raised * fit.covariance, covariance_robust=raised * fit.covariance_robust)
-    return FullWeightsFit(fit, channels, converged, rounds)
+    return FullWeightsFit(replace(fit, covariance=raised * fit.covariance), channels, converged, rounds)
+
+
+def _weighted(
+    regressors: Array, forces: Array, names: Sequence[str], channels: Array, nuisance: int, filtered: Filtered
+) -> Fit:
+    """Gauss-Markov after whitening: with channels = L L^T the noise of L^-1 f is white and alike in all channels."""
+    std = np.sqrt(np.diag(channels))  # apart, so that newtons and newton metres do not meet in one factorisation
+    whiten = np.linalg.inv(np.linalg.cholesky(channels / np.outer(std, std))) / std
+    fit = gauss_markov(whiten @ regressors, forces @ whiten.T, names, np.ones(6), nuisance, filtered)
+    residuals = forces - regressors @ fit.values
+    return replace(fit, residuals=residuals, weights=np.sum(whiten**2, axis=0))
+
+
+def _independent(channels: Array, spread: Array) -> Array:
+    """Standard deviation of each channel, shape (6,), where no channel is silent or follows from the others."""
+    std = np.sqrt(np.diag(channels))
+    silent = std <= 1e-12 * spread
+    if silent.any():
+        raise IdentificationError(f"channel {int(np.argmax(silent)) + 1} fits without any residual; check the sensor")
+    least, directions = np.linalg.eigh(channels / np.outer(std, std))
+    if least[0] < DEPENDENT:
+        bound = [str(k + 1) for k in np.flatnonzero(np.abs(directions[:, 0]) > 0.1)]
+        raise IdentificationError(
+            f"the noise of channels {', '.join(bound)} is not independent; is one computed from the others?"
+        )
+    return np.asarray(std)

@@ -14,6 +14,7 @@ Residual = Callable[[Array], tuple[Array, Array]]
 
 STEPS = 50
 HALVINGS = 30
+RESOLVED = 1e-10  # of |r|^2: less of it than a step promises may drown in rounding, and the step is taken unseen
 
 
 class Minimum(NamedTuple):
@@ -53,8 +54,7 @@ def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:
         for _ in range(HALVINGS):
             new, new_jacobian = residual(at + share * step)
             finite = bool(np.isfinite(new).all() and np.isfinite(new_jacobian).all())
-            # The last step only moves rounding: it may be taken without getting better.
-            if finite and (float(new @ new) < cost or predicted <= tolerance):
+            if finite and (float(new @ new) < cost or predicted**2 <= max(tolerance**2, RESOLVED * cost)):
                 break
             share /= 2.0
         else:

@@ -126,6 +126,6 @@ def nonlinear(
         return NonlinearFit(None, physical, None, found.steps, found.failure)
     labels = [name for name, f in zip(names, free, strict=True) if f]
     fit = fit_along(regressors, forces, labels, weights, compressed, u, tangent, beyond, filtered)
-    onto = np.zeros((len(names), len(labels)))
+    onto = np.zeros((len(names), len(names)))
     onto[free] = np.linalg.pinv(tangent)  # tangent has full rank: du/dp has it for every mass but zero
     return NonlinearFit(fit, physical, onto @ fit.covariance @ onto.T, found.steps, None)

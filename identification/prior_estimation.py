@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.compressed import (
-    Compressed,
     column_scale,
     compress,
     degrees_of_freedom,

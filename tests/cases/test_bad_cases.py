@@ -10,8 +10,10 @@ from cases.loading import load_case
 from tests.cases.editing import HEXAPOD, edited
 from tests.helpers import one_line
 
+RING, BOX, FRAME = "machine.base.ring", "limits.motion", "sensor_frame.bars"
 BASE = re.search(r"base = \{ (ring = \{.*?\}) \}", HEXAPOD)[1]
 LOWER, UPPER = (re.search(rf"{side} = (.*)", HEXAPOD)[0] for side in ("lower", "upper"))
+HIGHER = LOWER.replace("lower", "upper").replace("z_mm = 9", "z_mm = 99")
 GRAVITY, INERTIA = "gravity_m_s2 = [0.0, 0.0, -9.81]", "[1.65, 0.0, 0.0, 1.65, 0.0, 1.51]"
 
 
@@ -25,47 +27,47 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "unknown table": ("[machine]", "[machin]", "machin", "unknown key; did you mean machine"),
     "table without its s": ("[sensors]", "[sensor]", "sensor", "did you mean sensors"),
     "unknown nested table": ("[limits.motion]", "[limits.moton]", "limits.moton", "did you mean motion"),
-    "no unit": ("radius_mm = 700.0", "radius = 700.0", "machine.base.ring.radius", "has no unit;.*write radius_mm"),
+    "no unit": ("radius_mm = 700.0", "radius = 700.0", f"{RING}.radius", "has no unit;.*write radius_mm"),
     "no unit in gravity": (GRAVITY, "gravity = [0.0, 0.0, -9.81]", "gravity", "has no unit;.*write gravity_m_s2"),
-    "another unit": ("radius_mm = 700.0", "radius_cm = 70.0", "machine.base.ring.radius_cm", "unit.*write radius_mm"),
+    "another unit": ("radius_mm = 700.0", "radius_cm = 70.0", f"{RING}.radius_cm", "unit.*write radius_mm"),
     "another unit of rates": ("velocity_mm_s =", "velocity_m_s =", "limits.motion.velocity_m_s", "velocity_mm_s"),
     "missing key": ("mass_kg = 33.0\n", "", "nominal.mass_kg", "is missing; add it"),
     "missing component": (GRAVITY, "gravity_m_s2 = [0.0, -9.81]", "gravity_m_s2[2]", "is missing; add it"),
     "one component too many": (GRAVITY, "gravity_m_s2 = [0.0, 0.0, -9.81, 0.0]", "gravity_m_s2", "has 4 entries;.* 3 "),
     "number for a vector": (GRAVITY, "gravity_m_s2 = -9.81", "gravity_m_s2", "-9.81: .*; correct the value"),
-    "text for a number": ("radius_mm = 700.0", 'radius_mm = "700"', "machine.base.ring.radius_mm", "'700': .* number"),
-    "true for a number": ("radius_mm = 700.0", "radius_mm = true", "machine.base.ring.radius_mm", "True: .* number"),
-    "NaN": ("radius_mm = 700.0", "radius_mm = nan", "machine.base.ring.radius_mm", "nan: .*finite number"),
-    "infinity": ("radius_mm = 700.0", "radius_mm = inf", "machine.base.ring.radius_mm", "inf: .*finite number"),
-    "negative radius": ("radius_mm = 700.0", "radius_mm = -7.0", "machine.base.ring.radius_mm", "-7.0: .*greater than 0"),
+    "text for a number": ("radius_mm = 700.0", 'radius_mm = "700"', f"{RING}.radius_mm", "'700': .* number"),
+    "true for a number": ("radius_mm = 700.0", "radius_mm = true", f"{RING}.radius_mm", "True: .* number"),
+    "NaN": ("radius_mm = 700.0", "radius_mm = nan", f"{RING}.radius_mm", "nan: .*finite number"),
+    "infinity": ("radius_mm = 700.0", "radius_mm = inf", f"{RING}.radius_mm", "inf: .*finite number"),
+    "negative radius": ("radius_mm = 700.0", "radius_mm = -7.0", f"{RING}.radius_mm", "-7.0: .*greater than 0"),
     "five joints": (BASE, points(5), "machine.base.points_mm", "has 5 points, a hexapod has 6"),
     "points and ring": (BASE, f"{BASE}, {points(6)}", "machine.base", "either points_mm .* or ring"),
     "neither points nor ring": (BASE, "", "machine.base", "either points_mm .* or ring"),
-    "limits upside down": ("x_mm = [-250.0, 250.0]", "x_mm = [250.0, -250.0]", "limits.motion.x_mm", "250 .*-250; swap"),
-    "empty range": ("x_mm = [-250.0, 250.0]", "x_mm = [5.0, 5.0]", "limits.motion.x_mm", "5 is not below.* 5"),
-    "box without home": ("z_mm = [-100.0, 100.0]", "z_mm = [10.0, 100.0]", "limits.motion", r"z_mm = \[10, 100\].*contain 0"),
-    "parallel bars": (UPPER, LOWER.replace("lower", "upper").replace("z_mm = 9", "z_mm = 99"), "sensor_frame.bars", "parallel"),
-    "bars that meet": (UPPER, f"upper = {{ points_mm = {[[0.0, 0.0, 100.0]] * 6} }}", "sensor_frame.bars", "six bars"),
+    "limits upside down": ("x_mm = [-250.0, 250.0]", "x_mm = [250.0, -250.0]", f"{BOX}.x_mm", "250 .*-250; swap"),
+    "empty range": ("x_mm = [-250.0, 250.0]", "x_mm = [5.0, 5.0]", f"{BOX}.x_mm", "5 is not below.* 5"),
+    "box without home": ("z_mm = [-100.0, 100.0]", "z_mm = [10.0, 100.0]", BOX, r"z_mm = \[10, 100\].*contain 0"),
+    "parallel bars": (UPPER, HIGHER, FRAME, "parallel"),
+    "bars that meet": (UPPER, f"upper = {{ points_mm = {[[0.0, 0.0, 100.0]] * 6} }}", FRAME, "six bars"),
     "bars that all meet the axis": (
         UPPER,
         f"upper = {{ points_mm = {[[0.0, 0.0, 100.0 + 20 * k] for k in range(6)]} }}",
-        "sensor_frame.bars",
+        FRAME,
         "meet one line",
     ),
     "bars in a plane": (
         f"{LOWER}\n{UPPER}",
         f"lower = {{ {points(6)} }}\nupper = {{ points_mm = {[[50.0 * k * k, 300.0, 0.0] for k in range(6)]} }}",
-        "sensor_frame.bars",
+        FRAME,
         "coplanar",
     ),
-    "bar without length": (UPPER, LOWER.replace("lower", "upper"), "sensor_frame.bars", "bar 1 has no length"),
-    "impossible inertia": (INERTIA, "[1.65, 0.0, 0.0, 0.05, 0.0, 1.51]", "nominal", "no rigid body has .*0.05, 1.51, 1.65"),
+    "bar without length": (UPPER, LOWER.replace("lower", "upper"), FRAME, "bar 1 has no length"),
+    "impossible inertia": (INERTIA, "[1.65, 0.0, 0.0, 0.05, 0.0, 1.51]", "nominal", "no rigid body has .*0.05, 1.51"),
     "negative inertia": (INERTIA, "[1.65, 0.0, 0.0, -1.65, 0.0, 1.51]", "nominal", "no rigid body"),
     "large moments of deviation": (INERTIA, "[1.65, 2.0, 0.0, 1.65, 0.0, 1.51]", "nominal", "no rigid body"),
     "another version": ("schema_version = 1", "schema_version = 2", "schema_version", "2: .*1"),
     "unknown setup": ('setup = "1b"', 'setup = "r"', "setup", "'r': .*'1a', '1b' or 'R'"),
     "name with a blank": ('name = "hexapod"', 'name = "Hexa pod"', "name", "'Hexa pod'"),
-    "more than a cycle": ("offset_cycles = 0.5", "offset_cycles = 1.5", "simulation.force_sampling_offset_cycles", "1.5: "),
+    "more than a cycle": ("offset_cycles = 0.5", "offset_cycles = 1.5", "simulation.force_sampling", "1.5: "),
     "column that is a number": ("[recording]", "[recording]\ncolumns = { t_s = 3 }", "recording.columns.t_s", "3: "),
     "key of two lines": ("[workspace]", '[workspace]\n"x\\ny" = 3.0', "workspace.", "unknown key"),
     "machine that is singular": (

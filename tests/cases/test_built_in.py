@@ -13,7 +13,7 @@ from cases.errors import CaseError
 from cases.loading import built_in_cases, find_case, load_case
 from cases.schema import Case
 from tests.cases.editing import HEXAPOD, edited
-from tests.helpers import one_line
+from tests.helpers import answer, one_line
 
 
 @pytest.mark.parametrize("name", built_in_cases())
@@ -106,10 +106,8 @@ def test_an_unknown_name_is_answered_with_the_known_ones(name: str, hint: str) -
 
 @given(name=st.text(max_size=20) | st.text("ab./ ", min_size=250, max_size=5000))
 def test_whatever_is_given_as_a_name_the_answer_is_a_file_or_one_line(name: str) -> None:
-    try:
-        assert find_case(name).is_file()
-    except CaseError as error:
-        assert "no such case" in one_line(error)
+    file = answer(lambda: find_case(name), "no such case")
+    assert file is None or file.is_file()
 
 
 def test_a_folder_without_a_case_is_no_case(tmp_path: Path) -> None:
@@ -137,5 +135,5 @@ def test_a_case_with_a_machine_but_without_limits_lacks_the_limits(tmp_path: Pat
     start = HEXAPOD.index("[limits.motion]")
     end = HEXAPOD.index("[sensor_frame.bars]")
     case = load_case(edited(tmp_path, HEXAPOD[start:end], ""))
-    with pytest.raises(CaseError, match="limits.motion: is missing"):
+    with pytest.raises(CaseError, match=r"limits\.motion: is missing"):
         case.need_machine("planning")

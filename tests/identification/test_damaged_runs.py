@@ -8,7 +8,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cases.errors import HexciteError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.executed import PoseExecution
@@ -16,7 +15,7 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.recording import read_recording, write_recording
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, one_line, paper_poses
+from tests.helpers import Harmonic, answer, paper_poses
 
 HEXAPOD, WRIST = load_case("hexapod"), load_case("ft_wrist")
 FILES: dict[str, tuple[Case, str]] = {}
@@ -94,10 +93,6 @@ def test_a_damaged_run_is_answered_in_one_line(kind: str, seed: int, times: int,
     case, text = FILES[kind]
     file = tmp_path / "run.csv"
     file.write_bytes(damaged(text, seed, times))
-    try:
-        estimate = identify(read_recording(file, case), case)
-    except HexciteError as error:
-        assert str(file) in one_line(error)
-        return
-    assert np.isfinite(estimate.values).all()
-    assert np.isfinite(estimate.covariance).all()
+    estimate = answer(lambda: identify(read_recording(file, case), case), str(file))
+    assert estimate is None or np.isfinite(estimate.values).all()
+    assert estimate is None or np.isfinite(estimate.covariance).all()

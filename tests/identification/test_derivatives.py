@@ -1,6 +1,7 @@
 """Every derivative is the derivative of what it claims: what a first-order step leaves shrinks with its square."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -70,7 +71,7 @@ def regressor() -> Case:
     now, later = [moment(T).pose, moment(T).rates, moment(T).accelerations], moment(T).jerks
     symbols = [ca.SX.sym(n, 6) for n in "prat"]
     value = ca.vec(function(*symbols[:3]))
-    slope = sum(ca.jtimes(value, s, ds) for s, ds in zip(symbols[:3], symbols[1:], strict=True))
+    slope = sum(ca.jtimes(value, s, ds) for s, ds in pairwise(symbols))
     derivative = over_samples(ca.Function("slope", symbols, [slope]), *now, later)[0][0]
 
     def along(t: float) -> Array:

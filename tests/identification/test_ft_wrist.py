@@ -1,4 +1,4 @@
-"""A real force/torque sensor on a real robot: 24 poses recorded at NTNU, and what others found in them (FACTS, section 8)."""
+"""A real force/torque sensor on a real robot: 24 poses recorded at NTNU and what others found in them (FACTS, 8)."""
 
 from dataclasses import replace
 from pathlib import Path

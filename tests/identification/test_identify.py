@@ -20,9 +20,10 @@ from tests.helpers import HOME, Harmonic, ideal, simulated
 CASE = load_case("hexapod")
 TRUTH = linear_parameters(identification_model(CASE, 9), CASE.simulation.parameters)
 PHYSICAL = physical_form(identification_model(CASE, 9)).of(TRUTH, np.eye(20))[0]
+MOTION = Harmonic()
 
 
-def run(case: Case, motion: Harmonic = Harmonic(), seed: int = 0) -> Recording:
+def run(case: Case, motion: Harmonic = MOTION, seed: int = 0) -> Recording:
     """The whole motion but a tenth of a second at each end, which the filter needs."""
     window = np.array([[0.1, motion.duration - 0.1]])
     return simulate_recording(case, PoseExecution(Hexapod.of(case), motion), window, seed, "run.csv")
@@ -62,6 +63,16 @@ def test_delay_and_sampling_offset_are_found_together(delay_ms: float, cycles: f
 def test_without_noise_the_delay_is_found_to_ten_microseconds(delay_ms: float) -> None:
     case = simulated(ideal(CASE), force_delay_ms=delay_ms)
     assert identify(run(case), case).delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-5)
+
+
+@pytest.mark.parametrize("cutoff", [15.0, 100.0, 190.0])
+def test_the_cutoff_of_the_filter_is_no_matter_of_truth(cutoff: float) -> None:
+    """A fast filter is short; its kernel must still reach as far as the delay."""
+    recording = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
+    case = simulated(ideal(CASE), force_delay_ms=15.0).model_copy(update={"recording": recording})
+    estimate = identify(run(case, Harmonic(duration=4.0)), case)
+    assert estimate.delay.value == pytest.approx(0.015, abs=1e-5)
+    assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.01)
 
 
 def test_a_delay_beyond_reason_is_warned_of() -> None:

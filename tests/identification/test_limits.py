@@ -93,7 +93,7 @@ def test_a_joint_that_is_bent_too_far_is_reported(joint: str, key: str) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_strut_motion_agrees_with_the_casadi_model(seed: int) -> None:
-    """Two implementations without a line in common: product rule on matrices here, algorithmic differentiation there."""
+    """Two implementations without a line in common: product rule on matrices, algorithmic differentiation."""
     motion = Harmonic(seed=seed)
     m = sample(motion, RATE)
     length, velocity, acceleration = over_samples(Hexapod.of(CASE).strut_motion, m.pose, m.rates, m.accelerations)
@@ -126,7 +126,7 @@ def test_twice_the_pace_doubles_velocities_and_quadruples_accelerations() -> Non
 def test_crossing_a_singularity_is_reported_and_standing_before_it_is_not() -> None:
     """Turning about z this hexapod passes a singularity before a quarter turn; det J^-1 changes its sign there."""
     hexapod, case = Hexapod.of(CASE), with_limits(**NO_LIMITS)
-    beyond = HOME + [0, 0, 0, 0, 0, np.deg2rad(100.0)]
+    beyond = HOME + np.deg2rad([0, 0, 0, 0, 0, 100.0])
     signs = [np.sign(np.linalg.det(over_samples(hexapod.inverse_jacobian, p[None])[1][0])) for p in (HOME, beyond)]
     assert signs[0] == -signs[1]
     move = StraightMove.fastest(HOME, beyond, np.ones(6), np.ones(6), np.ones(6))

@@ -50,7 +50,7 @@ def test_only_models_with_position_factors_need_the_position(number: int) -> Non
 
 
 def test_bars_carry_the_weight_upwards() -> None:
-    """The forces of the bars add up to m g against gravity in {B}, at the centre of gravity, however the platform tilts."""
+    """The bars' forces add up to m g against gravity, at the centre of gravity, however the platform tilts."""
     body, model = PointMasses.drawn(seed=3), identification_model(CASE, 0)
     positions, turns = paper_poses()
     u = np.r_[list(body.parameters.values())[:4], np.zeros(6)]
@@ -95,7 +95,7 @@ def test_turning_frame_body_and_platform_axes_together_changes_no_reading() -> N
 
 
 def test_gravity_factors_of_the_rotation_matrix_cannot_be_told_from_mass_at_rest() -> None:
-    """Section 5: model 3 is not identifiable; its 18 factors of R^T g hold the four columns of mass and first moment."""
+    """Section 5: model 3 is not identifiable; its factors of R^T g hold the columns of mass and first moment."""
     matrix = identification_model(CASE, 3).matrices(*paper_poses(), STILL, STILL).reshape(-1, 30)
     assert np.linalg.matrix_rank(matrix / np.linalg.norm(matrix, axis=0)) == 30 - 4
 

@@ -1,5 +1,7 @@
 """The seven-segment profile: as fast as ruckig, inside its limits, and its own derivatives."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -55,7 +57,7 @@ def test_velocity_and_acceleration_are_the_integrals_of_the_jerk(shape: tuple[fl
     profile = fastest_profile(*shape)
     lengths = [profile.jerk_time, profile.hold_time, profile.jerk_time, profile.cruise_time]
     corners = np.cumsum([0.0, *lengths, *lengths[2::-1]])
-    for start, end in zip(corners[:-1], corners[1:], strict=True):
+    for start, end in pairwise(corners):
         inner = np.array([start, (start + end) / 2, np.nextafter(end, 0.0)]) if end > start else np.full(3, start)
         values = profile.at(inner)
         for order in range(3):

@@ -10,7 +10,7 @@ from cases.errors import RecordingError
 from cases.schema import Case
 from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
-from identification.recording import Recording, read_recording, write_recording
+from identification.recording import BAR_FORCES, STRUTS, Recording, read_recording, write_recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line
 
@@ -63,7 +63,7 @@ def test_columns_may_have_other_names_and_any_order(tmp_path: Path, recording: R
     back = read_recording(file, hexapod_case.model_copy(update={"recording": recorded}))
     np.testing.assert_allclose(back.struts, recording.struts, atol=1e-11)
     np.testing.assert_allclose(back.forces, recording.forces, atol=1e-6)
-    with pytest.raises(RecordingError, match="column l1_mm is missing; it has .*q\\[0\\]"):
+    with pytest.raises(RecordingError, match=r"column l1_mm is missing; it has .*q\[0\]"):
         read_recording(file, hexapod_case)
 
 
@@ -98,6 +98,23 @@ def test_counts_of_a_long_running_clock_are_numbers(tmp_path: Path, recording: R
     np.testing.assert_allclose(read_recording(file, hexapod_case).forces, recording.forces, atol=1e-6)
 
 
+@pytest.mark.parametrize(("value", "says"), [("1.5", None), ("x", r", line 30002, f1_N: 'x' is not a number")])
+def test_what_comes_late_in_a_long_file_counts_as_what_comes_first(
+    tmp_path: Path, hexapod_case: Case, value: str, says: str | None
+) -> None:
+    """A force of 0 N for 30 000 rows, 2 MB, must not make it a column of whole numbers."""
+    file = tmp_path / "run.csv"
+    header = ",".join([*STRUTS, *BAR_FORCES])
+    row = ",".join(["980.123456"] * 6 + ["0"] * 6)
+    file.write_text("\n".join([header, *[row] * 30_000, row.replace(",0,", f",{value},", 1)]))
+    if says is None:
+        assert read_recording(file, hexapod_case).forces[-1, 0] == float(value)
+        return
+    with pytest.raises(RecordingError, match=says) as caught:
+        read_recording(file, hexapod_case)
+    one_line(caught.value)
+
+
 def test_uneven_sampling_is_named_where_it_happens(recording: Recording) -> None:
     """A gap of a second in a run of a second doubles the mean step; still the gap is at fault, not the first line."""
     late = recording.t.copy()
@@ -109,6 +126,17 @@ def test_uneven_sampling_is_named_where_it_happens(recording: Recording) -> None
 
 def test_rounded_time_stamps_count_as_even(recording: Recording) -> None:
     assert replace(recording, t=np.round(recording.t, 5)).step == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(("jitter", "even"), [(0.02, True), (0.2, False)])
+def test_a_clock_may_tremble_by_a_few_percent_of_a_step(recording: Recording, jitter: float, even: bool) -> None:
+    trembling = recording.t.copy()
+    trembling[400] += jitter * 1e-3
+    if even:
+        assert replace(recording, t=trembling).step == pytest.approx(1e-3)
+        return
+    with pytest.raises(RecordingError, match=r"line 402, t_s: step of 1.2 ms where the run has 1 ms"):
+        _ = replace(recording, t=trembling).step
 
 
 def test_standstills_have_no_step(recording: Recording) -> None:

@@ -52,12 +52,22 @@ def with_struts(change: Callable[[np.ndarray], None], of: Recording) -> Recordin
     return replace(of, struts=struts)
 
 
+def stuck(channel: int, of: Recording) -> Recording:
+    forces = of.forces.copy()
+    forces[:, channel] = 12.5
+    return replace(of, forces=forces)
+
+
 def jam(struts: np.ndarray) -> None:
     struts[1000:] = [0.3, 1.5, 0.3, 1.5, 0.3, 1.5]
 
 
 def metres(struts: np.ndarray) -> None:
     struts /= 1000.0
+
+
+def tremble(struts: np.ndarray) -> None:
+    struts += 2e-5 * np.sin(np.arange(len(struts)))[:, None]
 
 
 def same_pose(struts: np.ndarray) -> None:
@@ -72,29 +82,34 @@ def filtered_at(cutoff: float) -> Case:
     return CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})})
 
 
+UNFIT, UNREADABLE = IdentificationError, RecordingError
+
 # what -> recording, case, model, error, what the message says beside the file
 REFUSALS: dict[str, tuple[Recording, Case, int | None, type[HexciteError], str]] = {
-    "inertia from standstills": (STILL, CASE, 9, IdentificationError, "model 9 contains inertia.*choose a model from 0"),
-    "position from rotations": (ROTATIONS, WRIST, 5, IdentificationError, "model 5 needs the platform's position.*choose model 0"),
-    "inertia from rotations at rest": (ROTATIONS, WRIST, 6, IdentificationError, "inertia, which standstills cannot excite"),
-    "a motion of rotations only": (replace(ROTATIONS, t=np.arange(24.0)), WRIST, None, RecordingError, "remove t_s"),
-    "a standstill with trigger": (standing(True), CASE, None, IdentificationError, "the pose is constant"),
-    "a standstill without trigger": (standing(False), CASE, None, IdentificationError, "the pose is constant"),
-    "one pose many times": (with_struts(same_pose, STILL), CASE, None, IdentificationError, "rank 6 of 14: m, .*not determined"),
-    "one sample": (first(1), CASE, None, RecordingError, "."),
-    "two samples": (first(2), CASE, None, RecordingError, "2 samples are too few for a 40 Hz filter"),
-    "shorter than the filter": (first(150), CASE, None, RecordingError, "150 samples are too few.*record longer"),
-    "one standstill": (replace(first(1), t=None), CASE, None, IdentificationError, "1 samples? .*14 unknowns"),
-    "trigger never on": (triggered(0), CASE, None, RecordingError, "trigger: is never 1"),
-    "trigger on once": (triggered(1), CASE, None, IdentificationError, "."),
-    "trigger on for 4 samples": (triggered(4), CASE, None, IdentificationError, "record"),
-    "trigger on for 9 samples": (triggered(9), CASE, None, IdentificationError, "record"),
-    "trigger on for 20 samples": (triggered(20), CASE, None, IdentificationError, "record"),
-    "forces that are all zero": (replace(RUN, forces=0 * RUN.forces), CASE, None, IdentificationError, "."),
-    "struts in metres": (with_struts(metres, RUN), CASE, None, IdentificationError, "no pose has the strut lengths.*unit"),
-    "standstills in metres": (with_struts(metres, STILL), CASE, None, IdentificationError, "sample 1: no pose"),
-    "no filter": (RUN, without_filter(), None, RecordingError, "set recording.filter_cutoff_Hz"),
-    "a filter too fast": (RUN, filtered_at(300.0), None, RecordingError, "too high for 1000 samples a second; at most 200"),
+    "inertia from standstills": (STILL, CASE, 9, UNFIT, "contains inertia.*choose a model from 0"),
+    "position from rotations": (ROTATIONS, WRIST, 5, UNFIT, "needs the platform's position.*choose model 0"),
+    "inertia from rotations at rest": (ROTATIONS, WRIST, 6, UNFIT, "standstills cannot excite"),
+    "a motion of rotations only": (replace(ROTATIONS, t=np.arange(24.0)), WRIST, None, UNREADABLE, "remove t_s"),
+    "a standstill with trigger": (standing(True), CASE, None, UNFIT, "the pose is constant"),
+    "a standstill without trigger": (standing(False), CASE, None, UNFIT, "the pose is constant"),
+    "a machine that trembles": (with_struts(tremble, standing(True)), CASE, None, UNFIT, "constant .*at least 0.1 mm"),
+    "one pose many times": (with_struts(same_pose, STILL), CASE, None, UNFIT, "rank 6 of 14: m, "),
+    "one sample": (first(1), CASE, None, UNREADABLE, "."),
+    "two samples": (first(2), CASE, None, UNREADABLE, "2 samples are too few for a 40 Hz filter"),
+    "shorter than the filter": (first(150), CASE, None, UNREADABLE, "150 samples are too few.*record longer"),
+    "one standstill": (replace(first(1), t=None), CASE, None, UNFIT, "1 samples? .*14 unknowns"),
+    "trigger never on": (triggered(0), CASE, None, UNREADABLE, "trigger: is never 1"),
+    "trigger on once": (triggered(1), CASE, None, UNFIT, "."),
+    "trigger on for 4 samples": (triggered(4), CASE, None, UNFIT, "record"),
+    "trigger on for 9 samples": (triggered(9), CASE, None, UNFIT, "record"),
+    "trigger on for 20 samples": (triggered(20), CASE, None, UNFIT, "record"),
+    "forces that are all zero": (replace(RUN, forces=0 * RUN.forces), CASE, None, UNFIT, "."),
+    "a force channel that is stuck": (stuck(2, RUN), CASE, None, UNFIT, "channel 3 reads"),
+    "the same at standstill": (stuck(4, STILL), CASE, None, UNFIT, "channel 5 reads"),
+    "struts in metres": (with_struts(metres, RUN), CASE, None, UNFIT, "no pose has the strut lengths.*unit"),
+    "standstills in metres": (with_struts(metres, STILL), CASE, None, UNFIT, "no pose has the strut lengths.*unit"),
+    "no filter": (RUN, without_filter(), None, UNREADABLE, "set recording.filter_cutoff_Hz"),
+    "a filter too fast": (RUN, filtered_at(300.0), None, UNREADABLE, "too high for 1000 samples a second; at most 200"),
 }  # fmt: skip
 
 
@@ -107,7 +122,7 @@ def test_it_is_refused_by_name(what: str) -> None:
 
 
 def test_another_model_is_answered_with_the_choices() -> None:
-    with pytest.raises(IdentificationError, match="model 10 .*choose 0, 1, 2"):
+    with pytest.raises(IdentificationError, match=r"model 10 .*choose 0, 1, 2"):
         identify(RUN, CASE, 10)
 
 

@@ -17,7 +17,7 @@ CASE = load_case("hexapod")
 BARS = CASE.sensor_frame.bars
 BODY = PointMasses.drawn(seed=0)
 TIMES = np.array([0.3, 1.1, 2.6])
-TILTED = Standstill(HOME + [0.1, -0.2, 0.05, 0.3, -0.25, 0.4], 3.0)
+TILTED = Standstill(HOME + np.array([0.1, -0.2, 0.05, 0.3, -0.25, 0.4]), 3.0)
 
 
 def forces_of(number: int, u: dict[str, float], trajectory: Trajectory, t: np.ndarray) -> np.ndarray:

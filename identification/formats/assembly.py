@@ -1,0 +1,157 @@
+"""From columns in a file's units and names to channels in SI: units, signs, order, offsets, mounting, clocks."""
+
+from collections.abc import Iterable, Iterator
+from fractions import Fraction
+
+import numpy as np
+
+from cases.errors import RecordingError
+from cases.recording import RecordingFormat, StreamName
+from cases.recording_columns import (
+    ACCELEROMETER,
+    BAR_FORCES,
+    DRIVE_VELOCITIES,
+    DRIVES,
+    POSE,
+    ROTATION,
+    STRUT_VELOCITIES,
+    STRUTS,
+    TRIGGER,
+    WRENCH,
+)
+from cases.schema import Case
+from identification.formats.checks import (
+    require_finite,
+    require_gravity,
+    require_increasing,
+    require_reach,
+    require_rotations,
+)
+from identification.formats.header import unknown_columns
+from identification.formats.stream import Stream
+from identification.formats.table import Array, Table, listed
+
+# Columns whose clock `recording.clock.offset_s` may shift, by the names it uses.
+_SHIFTED: dict[StreamName, tuple[str, ...]] = {
+    "struts": (*STRUTS, *DRIVES),
+    "pose": POSE,
+    "rotation": ROTATION,
+    "accelerometer": ACCELEROMETER,
+    "forces": (*BAR_FORCES, *WRENCH),
+}
+
+
+def streams_of(
+    tables: Iterable[Table], case: Case, form: RecordingFormat, origin: Fraction | None = None
+) -> Iterator[Stream]:
+    """Channels in SI, table by table; batches of one file continue each other.
+
+    Args:
+        tables: of one run.
+        case: the machine and its sensors.
+        form: how the files are written.
+        origin: what becomes time 0, see `start_of`; by default the first sample of the first table.
+
+    Raises:
+        RecordingError: a value cannot have been measured, columns are missing, or time runs backwards.
+    """
+    last: dict[tuple[str, tuple[str, ...]], float | int] = {}
+    for table in tables:
+        if not table.values:
+            raise RecordingError(f"{table.source}: {unknown_columns(table.names, form)}")
+        require_finite(table, form)
+        t = None
+        if table.stamps is not None:
+            key = table.source, tuple(table.values)
+            require_increasing(table, form, last.get(key))
+            last[key] = table.stamps[-1].item()
+            start = start_of(table, form)
+            origin = start if origin is None else origin
+            t = (table.stamps - table.stamps[0]) * table.tick + float(start - origin)
+        yield _stream(table, t, case, form)
+
+
+def start_of(table: Table, form: RecordingFormat) -> Fraction:
+    """Time of the first sample [s], exact: epochs in ns leave no digits for a double to round."""
+    assert table.stamps is not None
+    shifts = {form.clock.offset_s.get(name, 0.0) for name, columns in _SHIFTED.items() if {*columns} & {*table.values}}
+    if len(shifts) > 1:
+        raise RecordingError(
+            f"{table.source}: its columns share a clock, recording.clock.offset_s shifts them by different times; "
+            "give them one offset"
+        )
+    # the tick is a decimal fraction of a second, which limit_denominator finds behind its binary rounding
+    tick = Fraction(table.tick).limit_denominator(10**12)
+    return Fraction(table.stamps[0].item()) * tick + Fraction(max(shifts, default=0.0))
+
+
+def _stream(table: Table, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
+    forces = _group(table, form, BAR_FORCES if case.sensor_frame.bars is not None else WRENCH)
+    rotation = _group(table, form, ROTATION)
+    trigger = _group(table, form, (TRIGGER,))
+    stream = Stream(
+        source=table.source,
+        t=t,
+        struts=_struts(table, form),
+        rotations=None if rotation is None else rotation.reshape(-1, 3, 3),
+        forces=forces,
+        trigger=None if trigger is None else trigger[:, 0] > 0.5,
+        strut_velocities=_strut_velocities(table, form),
+        poses=_group(table, form, POSE),
+        specific_forces=_specific_forces(table, form),
+        lines=table.lines,
+    )
+    if not stream.channels:
+        raise RecordingError(f"{table.source}: {unknown_columns(table.names, form)}")
+    require_rotations(stream)
+    if STRUTS[0] in table.values:
+        require_reach(stream, case, form)
+    require_gravity(stream, case)
+    return stream
+
+
+def _group(table: Table, form: RecordingFormat, wanted: tuple[str, ...]) -> Array | None:
+    """Columns that belong together in SI units, shape (n, k); None if the file has none of them."""
+    found = [ours in table.values for ours in wanted]
+    if not any(found):
+        return None
+    if not all(found):
+        missing = form.file_name(wanted[found.index(False)])
+        raise RecordingError(
+            f"{table.source}: column {missing} is missing; it has {listed(table.names)}: add it or map its name in "
+            "[recording.columns] of the case"
+        )
+    group = np.empty((table.rows, len(wanted)))
+    for k, ours in enumerate(wanted):
+        np.multiply(table.values[ours], form.factor(ours), out=group[:, k])
+    return group
+
+
+def _struts(table: Table, form: RecordingFormat) -> Array | None:
+    struts, drives = _group(table, form, STRUTS), _group(table, form, DRIVES)
+    if drives is None:
+        return struts
+    if struts is not None:
+        raise RecordingError(
+            f"{table.source}: has strut lengths and drive positions; take one of them out of [recording.columns]"
+        )
+    if form.drives is None:
+        raise RecordingError(
+            f"{table.source}: has drive positions; say in [recording.drives] of the case how they move the struts"
+        )
+    return np.array(form.drives.sign) * drives[:, form.drives.index] + form.drives.offset
+
+
+def _strut_velocities(table: Table, form: RecordingFormat) -> Array | None:
+    struts, drives = _group(table, form, STRUT_VELOCITIES), _group(table, form, DRIVE_VELOCITIES)
+    if drives is None or form.drives is None:
+        return struts
+    return np.array(form.drives.sign) * drives[:, form.drives.index]
+
+
+def _specific_forces(table: Table, form: RecordingFormat) -> Array | None:
+    """In the axes of {P}; without an accelerometer in the case such columns are somebody else's."""
+    if form.accelerometer is None:
+        return None
+    readings = _group(table, form, ACCELEROMETER)
+    return None if readings is None else np.asarray(readings @ form.accelerometer.matrix.T)

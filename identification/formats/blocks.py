@@ -1,0 +1,123 @@
+"""A text file in blocks of whole lines: memory does not grow with its length, and every line keeps its number."""
+
+import stat
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from cases.errors import RecordingError
+
+SIZE = 1 << 22  # bytes read at a time
+# What is kept back for the end of the file, so that its trailing rows are never handed out: a hundred long lines.
+_KEPT = 1 << 16
+_LONGEST_LINE = 1 << 20  # bytes; a recording of a thousand channels stays far below
+_MARK = b"\xef\xbb\xbf"  # of UTF-8, as Windows editors write it
+_NOT_TEXT = {
+    b"\xff\xfe": "UTF-16 text; save it as UTF-8",
+    b"\xfe\xff": "UTF-16 text; save it as UTF-8",
+    b"PK\x03\x04": "a ZIP archive or a workbook of a spreadsheet; unpack it, or save it as CSV",
+    b"\x1f\x8b": "compressed; unpack it",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Whole lines of a file.
+
+    Args:
+        first_line: number of the first of them, counted from 1.
+        data: the lines; only the very last of the file may lack its line break.
+    """
+
+    first_line: int
+    data: bytes
+
+
+def require_file(file: Path) -> None:
+    """Raises RecordingError unless there is a file that holds something."""
+    try:
+        about = file.stat()
+    except (OSError, ValueError) as error:
+        raise unreadable(file, error) from error
+    if not stat.S_ISREG(about.st_mode):
+        reason = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is no regular file"
+        raise RecordingError(f"{file}: cannot be read ({reason}); give a recording's CSV or folder")
+    if about.st_size == 0:
+        raise RecordingError(f"{file}: is empty; record again")
+
+
+def unreadable(file: Path, error: Exception) -> RecordingError:
+    """The error for a file that the system does not give."""
+    reason = (error.strerror if isinstance(error, OSError) else None) or type(error).__name__
+    return RecordingError(f"{file}: cannot be read ({reason}); give a recording's CSV or folder")
+
+
+def read_head(file: Path) -> list[bytes]:
+    """The first lines of a text file without line breaks and byte order mark: more than any header has.
+
+    Raises:
+        RecordingError: there is no such file, or it is no text.
+    """
+    require_file(file)
+    try:
+        with file.open("rb") as stream:
+            data = stream.read(_LONGEST_LINE)
+    except OSError as error:
+        raise unreadable(file, error) from error
+    for mark, what in _NOT_TEXT.items():
+        if data.startswith(mark):
+            raise RecordingError(f"{file}: is not a CSV table but {what}")
+    lines = data.removeprefix(_MARK).split(b"\n")
+    if not any(line.strip() for line in lines):
+        raise RecordingError(f"{file}: is empty, it has blank lines only; record again")
+    return [line.removesuffix(b"\r") for line in lines]
+
+
+def read_blocks(file: Path, header_rows: int = 0, trailing_rows: int = 0, size: int = SIZE) -> Iterator[Block]:
+    """Whole lines of a text file, block by block, without header, trailing rows and blank lines at the end.
+
+    Args:
+        file: a text file, see `read_head`.
+        header_rows: lines at its start to leave out.
+        trailing_rows: lines at its end to leave out.
+        size: bytes to read at a time.
+
+    Raises:
+        RecordingError: it cannot be read, or has no lines.
+    """
+    for block in _all_blocks(file, trailing_rows, size):
+        above = header_rows + 1 - block.first_line
+        if above <= 0:
+            yield block
+            continue
+        rows = block.data.split(b"\n", above)
+        if len(rows) > above and rows[-1]:
+            yield Block(header_rows + 1, rows[-1])
+
+
+def _all_blocks(file: Path, trailing_rows: int, size: int) -> Iterator[Block]:
+    line, rest = 1, b""
+    try:
+        with file.open("rb") as stream:
+            rest = stream.read(len(_MARK)).removeprefix(_MARK)
+            while chunk := stream.read(size):
+                rest += chunk
+                end = max(len(rest) - _KEPT, 0)
+                cut = rest.rfind(b"\n", 0, end) + 1
+                if cut:
+                    yield Block(line, rest[:cut])
+                    line += rest.count(b"\n", 0, cut)
+                    rest = rest[cut:]
+                elif end > _LONGEST_LINE:
+                    raise RecordingError(f"{file}, line {line}: is longer than a million characters; not a CSV table")
+    except OSError as error:
+        raise unreadable(file, error) from error
+    if data := _without_end(rest, trailing_rows):
+        yield Block(line, data)
+
+
+def _without_end(data: bytes, trailing_rows: int) -> bytes:
+    lines = data.splitlines(keepends=True)
+    while lines and not lines[-1].strip(b" \t\r\n\x1a"):
+        lines.pop()
+    return b"".join(lines[: len(lines) - trailing_rows] if trailing_rows else lines)

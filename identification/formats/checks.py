@@ -1,0 +1,103 @@
+"""What no measurement can be: named with its place before it becomes a result."""
+
+import numpy as np
+
+from cases.errors import RecordingError
+from cases.recording import RecordingFormat
+from cases.recording_columns import CLOCK, STRUTS, units_of
+from cases.schema import Case
+from cases.units import MM
+from identification.formats.stream import Stream
+from identification.formats.table import Table, shown
+
+# Rotation matrices are printed with a few digits; beyond this they are no rotations (transposed columns, wrong order).
+ORTHOGONALITY = 1e-3
+# A motion changes the usual specific force of a run by less; a wrong unit (g for m/s^2) by a factor of ten.
+_GRAVITY = 3.0
+# Nothing that is measured is so large in any unit, not even ticks of 100 ns since 1601.
+_MOST = 1e20
+_FIRST = 10_000  # rows that tell a wrong unit as well as all of them
+
+
+def require_finite(table: Table, form: RecordingFormat) -> None:
+    """Raises RecordingError at the first row with a value that is no number, or none that was measured."""
+    columns = dict(table.values)
+    if table.stamps is not None:
+        columns[CLOCK] = table.stamps.astype(float)
+    worst: tuple[int, str] | None = None
+    for ours, values in columns.items():
+        possible = np.abs(values) < _MOST
+        if not possible.all():
+            row = int(np.argmin(possible))
+            worst = min(worst or (row, ours), (row, ours))
+    if worst is not None:
+        row, ours = worst
+        raise RecordingError(
+            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(ours))}: {columns[ours][row]} is not a "
+            "measured value; remove the row"
+        )
+
+
+def require_increasing(table: Table, form: RecordingFormat, before: float | int | None) -> None:
+    """Raises RecordingError where a time stamp is not later than the one above it; `before` is above the first."""
+    assert table.stamps is not None
+    stamps = table.stamps
+    back = np.flatnonzero(stamps[1:] <= stamps[:-1]) + 1
+    row = int(back[0]) if len(back) else None
+    above = None if row is None else stamps[row - 1].item()
+    if before is not None and stamps[0] <= before:
+        row, above = 0, before
+    if row is None or above is None:
+        return
+    unit = form.clock_unit
+    now, then = (f"{v:.6f} s" if unit == "s" else f"{v} {unit}" for v in (stamps[row].item(), above))
+    name = shown(form.file_name(CLOCK))
+    raise RecordingError(
+        f"{table.source}, {table.lines.place(row)}, {name}: {now} comes after {then}; time must increase: sort the "
+        "rows or remove the repeated part"
+    )
+
+
+def require_rotations(stream: Stream) -> None:
+    """Raises RecordingError at the first matrix that is no rotation."""
+    if stream.rotations is None:
+        return
+    rotations = stream.rotations
+    error = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    error = np.maximum(error, np.abs(np.linalg.det(rotations) - 1.0))
+    if not error.max() <= ORTHOGONALITY:
+        row = int(np.argmin(error <= ORTHOGONALITY))
+        raise RecordingError(
+            f"{stream.source}, {stream.lines.place(row)}, r11..r33: not a rotation matrix (off by {error[row]:.3g}, at "
+            f"most {ORTHOGONALITY:g}); check order and sign of the columns"
+        )
+
+
+def require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
+    """Raises RecordingError where struts fit the workspace in another unit, but not in the one that is declared."""
+    if stream.struts is None or case.workspace is None:
+        return
+    low, high = case.workspace.strut_length
+    middle = float(np.median(np.abs(stream.struts[:_FIRST])))
+    if low <= middle <= high:
+        return
+    written = middle / form.factor(STRUTS[0])
+    for unit, factor in units_of("struts").items():
+        if low <= written * factor <= high:
+            raise RecordingError(
+                f"{stream.source}, {stream.lines.place(0)}: struts of {middle / MM:.4g} mm where the workspace has "
+                f"{low / MM:g} to {high / MM:g} mm; they seem to be in {unit}: set recording.units.struts = '{unit}'"
+            )
+
+
+def require_gravity(stream: Stream, case: Case) -> None:
+    """Raises RecordingError where an accelerometer does not feel gravity, as with a wrong scale."""
+    if stream.specific_forces is None:
+        return
+    felt = float(np.median(np.linalg.norm(stream.specific_forces[:_FIRST], axis=1)))
+    gravity = float(np.linalg.norm(case.gravity))
+    if not gravity / _GRAVITY <= felt <= gravity * _GRAVITY:
+        raise RecordingError(
+            f"{stream.source}, {stream.lines.place(0)}: the accelerometer reads {felt:.3g} m/s^2 where gravity is "
+            f"{gravity:.3g} m/s^2; correct recording.accelerometer.scale_m_s2 in the case"
+        )

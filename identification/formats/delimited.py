@@ -1,0 +1,83 @@
+"""Plain tables as text, one row a sample: lines of names, then lines of numbers, separated by one character each.
+
+The case states what differs from `csv` as hexcite writes it: commas, points, one line of names, UTF-8.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from cases.errors import RecordingError
+from cases.recording import RecordingFormat
+from identification.formats.blocks import Block, read_blocks, read_head
+from identification.formats.diagnosis import Dialect
+from identification.formats.header import Selection, cells, decoded, require_known, select
+from identification.formats.parsing import Fields, lines_of, parse
+from identification.formats.table import Table
+
+
+def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
+    """Reads a file batch by batch.
+
+    Args:
+        file: the file.
+        form: how it is written.
+
+    Raises:
+        RecordingError: it cannot be read, with the place and the remedy.
+    """
+    dialect = Dialect(form.delimiter or ",", form.decimal or ".", encoding=form.encoding)
+    header_rows, names = _header(file, form, dialect)
+    chosen = select(file, names, form)
+    tick = form.clock.period if chosen.clock is None else form.tick
+    blocks = read_blocks(file, header_rows, form.trailing_rows)
+    yield from rows_of(file, blocks, names, chosen, dialect, tick)
+
+
+def rows_of(
+    file: Path, blocks: Iterable[Block], names: Sequence[str], chosen: Selection, dialect: Dialect, tick: float | None
+) -> Iterator[Table]:
+    """Turns lines of numbers into tables.
+
+    Args:
+        file: for messages.
+        blocks: the lines.
+        names: of all their fields.
+        chosen: the fields that are wanted.
+        dialect: how numbers are written.
+        tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
+
+    Raises:
+        RecordingError: a line cannot be read, or there is none.
+    """
+    fields = Fields(names, list(chosen.values.values()), [] if chosen.clock is None else [chosen.clock])
+    count = 0
+    for block in blocks:
+        columns = parse(file, block, fields, dialect)
+        rows = len(next(iter(columns.values())))
+        values = {ours: columns[k].to_numpy() for ours, k in chosen.values.items()}
+        stamps = None
+        if tick is not None:
+            stamps = np.arange(count, count + rows) if chosen.clock is None else columns[chosen.clock].to_numpy()
+        yield Table(str(file), tuple(names), values, stamps, tick or 0.0, lines_of(block, rows))
+        count += rows
+    if not count:
+        raise RecordingError(f"{file}: has a header but no rows; record again")
+
+
+def _header(file: Path, form: RecordingFormat, dialect: Dialect) -> tuple[int, list[str]]:
+    """Number of header lines, and names of the columns."""
+    rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
+    lines = read_head(file)
+    if len(lines) < rows:
+        raise RecordingError(f"{file}: has {len(lines)} lines, no more than recording.header_rows = {rows}")
+    header = decoded(file, lines[:rows], dialect)
+    if form.column_names is not None:
+        return rows, list(form.column_names)
+    row = form.names_row or rows
+    if row == 0:
+        raise RecordingError(f"{file}: recording.header_rows = 0 leaves no names; list them in recording.column_names")
+    names = cells(header[row - 1], dialect)
+    require_known(file, names, lines, form, row)
+    return rows, names

@@ -1,0 +1,140 @@
+"""A recorded run in SI units: streams of channels that share a clock, and the run that they make up."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import RecordingError
+from identification.formats.table import Array, Lines
+
+# Time stamps of equal steps are printed with rounding; beyond this share of a step the sampling is not uniform.
+UNIFORMITY = 0.05
+Channel = Literal["struts", "rotations", "forces", "trigger", "strut_velocities", "poses", "specific_forces"]
+CHANNELS: tuple[Channel, ...] = get_args(Channel)
+_BELOW_A_HEADER = Lines()
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """Samples of one clock, one row a sample; arrays are None where there are no such channels.
+
+    Args:
+        source: the file, for messages.
+        t: time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill.
+        struts: strut lengths, shape (n, 6) [m].
+        rotations: R, shape (n, 3, 3).
+        forces: of the sensors, shape (n, 6) [N, or N and N m].
+        trigger: shape (n,).
+        strut_velocities: measured, shape (n, 6) [m/s].
+        poses: of {P} in {B}, shape (n, 6) [m, rad].
+        specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
+        lines: where the rows stand in the file.
+    """
+
+    source: str
+    t: Array | None
+    struts: Array | None = None
+    rotations: Array | None = None
+    forces: Array | None = None
+    trigger: NDArray[np.bool_] | None = None
+    strut_velocities: Array | None = None
+    poses: Array | None = None
+    specific_forces: Array | None = None
+    lines: Lines = _BELOW_A_HEADER
+
+    @property
+    def channels(self) -> dict[Channel, Any]:
+        """The arrays that are there, by name."""
+        return _present(self)
+
+    @property
+    def rows(self) -> int:
+        """Number of samples."""
+        return len(next(iter(self.channels.values()), ()))
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]; raises RecordingError where there is no clock or it is not uniform."""
+        return uniform_step(self.source, self.t, self.lines)
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """A run: the samples of the forces, with all channels of their clock, and streams of other clocks.
+
+    Arrays are None where there are no such channels at the samples of the forces.
+
+    Args:
+        source: the file, for messages.
+        t: time, shape (n,) [s]; None: every row is an averaged standstill.
+        struts: strut lengths, shape (n, 6) [m].
+        rotations: R, shape (n, 3, 3).
+        forces: of the sensors, shape (n, 6) [N, or N and N m].
+        trigger: shape (n,).
+        strut_velocities: measured, shape (n, 6) [m/s].
+        poses: of {P} in {B}, shape (n, 6) [m, rad].
+        specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
+        others: what was sampled by other clocks, on the same time axis.
+        lines: where the rows stand in the file.
+    """
+
+    source: str
+    t: Array | None
+    struts: Array | None
+    rotations: Array | None
+    forces: Array
+    trigger: NDArray[np.bool_] | None
+    strut_velocities: Array | None = None
+    poses: Array | None = None
+    specific_forces: Array | None = None
+    others: tuple[Stream, ...] = ()
+    lines: Lines = _BELOW_A_HEADER
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]; raises RecordingError where there is no clock or it is not uniform."""
+        return uniform_step(self.source, self.t, self.lines)
+
+    @property
+    def streams(self) -> tuple[Stream, ...]:
+        """All streams of the run, that of the forces first."""
+        own: dict[Any, Any] = {**_present(self)}
+        return Stream(source=self.source, t=self.t, lines=self.lines, **own), *self.others
+
+    def stream_with(self, channel: Channel) -> Stream | None:
+        """The stream that has a channel; None where the run has no such channel."""
+        return next((s for s in self.streams if channel in s.channels), None)
+
+
+def _present(samples: "Stream | Recording") -> dict[Channel, Any]:
+    arrays = {name: getattr(samples, name) for name in CHANNELS}
+    return {name: array for name, array in arrays.items() if array is not None}
+
+
+def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
+    """Time between samples [s].
+
+    Args:
+        source: the file, for the message.
+        t: time, shape (n,) [s].
+        lines: where the rows stand in the file.
+
+    Raises:
+        RecordingError: there is no clock, or it is not uniform; the message names the first step that differs.
+    """
+    if t is None:
+        raise RecordingError(f"{source}: has no t_s column; its rows are standstills")
+    if len(t) < 2:
+        raise RecordingError(f"{source}: has one row, which is no motion; record again")
+    steps = np.diff(t)
+    usual = float(np.median(steps))
+    off = np.abs(steps - usual) > UNIFORMITY * usual
+    if off.any():
+        row = int(np.argmax(off))
+        raise RecordingError(
+            f"{source}, {lines.place(row + 1)}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has "
+            f"{usual * 1e3:.4g} ms; export the run without gaps at one rate"
+        )
+    return float((t[-1] - t[0]) / (len(t) - 1))

@@ -1,0 +1,102 @@
+"""The built-in virtual controller: exact on timed paths, within the limits where it times a move itself."""
+
+import numpy as np
+import pytest
+
+from cases.errors import ProgramError
+from cases.schema import Case
+from identification.limits import prove
+from identification.motion import Trajectory, sample
+from postprocessors.execute.executed_run import ExecutedRun, windows
+from postprocessors.execute.virtual import REST, run_virtual
+from postprocessors.reading.linuxcnc import read_linuxcnc
+from postprocessors.stretches import Timed
+from tests.postprocessors.independent import strut_lengths
+from tests.postprocessors.programs import parts, small_excitation, there_and_back, timed, typed
+
+
+def run(text: str, case: Case) -> ExecutedRun:
+    return run_virtual(read_linuxcnc(text, "p.ngc"), case)
+
+
+def trajectory(executed: ExecutedRun) -> Trajectory:
+    return executed.execution.trajectory
+
+
+def test_the_struts_that_it_moves_are_the_inverse_kinematics_of_the_planned_motion(hexapod_case: Case):
+    text = small_excitation(hexapod_case)
+    executed = run(text, hexapod_case)
+    (planned,) = (s.points for s in parts(text, hexapod_case) if isinstance(s, Timed))
+    ((start, end),) = executed.trigger
+    t = np.linspace(0.0, planned.duration, 500)
+    expected = strut_lengths(planned.at(t).pose, hexapod_case)
+    assert np.abs(executed.execution.struts(start + t) - expected).max() < 1e-12
+    assert end - start == pytest.approx(planned.duration, abs=1e-12)
+
+
+def test_the_trigger_window_is_as_long_as_the_excitation_and_leaves_out_the_dwells(hexapod_case: Case):
+    body = f"G4 P0.5\nM64 P0\nG4 P0.25\n{timed(there_and_back())}\nG4 P0.25\nM65 P0\n{timed(there_and_back())}"
+    executed = run(typed(body), hexapod_case)
+    assert executed.excitation == pytest.approx(1.0)
+    assert executed.trigger == pytest.approx(np.array([[REST + 0.75, REST + 1.75]]))
+    assert executed.execution.duration == pytest.approx(2 * REST + 0.5 + 0.25 + 1.0 + 0.25 + 1.0)
+
+
+def test_each_time_the_trigger_goes_on_is_a_window(hexapod_case: Case):
+    path = timed(there_and_back())
+    executed = run(typed(f"M64 P0\n{path}\nM65 P0\n{path}\nM62 P0\nG4 P1\nG1 X5 F3000"), hexapod_case)
+    assert len(executed.trigger) == 2
+    assert executed.trigger[1, 0] == pytest.approx(REST + 1 + 1 + 1)
+
+
+@pytest.mark.parametrize("line", ["G0 X200 Y-100 A5 C-20", "G1 X200 A5 F3000", "G1 X200 C20 F36000", "G1 B15 F3600"])
+def test_moves_that_it_times_itself_keep_every_limit_and_the_feed(line: str, hexapod_case: Case):
+    executed = run(typed(line), hexapod_case)
+    report = prove(trajectory(executed), hexapod_case, 2000.0)
+    box = ("position", "angle", "velocity", "angular velocity", "acceleration", "angular acceleration", "jerk")
+    for name in (*box, "angular jerk"):
+        assert report.to_json()[name]["ratio"] <= 1 + 1e-6, name
+    if "F3000" in line:
+        speed = np.linalg.norm(sample(trajectory(executed), 2000.0).rates[:, :3], axis=1)
+        assert speed.max() == pytest.approx(0.05, rel=1e-6)
+
+
+def test_it_starts_and_ends_with_a_rest_that_filters_need(hexapod_case: Case):
+    executed = run(typed(timed(there_and_back())), hexapod_case)
+    struts = executed.execution.struts(np.array([0.0, REST / 2, REST]))
+    assert np.ptp(struts, axis=0).max() < 1e-12
+    assert REST * hexapod_case.recording.filter_cutoff_Hz >= 4.0  # half the filter's length
+
+
+def test_motion_is_continuous_over_all_its_parts(hexapod_case: Case):
+    body = f"G1 X2 A1 F3000\nG4 P0.1\nG0 X0 A0\n{timed(there_and_back())}"
+    motion = sample(trajectory(run(typed(body), hexapod_case)), 10_000.0)
+    box = hexapod_case.limits.motion
+    assert np.all(np.abs(np.diff(motion.pose, axis=0)) <= box.rate * 1e-4 * (1 + 1e-6))
+    assert np.all(np.abs(np.diff(motion.rates, axis=0)) <= box.acceleration * 1e-4 * (1 + 1e-6))
+
+
+def test_it_says_that_it_is_no_real_controller(hexapod_case: Case):
+    executed = run(typed(""), hexapod_case)
+    assert not executed.real
+    assert "virtual" in executed.controller
+
+
+def test_a_motion_that_is_not_defined_is_not_run(hexapod_case: Case):
+    with pytest.raises(ProgramError, match="line 5: .*blended"):
+        run(typed("G64\nG1 X5 F100"), hexapod_case)
+
+
+@pytest.mark.parametrize(
+    ("on", "expected"),
+    [
+        ([0, 0, 0], []),
+        ([1, 1, 1], [[0, 3]]),
+        ([0, 1, 0], [[1, 2]]),
+        ([1, 0, 1, 1], [[0, 1], [2, 4]]),
+        ([0, 1, 1, 0, 0, 1], [[1, 3], [5, 6]]),
+    ],
+)
+def test_windows_are_the_runs_of_ones(on: list[int], expected: list[list[int]]):
+    found = windows(np.array(on, dtype=bool), 0.5)
+    assert found.tolist() == (0.5 * np.array(expected).reshape(-1, 2)).tolist()

@@ -1,0 +1,66 @@
+"""Whole programs as text, the way they stand in `tests/golden`; a change there is a decision of its own.
+
+`python -m tests.postprocessors.test_golden` writes them anew.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from cases.units import DEG, MM
+from planner.fourier import FourierMotion
+from postprocessors.linuxcnc import write_linuxcnc
+from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger, excitation_program
+from tests.postprocessors.programs import HOME, proof
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+UNITS = np.r_[np.full(3, MM), np.full(3, DEG)]
+WALK = HOME + UNITS * [[0, 0, 0, 0, 0, 0], [0.0012345, -1, 2.5, 0, 0, 0], [0, -0.000001, 2.5, 1 / 3, -20, 1e-9]]
+
+
+def one_of_each() -> Program:
+    """Every kind of block, with numbers that are easily written wrong."""
+    path = TimedPath("walk", np.array([0.0, 0.01, 2.5]), WALK)
+    header = ("a header (with parentheses)", "Größe; 20 % weniger")
+    blocks = (ToHome(HOME, 0.05), Dwell(0.3), Trigger(True), path, Trigger(False), Dwell(1e-7))
+    return Program(header, blocks)
+
+
+def excitation() -> Program:
+    """Two harmonics along y and about the z axis, at rest at the start; tenfold block time to be short."""
+    case = load_case("hexapod")
+    slow = case.model_copy(update={"controller": case.controller.model_copy(update={"block_ms": 100.0})})
+    a, b = np.zeros((2, 6)), np.zeros((2, 6))
+    a[:, 1], b[:, 5] = (0.02, -0.02), (0.2, -0.1)
+    return excitation_program(FourierMotion(HOME, a, b, 2.0, 1), slow, ("two harmonics",))
+
+
+PROGRAMS: dict[str, Callable[[], Program]] = {"one_of_each.ngc": one_of_each, "excitation.ngc": excitation}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_program_is_written_as_in_the_golden_file(name: str):
+    assert write_linuxcnc(PROGRAMS[name]()) == (GOLDEN / name).read_text(encoding="ascii")
+
+
+def test_every_golden_file_is_compared():
+    assert {file.name for file in GOLDEN.iterdir()} == set(PROGRAMS)
+
+
+def test_the_golden_excitation_is_proven():
+    assert proof((GOLDEN / "excitation.ngc").read_text(encoding="ascii"), load_case("hexapod")).ok
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_linuxcnc_accepts_the_golden_file(name: str, rs274: Callable):
+    commands = rs274((GOLDEN / name).read_text(encoding="ascii"))
+    assert "PROGRAM_END" in dict(commands)
+
+
+if __name__ == "__main__":
+    for name, program in PROGRAMS.items():
+        (GOLDEN / name).write_text(write_linuxcnc(program()), encoding="ascii")

@@ -1,0 +1,45 @@
+"""A program may take days; its proof takes the instants that its moves need, not those that its duration holds."""
+
+import pytest
+
+from cases.schema import Case
+from identification.motion import Motion
+from tests.postprocessors.programs import HEAD, proof, there_and_back, timed, typed
+
+MOST = 1_000_000  # instants; some seconds
+
+
+@pytest.fixture
+def counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stops a computation that asks for too many instants."""
+    instants, check = 0, Motion.__post_init__
+
+    def counting(self: Motion) -> None:
+        nonlocal instants
+        instants += len(self.t)
+        assert instants <= MOST, "the number of instants follows the duration"
+        check(self)
+
+    monkeypatch.setattr(Motion, "__post_init__", counting)
+
+
+@pytest.mark.usefixtures("counted")
+@pytest.mark.parametrize(
+    ("body", "seconds"),
+    [
+        ("G1 X5 F0.003", 100_000),
+        (timed(["G1 X5 F0.0006"]), 100_000),
+        (timed([*there_and_back(), "G1 X5 F0.0006", *there_and_back()]), 100_002),
+        ("G4 P100000", 100_000),
+    ],
+)
+def test_a_day_at_the_slowest_feed_is_proven_like_a_second(body: str, seconds: float, hexapod_case: Case):
+    result = proof(typed(body), hexapod_case)
+    assert result.duration == pytest.approx(seconds, rel=1e-5)
+    assert {v.line for v in result.violations} <= {26}  # the way back from X5 to the next path's X0 in one short block
+
+
+@pytest.mark.usefixtures("counted")
+def test_a_pose_out_of_this_world_is_refused_at_once(hexapod_case: Case):
+    result = proof(typed("G1 X900000 F1", head=HEAD), hexapod_case)
+    assert result.violations[0].check.name.startswith(("position", "strut length", "singularity"))

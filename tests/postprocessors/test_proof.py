@@ -1,0 +1,113 @@
+"""What the proof of a program says: which limit, where, how far, and who answers for it."""
+
+import numpy as np
+import pytest
+
+from cases.schema import Case
+from postprocessors.proof import ProgramProof
+from tests.postprocessors.programs import proof, small_excitation, there_and_back, timed, typed
+
+PATH = timed(there_and_back())
+
+
+def status(result: ProgramProof, name: str) -> str:
+    return result.limits.to_json()[name]["status"]
+
+
+def test_a_planned_program_is_proven_and_counts_its_time(hexapod_case: Case):
+    result = proof(small_excitation(hexapod_case, period=0.6), hexapod_case)
+    assert result.ok
+    result.require()
+    assert result.excitation == pytest.approx(0.6)
+    assert 0.84 < result.limits.worst_ratio < 0.86
+
+
+@pytest.mark.parametrize(
+    ("line", "name", "worst", "limit"),
+    [
+        ("G1 X260 F3000", "position (x)", 260, 250),
+        ("G1 Y-250.1 F3000", "position (y)", -250.1, -250),
+        ("G1 Z790 F3000", "position (z)", -110, -100),
+        ("G1 A21 F3000", "angle (a)", 21, 20),
+        ("G1 B-20.5 F3000", "angle (b)", -20.5, -20),
+        ("G1 X100 F37000", "velocity (x)", 616.67, 600),
+        ("G1 C15 F4000", "angular velocity (c)", 66.667, 60),
+    ],
+)
+def test_a_passed_limit_is_named_with_axis_value_limit_and_line(
+    line: str, name: str, worst: float, limit: float, hexapod_case: Case
+):
+    result = proof(typed(f"G4 P0.1\n{line}"), hexapod_case)
+    (violation,) = [v for v in result.violations if v.check.name == name]
+    assert violation.line == 5
+    assert (violation.check.worst, violation.check.limit) == pytest.approx((worst, limit), rel=1e-4)
+    with pytest.raises(ValueError, match="p.ngc, line 5: .*; slow down or change the move"):
+        result.require()
+
+
+def test_a_strut_that_would_have_to_be_too_long_is_named(hexapod_case: Case):
+    narrow = hexapod_case.model_copy(deep=True)
+    narrow.limits.motion.__dict__["strut_length"] = np.array([0.9, 1.1])
+    result = proof(typed("G1 X200 F3000"), narrow)
+    assert [v.check.name.split(" (")[0] for v in result.violations] == ["strut length"]
+
+
+def test_the_worst_violation_comes_first(hexapod_case: Case):
+    result = proof(typed("G1 X260 F3000\nG1 X0 A40 F3000"), hexapod_case)
+    ratios = [v.check.ratio for v in result.violations]
+    assert ratios == sorted(ratios, reverse=True)
+    assert result.violations[0].check.name == "angle (a)"
+
+
+@pytest.mark.parametrize("feed", ["36000.5", "36001", "36010"])
+def test_a_value_just_above_its_limit_is_not_printed_as_if_it_were_the_limit(feed: str, hexapod_case: Case):
+    (violation,) = proof(typed(f"G1 X100 F{feed}"), hexapod_case).violations
+    value = violation.sentence().split("reaches ")[1].split(" ")[0]
+    assert float(value) > 600
+
+
+def test_limits_of_timed_paths_are_proven(hexapod_case: Case):
+    limits = proof(typed(PATH), hexapod_case).limits.to_json()
+    for name in ("position", "velocity", "acceleration", "jerk", "strut length", "strut velocity", "strut acceleration"):
+        assert limits[name]["status"] == "proven"
+        assert 0.0 < limits[name]["ratio"] < 1.0
+
+
+@pytest.mark.parametrize("body", ["G1 X5 F3000", "G0 X5"])
+def test_what_the_controller_times_itself_is_not_called_proven(body: str, hexapod_case: Case):
+    """LinuxCNC limits the acceleration of the axes, far above the case's limits here; jerk and struts it does not know."""
+    result = proof(typed(body), hexapod_case)
+    for name in ("acceleration", "angular acceleration", "jerk", "angular jerk", "strut acceleration"):
+        assert status(result, f"{name}, untimed moves") == "NOT enforced"
+        assert name not in result.limits.to_json()
+    assert status(result, "velocity") == "proven"
+
+
+def test_a_controller_without_headroom_enforces_the_accelerations_of_its_axes(hexapod_case: Case):
+    linuxcnc = hexapod_case.controller.linuxcnc.model_copy(update={"acceleration_headroom": 1.0})
+    controller = hexapod_case.controller.model_copy(update={"linuxcnc": linuxcnc})
+    result = proof(typed(""), hexapod_case.model_copy(update={"controller": controller}))
+    assert status(result, "acceleration, untimed moves") == "enforced by controller"
+    assert status(result, "strut acceleration, untimed moves") == "NOT enforced"
+    assert status(result, "jerk, untimed moves") == "NOT enforced"
+
+
+def test_the_untimed_way_home_does_not_hide_what_a_timed_path_reaches(hexapod_case: Case):
+    alone = proof(typed(PATH), hexapod_case).limits.to_json()
+    assert alone["acceleration"]["status"] == "proven"
+    assert alone["acceleration, untimed moves"]["status"] == "NOT enforced"
+
+
+def test_the_feed_home_is_held_to_the_velocity_limits_whatever_its_direction(hexapod_case: Case):
+    fast = typed("", head="G21 G90 G94\nG61\nG1 X0 Y0 Z900 A0 B0 C0 F37000\n")
+    (violation,) = proof(fast, hexapod_case).violations
+    assert (violation.line, violation.check.name) == (3, "velocity (feed to home)")
+
+
+@pytest.mark.parametrize("name", ["angular velocity", "strut velocity"])
+def test_what_turns_on_the_way_home_from_an_unknown_pose_is_not_called_proven(name: str, hexapod_case: Case):
+    """At a feed that counts X, Y and Z, A, B and C follow as fast as they have to: only the controller limits them."""
+    limits = proof(typed(""), hexapod_case).limits.to_json()
+    assert [v["status"] for k, v in limits.items() if k.startswith(name) and v["status"] == "proven"] == []
+
+

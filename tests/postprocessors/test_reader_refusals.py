@@ -1,0 +1,135 @@
+"""What the reader does not understand it refuses, with line, column and remedy: half understood proves nothing."""
+
+import re
+
+import pytest
+
+from cases.errors import ProgramError
+from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
+from tests.helpers import one_line
+from tests.postprocessors.programs import FIRST, typed
+
+# what line FIRST is -> column that is named (0: the line as a whole), what the message says
+WRONG: dict[str, tuple[int, str]] = {
+    "G20": (1, "G20 is inches.*write G21"),
+    "G91": (1, "G91 is incremental.*write G90"),
+    "G1 X1 G91 F10": (7, "incremental"),
+    "G2 X1 Y1 I1 F10": (4 + 6, "I1 is not a word"),
+    "G2 X1 F10": (1, "G2 is arcs.*write G1"),
+    "G03 X1 F10": (1, "G3 is arcs"),
+    "G5": (1, "G5 is not a word of an excitation; remove it"),
+    "G53 G0 X1": (1, "G53 is not a word"),
+    "G55": (1, "G55"),
+    "G92 X0": (1, "G92"),
+    "G28": (1, "G28"),
+    "G1.5 X1 F10": (1, "G1.5 is not a word"),
+    "M3 S1000": (4, "S1000"),
+    "M0": (1, "M0 is not a word"),
+    "M6 T1": (4, "T1"),
+    "M66 P0 L3 Q5": (8, "L3"),
+    "N10 G1 X1 F10": (1, "N10"),
+    "G1 U1 F10": (4, "U1 is not a word"),
+    "G0 G1 X1 F10": (4, "G0 and G1 on one line"),
+    "G1 X1 X2 F10": (7, "second X word"),
+    "G1 X1 F10 F20": (11, "second F word"),
+    "G1 X1 F0": (7, "F0 is not positive"),
+    "G1 X1 F-10": (7, "F-10 is not positive"),
+    "G94\nG1 X1": (0, "without a feed; add F"),
+    "G93\nG1 X1": (0, "without F in inverse time.*F = 60 / seconds"),
+    "G93\nF10\nX1": (0, "without F in inverse time"),
+    "G93\nX1 F10\nG94\nX2": (0, "without a feed"),
+    "G1 X1e1 F10": (6, "E1 is not a word|cannot read 'e1"),
+    "G1 X1E-3 F10": (6, "cannot read 'E-3|E-3 is not"),
+    "G1 X1,5 F10": (6, "cannot read ',5 F10'"),
+    "G1 X F10": (4, "cannot read 'X F10'"),
+    "G1 X--1 F10": (4, "cannot read 'X--1"),
+    "G1 X+-1 F10": (4, "cannot read"),
+    "G1 X. F10": (4, r"cannot read 'X\."),
+    "G1 X1.2.3 F10": (8, r"cannot read '\.3"),
+    "G1 XNaN F10": (4, "cannot read 'XNaN"),
+    "G1 Xinf F10": (4, "cannot read 'Xinf"),
+    "G1 X1 F1_000": (9, "cannot read '_000"),
+    "G1 X0x10 F10": (6, "cannot read 'x10|X10|second X"),
+    "G1 X[1+1] F10": (4, r"cannot read 'X\[1"),
+    "#1=5": (1, "cannot read '#1=5'"),
+    "O100 sub": (6, "cannot read 'sub'"),
+    "/G1 X1 F10": (1, "cannot read '/G1"),
+    "G1 X1 F10 (to the right": (11, "cannot read '\\(to the"),
+    "(a (nested) comment)": (1, "cannot read '\\(a \\(nest"),
+    "G1 X1 F10 a comment)": (11, r"cannot read 'a comment\)'"),
+    "%": (1, "cannot read '%'"),
+    "P1": (1, "P without G4"),
+    "G1 X1 F10 Q1": (11, "Q without G64"),
+    "G4": (1, "G4 needs a duration.*G4 P0.3"),
+    "G4 X2": (1, "G4 needs a duration"),
+    "G4 P-1": (1, "G4 needs a duration.*not negative"),
+    "M62": (1, "M62 needs P0"),
+    "M62 P1": (1, "M62 needs P0"),
+    "M65 P-1": (1, "M65 needs P0"),
+    "M64 P0.5": (1, "M64 needs P0"),
+    "G1 X1 F10\x00": (10, "character '\\\\x00' is not plain ASCII"),
+}
+
+
+@pytest.mark.parametrize("line", WRONG)
+def test_a_word_that_is_not_understood_is_named_with_line_and_column(line: str):
+    column, words = WRONG[line]
+    with pytest.raises(ProgramError, match=words) as caught:
+        read_linuxcnc(typed(line), "p.ngc")
+    place = f"p.ngc, line {FIRST + line.count(chr(10))}"
+    assert one_line(caught.value).startswith(f"{place}, column {column}: " if column else f"{place}: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("G1 X0 Y0 Z900 A0 B0 C0 F10\nM2", "p.ngc, line 1: a move before G21 and G90"),
+        ("G90\nG1 X0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2: a move before G21 and G90"),
+        ("G21\nG1 X0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2: a move before G21 and G90"),
+        ("G21 G90\nX0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2: axis words without G0 or G1"),
+        ("G21 G90\nG1 X0 Y0 Z900 A0 B0 F10\nM2", "line 2: the first move leaves C open; name all six axes"),
+        ("G21 G90\nG0 X0\nM2", "line 2: the first move leaves Y open"),
+        ("G21 G90\nM2\nG1 X1 F10", "line 3, column 1: a word after the end of the program; M2 must be last"),
+        ("G21 G90\nM2\nM2", "line 3, column 1: a word after the end"),
+        ("G21 G90\n", "p.ngc: no M2 at the end; the file is truncated"),
+        ("", "no M2 at the end"),
+    ],
+)
+def test_a_program_without_its_frame_is_refused(text: str, words: str):
+    with pytest.raises(ProgramError, match=re.escape(words)) as caught:
+        read_linuxcnc(text, "p.ngc")
+    one_line(caught.value)
+
+
+def test_comments_may_follow_the_end():
+    assert read_linuxcnc("G21 G90\nM2\n(no word)\n; none\n\n", "p.ngc").events == ()
+
+
+def test_a_line_may_be_as_long_as_the_controller_reads_and_no_longer():
+    filled = f"({'x' * (LONGEST_LINE - 2)})"
+    read_linuxcnc(typed(filled), "p.ngc")
+    with pytest.raises(ProgramError, match="line 4: 253 characters, the controller takes 252; split it"):
+        read_linuxcnc(typed(filled.replace("x", "xx", 1)), "p.ngc")
+
+
+@pytest.mark.parametrize(
+    ("what", "text"),
+    [
+        ("digits of another script", "G1 X\N{ARABIC-INDIC DIGIT ONE} F10"),
+        ("blanks that are none to the controller", "G1 X1\N{NO-BREAK SPACE}F10"),
+        ("a line break that is none to the controller", "G1 X1 F10\x0bY2"),
+        ("another", "G1 X1 F10\x85Y2"),
+        ("a third", "G1 X1 F10\N{LINE SEPARATOR}Y2"),
+    ],
+)
+def test_characters_that_the_controller_takes_otherwise_are_refused(what: str, text: str):
+    with pytest.raises(ProgramError, match="line 4"):
+        read_linuxcnc(typed(text), "p.ngc")
+
+
+@pytest.mark.parametrize("number", ["9" * 60, "9" * 200])
+@pytest.mark.parametrize("letter", "XAF")
+def test_a_number_that_no_machine_has_is_refused_not_carried_along(letter: str, number: str):
+    line = "G1 X1 A1 F10".replace(f"{letter}1", letter + number)
+    with pytest.raises(ProgramError, match="line 4"):
+        read_linuxcnc(typed(line), "p.ngc")

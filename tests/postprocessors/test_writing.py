@@ -1,0 +1,92 @@
+"""A program leaves hexcite only with the proof that its text keeps every limit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.errors import HexciteError, ProgramError
+from cases.schema import Case
+from identification.limits import prove
+from planner.fourier import FourierFamily, FourierMotion
+from postprocessors.program import TimedPath
+from postprocessors.proof import prove_program
+from postprocessors.reading.linuxcnc import read_linuxcnc
+from postprocessors.stretches import Timed, stretches
+from postprocessors.writing import dialect, dialect_of_file, proven_text
+from tests.helpers import one_line
+
+LINUXCNC = dialect("linuxcnc")
+
+
+@pytest.fixture(scope="module")
+def motion(hexapod_case: Case) -> FourierMotion:
+    """A motion that uses 90 % of its tightest limit."""
+    box = hexapod_case.limits.motion
+    family = FourierFamily(2, 1.0, 1, hexapod_case.machine.home.vector, (box.pose[1] - box.pose[0]) / 2, 12)
+    unknowns = np.random.default_rng(4).normal(size=18)
+    for _ in range(6):
+        unknowns *= 0.9 / prove(family.motion(unknowns), hexapod_case, 2000.0).worst_ratio
+    return family.motion(unknowns)
+
+
+def test_the_text_of_a_motion_within_the_limits_comes_with_its_proof(motion: FourierMotion, hexapod_case: Case):
+    text, proof = proven_text(motion, hexapod_case, LINUXCNC, "p.ngc", ("a",))
+    assert proof.ok
+    again = prove_program(read_linuxcnc(text, "p.ngc"), hexapod_case)
+    assert again.limits == proof.limits
+    assert proof.excitation == pytest.approx(1.0)
+
+
+def test_a_motion_that_breaks_a_limit_is_not_written_and_the_limit_is_named(motion: FourierMotion, hexapod_case: Case):
+    bigger = replace(motion, a=1.2 * motion.a, b=1.2 * motion.b)
+    tightest = prove(bigger, hexapod_case, 2000.0).violations[0].name.split(" (")[0]
+    with pytest.raises(ProgramError, match=f"p.ngc, line [0-9]+: {tightest} .* reaches .*, limit ") as caught:
+        proven_text(bigger, hexapod_case, LINUXCNC, "p.ngc", ())
+    one_line(caught.value)
+
+
+def test_at_a_tenth_of_the_speed_the_same_way_takes_ten_times_as_long(motion: FourierMotion, hexapod_case: Case):
+    paths = []
+    for speed in (1.0, 0.1):
+        text, _ = proven_text(motion, hexapod_case, LINUXCNC, "p.ngc", (), speed)
+        read = stretches(read_linuxcnc(text, "p.ngc"), hexapod_case)
+        paths.append([s.points for s in read if isinstance(s, Timed)])
+    for fast, slow in zip(*paths, strict=True):
+        assert np.array_equal(fast.poses, slow.poses)
+        assert np.allclose(slow.times, 10 * fast.times, rtol=1e-7)
+
+
+def test_a_slow_start_keeps_the_limits_with_room_to_spare(motion: FourierMotion, hexapod_case: Case):
+    """At share s of the speed rates fall with s, accelerations with s squared, jerks with its cube."""
+    fast, slow = (proven_text(motion, hexapod_case, LINUXCNC, "p", (), s)[1].limits.to_json() for s in (1.0, 0.5))
+    for name, power in (("velocity", 1), ("acceleration", 2), ("jerk", 3), ("position", 0)):
+        assert slow[name]["ratio"] == pytest.approx(fast[name]["ratio"] * 0.5**power, rel=0.02)
+
+
+@pytest.mark.parametrize("change", ["pose", "time", "missing"])
+def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: FourierMotion, hexapod_case: Case):
+    def wrong(program):
+        blocks = list(program.blocks)
+        k = next(k for k, b in enumerate(blocks) if isinstance(b, TimedPath) and b.name == "excitation")
+        path = blocks[k]
+        poses, times = path.poses.copy(), path.times.copy()
+        if change == "pose":
+            poses[:, 0] += 1e-7 * np.sin(np.linspace(0.0, np.pi, len(poses))) ** 4
+        elif change == "time":
+            times = times * 1.001
+        else:
+            poses, times = poses[[*range(0, len(poses) - 1, 2), -1]], times[[*range(0, len(times) - 1, 2), -1]]
+        blocks[k] = TimedPath(path.name, times, poses)
+        return LINUXCNC.write(replace(program, blocks=tuple(blocks)))
+
+    with pytest.raises(ProgramError, match="'excitation' reads back differently; report this"):
+        proven_text(motion, hexapod_case, LINUXCNC._replace(write=wrong), "p.ngc", ())
+
+
+def test_an_unknown_dialect_or_suffix_lists_the_known_ones():
+    with pytest.raises(HexciteError, match="'fanuc' is unknown; choose linuxcnc"):
+        dialect("fanuc")
+    with pytest.raises(ProgramError, match=r"a/b\.mpf: the suffix names no controller; programs end in \.ngc"):
+        dialect_of_file("a/b.mpf")
+    assert dialect_of_file("a/b.ngc") is LINUXCNC
