@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 BODY = tuple(p.name for block in (MASS, FIRST_MOMENT, INERTIA) for p in block.parameters)
 _INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-ACCURACY = 1e-10  # of the solver, in standard deviations of the estimate
+ACCURACIES = (1e-9, 1e-7)  # of the solver: 1e-9 gives 1e-6 standard deviations, but is not always within its reach
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +97,9 @@ def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit
     start = np.einsum("kij,k->ij", basis, free.values[index])
     if np.linalg.eigvalsh(start)[0] >= 0.0:
         return ConsistentFit(free, False, 0.0, 1.0, None)
+    # The covariance of the body alone moves the rest along: what is inconsistent has ten unknowns, in all models.
     root = _root(free.covariance)
+    root = root @ np.linalg.qr(root[index].T)[0]
     step, failure = _nearest(start, np.einsum("kij,kr->rij", basis, root[index]))
     if step is None:
         return ConsistentFit(None, True, np.inf, 0.0, failure)
@@ -136,13 +138,14 @@ def _nearest(start: Array, slopes: Array) -> tuple[Array | None, str | None]:
     z = cp.Variable(len(slopes))
     matrix = cp.reshape(flat.T @ z, (4, 4), order="C") + scaled
     problem = cp.Problem(cp.Minimize(cp.sum_squares(z)), [matrix >> 0])
-    tolerances = {"tol_gap_abs": ACCURACY, "tol_gap_rel": ACCURACY, "tol_feas": ACCURACY}
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what cvxpy warns of is in the status
-            problem.solve(solver=cp.CLARABEL, **tolerances)
-    except cp.SolverError as error:
-        return None, f"Clarabel: {error}".splitlines()[0]
-    if problem.status != cp.OPTIMAL or z.value is None:
-        return None, f"Clarabel ends with {problem.status}; the free estimate is too far from any body"
-    return np.asarray(z.value, dtype=float), None
+    for accuracy in ACCURACIES:
+        tolerances = {"tol_gap_abs": accuracy, "tol_gap_rel": accuracy, "tol_feas": accuracy}
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # what cvxpy warns of is in the status
+                problem.solve(solver=cp.CLARABEL, **tolerances)
+        except cp.SolverError as error:
+            return None, f"Clarabel: {error}".splitlines()[0]
+        if problem.status == cp.OPTIMAL:
+            return np.asarray(z.value, dtype=float), None
+    return None, f"Clarabel ends with {problem.status}; the free estimate is too far from any body"

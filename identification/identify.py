@@ -10,6 +10,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimator import Fit, gauss_markov, per_channel, require_alive
 from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
+from identification.identifiability import Identifiability, analyse
 from identification.model import Model, identification_model
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
@@ -57,6 +58,21 @@ def identify(recording: Recording, case: Case, number: int | None = None) -> Est
 def _placed(source: str, error: Exception) -> str:
     """The message with the file in front, which the mathematics does not know."""
     return str(error) if source in str(error) else f"{source}: {error}"
+
+
+def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Identifiability:
+    """What the run determines, alone and together, of the parameters of an estimate (section 5).
+
+    Args:
+        recording: the run of the estimate.
+        case: its case.
+        estimate: gives model and delay.
+    """
+    model = identification_model(case, estimate.model)
+    if recording.t is None:
+        return analyse(standstills(recording, case, model).regressors, model.names)
+    run = moving_run(recording, case, model)
+    return analyse(run.regressors(estimate.delay.value if estimate.delay else 0.0), model.names)
 
 
 def _from_standstills(recording: Recording, case: Case, model: Model) -> Estimate:

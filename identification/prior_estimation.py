@@ -158,6 +158,6 @@ def _effects(pseudo: PseudoMeasurements, fit: Fit) -> tuple[PriorEffect, ...]:
         if share > SILENT:
             without = np.sqrt(share / variance)  # one over the standard deviation without this prior
             moved = float((prior.value - value) / (prior.std**2 * without))
-            conflict = moved / np.sqrt(1.0 - share)
+            conflict = moved * prior.std / np.sqrt(variance)
         effects.append(PriorEffect(prior, float(value), float(np.sqrt(variance)), moved, float(conflict), share))
     return tuple(effects)

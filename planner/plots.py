@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.identifiability import Identifiability
 from identification.motion import Motion
 from identification.result import Estimate
 
@@ -49,6 +50,19 @@ def trajectory_figure(motion: Motion, case: Case) -> Figure:
 
 def _both(limit: Array) -> Array:
     return np.array([-limit, limit])
+
+
+def identifiability_figure(found: Identifiability) -> Figure:
+    """Figure 3 of the paper: correlation of the columns, and R of the scaled regressor, both as magnitudes."""
+    figure = Figure(figsize=(11, 5), layout="constrained")
+    panels = (("|correlation|", np.abs(found.correlation)), ("|R| of the scaled regressor", np.abs(found.r)))
+    for ax, (title, values) in zip(figure.subplots(1, 2), panels, strict=True):
+        image = ax.imshow(values, cmap="Blues", vmin=0.0, vmax=1.0)
+        ax.set_title(title)
+        ax.set_xticks(range(len(found.names)), found.names, rotation=90, fontsize=7)
+        ax.set_yticks(range(len(found.names)), found.names, fontsize=7)
+    figure.colorbar(image, ax=figure.axes, shrink=0.8)
+    return figure
 
 
 def residual_figure(estimate: Estimate) -> Figure:

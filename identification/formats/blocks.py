@@ -73,19 +73,22 @@ def read_head(file: Path) -> list[bytes]:
     return [line.removesuffix(b"\r") for line in lines]
 
 
-def read_blocks(file: Path, header_rows: int = 0, trailing_rows: int = 0, size: int = SIZE) -> Iterator[Block]:
+def read_blocks(
+    file: Path, header_rows: int = 0, trailing_rows: int = 0, size: int = SIZE, kept: int = _KEPT
+) -> Iterator[Block]:
     """Whole lines of a text file, block by block, without header, trailing rows and blank lines at the end.
 
     Args:
         file: a text file, see `read_head`.
         header_rows: lines at its start to leave out.
-        trailing_rows: lines at its end to leave out.
+        trailing_rows: lines at its end to leave out, blank ones not counted.
         size: bytes to read at a time.
+        kept: bytes at the end that hold the trailing rows.
 
     Raises:
-        RecordingError: it cannot be read, or has no lines.
+        RecordingError: it cannot be read, or has a line without end.
     """
-    for block in _all_blocks(file, trailing_rows, size):
+    for block in _all_blocks(file, trailing_rows, size, kept):
         above = header_rows + 1 - block.first_line
         if above <= 0:
             yield block
@@ -95,14 +98,14 @@ def read_blocks(file: Path, header_rows: int = 0, trailing_rows: int = 0, size: 
             yield Block(header_rows + 1, rows[-1])
 
 
-def _all_blocks(file: Path, trailing_rows: int, size: int) -> Iterator[Block]:
+def _all_blocks(file: Path, trailing_rows: int, size: int, kept: int) -> Iterator[Block]:
     line, rest = 1, b""
     try:
         with file.open("rb") as stream:
             rest = stream.read(len(_MARK)).removeprefix(_MARK)
             while chunk := stream.read(size):
                 rest += chunk
-                end = max(len(rest) - _KEPT, 0)
+                end = max(len(rest) - kept, 0)
                 cut = rest.rfind(b"\n", 0, end) + 1
                 if cut:
                     yield Block(line, rest[:cut])
@@ -117,7 +120,12 @@ def _all_blocks(file: Path, trailing_rows: int, size: int) -> Iterator[Block]:
 
 
 def _without_end(data: bytes, trailing_rows: int) -> bytes:
+    """The lines above blank ones at the end and above the last rows that are not blank."""
     lines = data.splitlines(keepends=True)
-    while lines and not lines[-1].strip(b" \t\r\n\x1a"):
+    while lines:
+        blank = not lines[-1].strip(b" \t\r\n\x1a")
+        if not blank and trailing_rows == 0:
+            break
+        trailing_rows -= not blank
         lines.pop()
-    return b"".join(lines[: len(lines) - trailing_rows] if trailing_rows else lines)
+    return b"".join(lines)

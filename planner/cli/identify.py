@@ -39,20 +39,25 @@ def make_result(
 ) -> tuple[dict[str, Any], Any]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate."""
     from cases.files import atomic_folder, json_text
+    from identification.identify import identifiability
     from identification.identify import identify as estimate_parameters
     from identification.recording import read_recording
-    from planner.plots import residual_figure
+    from planner.plots import identifiability_figure, residual_figure
 
     loaded = case_of(path, case)
     folder = output if output is not None else Path(f"{path.resolve().stem}-result")
     with status("identifying", quiet):
         recording = read_recording(path, loaded)
         estimate = estimate_parameters(recording, loaded, model)
+        found = identifiability(recording, loaded, estimate)
         answer = {"result": str(folder)} | estimate.to_json()
+        answer["strongest_correlations"] = [{"pair": [a, b], "value": v} for a, b, v in found.strongest()]
         with atomic_folder(folder) as part:
             (part / "result.json").write_text(json_text(estimate.to_json()), encoding="utf-8")
             (part / "plots").mkdir()
+            (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")
             residual_figure(estimate).savefig(part / "plots" / "residuals.svg")
+            identifiability_figure(found).savefig(part / "plots" / "identifiability.svg")
     if not quiet:
         show_result(answer)
     return answer, estimate
@@ -119,6 +124,10 @@ def show_result(answer: dict[str, Any]) -> None:
     title += f", condition {answer['condition']:.3g}"
     print_table(title, ("parameter", "value", "std (28)", "std robust", "unit"), rows)
     print(f"s0 = {answer['s0']:.4g}, force residual {answer['s0_N']:.4g} N rms, weights {answer['weights']}")
+    strongest = ", ".join(
+        f"{a}~{b} {v:+.2f}" for (a, b), v in ((c["pair"], c["value"]) for c in answer["strongest_correlations"][:3])
+    )
+    print(f"strongest correlations of columns: {strongest}")
     if answer["delay_s"] is not None:
         delay = answer["delay_s"]
         print(
