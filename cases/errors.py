@@ -28,6 +28,10 @@ class CaseError(HexciteError, ValueError):
         self.file, self.key, self.problem = file, key, problem
         super().__init__(f"{file}: {key}: {problem}" if key else f"{file}: {problem}")
 
+    def __reduce__(self) -> tuple[type["CaseError"], tuple[Path | str, str, str]]:
+        """Rebuilt from its parts on its way out of a worker process."""
+        return type(self), (self.file, self.key, self.problem)
+
 
 class RecordingError(HexciteError, ValueError):
     """A recording cannot be used; the message names file and row or column."""
@@ -56,6 +60,10 @@ class ProgramError(HexciteError, ValueError):
         place = f", line {line}" if line else ""
         place += f", column {column}" if column else ""
         super().__init__(f"{file}{place}: {problem}")
+
+    def __reduce__(self) -> tuple[type["ProgramError"], tuple[Path | str, int, int, str]]:
+        """Rebuilt from its parts on its way out of a worker process."""
+        return type(self), (self.file, self.line, self.column, self.problem)
 
 
 class ExecutionError(HexciteError, RuntimeError):

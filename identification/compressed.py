@@ -162,8 +162,9 @@ def fit_along(
     residuals = forces - regressors @ values
     freedom = degrees_of_freedom(compressed.rows, tangent.shape[1], filtered)
     s0 = float(np.sqrt(np.sum(weights * residuals**2) * filtered.stride / freedom))  # (27)
-    spread = tangent @ inverse_root(root)  # (28) is s0^2 times its square
-    gain = spread @ spread.T
-    long_run = long_run_covariance(scores(regressors, residuals, weights) @ spread)
-    robust = spread @ long_run @ spread.T
-    return Fit(values, s0**2 / filtered.stride * gain, robust, s0, freedom, residuals, weights, rank, condition)
+    half = tangent @ inverse_root(root)
+    inverse = half @ half.T  # F^-1 of (28), along du/dtheta
+    # Of u, not of theta: the bandwidth inside then depends on no choice of theta.
+    long_run = long_run_covariance(scores(regressors, residuals, weights))
+    covariance = s0**2 / filtered.stride * inverse
+    return Fit(values, covariance, inverse @ long_run @ inverse, s0, freedom, residuals, weights, rank, condition)

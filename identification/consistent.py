@@ -106,19 +106,24 @@ def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit
     values = free.values + root @ step
     if np.linalg.eigvalsh(pseudo_inertia(values[index]))[0] <= 0.0:
         return ConsistentFit(None, True, np.inf, 0.0, "the data want a mass below zero; check the sense of the sensor")
-    rise, freedoms = float(step @ step), np.linalg.matrix_rank(root[index])
+    rise, freedoms = float(step @ step), np.linalg.matrix_rank(root[index] / _unit(free.covariance)[index, None])
     # The truth is consistent: it is at least as far from the free estimate as the nearest consistent one.
     p_value = float(stats.f.sf(rise / freedoms, freedoms, free.freedom))
     fit = replace(free, values=values, residuals=forces - regressors @ values)
     return ConsistentFit(fit, True, rise, p_value, None)
 
 
+def _unit(covariance: Array) -> Array:
+    """Standard deviation of each parameter, 1 where it is fixed, shape (u,)."""
+    std = np.sqrt(np.diag(covariance))
+    return np.where(std > 0.0, std, 1.0)
+
+
 def _root(covariance: Array) -> Array:
     """S with S S^T = covariance, shape (u, r), r < u where parameters are fixed."""
-    std = np.sqrt(np.diag(covariance))
-    unit = np.where(std > 0.0, std, 1.0)
+    unit = _unit(covariance)
     variances, directions = np.linalg.eigh(covariance / np.outer(unit, unit))
-    kept = variances > len(std) * np.finfo(float).eps * variances[-1]
+    kept = variances > len(unit) * np.finfo(float).eps * variances[-1]
     return np.asarray(unit[:, None] * directions[:, kept] * np.sqrt(variances[kept]))
 
 

@@ -55,6 +55,10 @@ class StrutsDoNotClose(IdentificationError):
             f"sample {sample + 1}: no pose has the strut lengths {words} mm; check unit, order and offset of the struts"
         )
 
+    def __reduce__(self) -> tuple[type["StrutsDoNotClose"], tuple[int, Array]]:
+        """Rebuilt from its parts on its way out of a worker process."""
+        return type(self), (self.sample, self.lengths)
+
 
 class Hexapod:
     """A hexapod with given joints.

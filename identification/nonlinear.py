@@ -33,7 +33,8 @@ class NonlinearFit:
     """An estimate in physical parameters.
 
     Args:
-        fit: in u, so that `physical_form` gives the values below back; None where the search failed.
+        fit: in u, so that `physical_form` gives the values below back; rank and condition are those of the local
+            Jacobian; None where the search failed.
         values: p, shape (p,); where the search failed the last ones.
         covariance: of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p); None where
             the search failed.
@@ -79,7 +80,7 @@ def nonlinear(
 ) -> NonlinearFit:
     """Estimates the physical parameters by Gauss-Newton.
 
-    It starts from 1 kg at the origin: with all parameters free u(p) is reached in four steps from any mass but zero,
+    It starts from 1 kg at the origin: with all parameters free u(p) is reached in a few steps from any mass but zero,
     since mass, first moments and inertia each become linear once the ones before them are right.
 
     Args:

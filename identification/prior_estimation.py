@@ -96,10 +96,13 @@ def with_priors(
     beyond = regressors.shape[2] - len(model.names)
     names = [*model.names, *(f"nuisance {k + 1}" for k in range(beyond))]
     compressed = compress(regressors, forces, weights)
-    rank = np.linalg.matrix_rank(compressed.root * column_scale(compressed.root))
+    scale = column_scale(compressed.root)
+    zero = compressed.rows * np.finfo(float).eps  # the paper's (Fig. 3)
+    free, _, rank, _ = np.linalg.lstsq(compressed.root * scale, compressed.right, rcond=zero)
     freedom = degrees_of_freedom(compressed.rows, float(rank), filtered)
     floor = ROUNDING * float(np.sqrt(compressed.rest + np.sum(compressed.right**2)))
-    noise = float(np.sqrt(max(compressed.rest, floor**2) / freedom))  # s0 / sqrt(stride), the noise of (28)
+    least = max(compressed.chi_squared(scale * free), floor**2)
+    noise = float(np.sqrt(least / freedom))  # s0 / sqrt(stride), the noise of (28)
     root, right = compressed.root / noise, compressed.right / noise
 
     def residual(u: Array) -> tuple[Array, Array]:

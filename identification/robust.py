@@ -22,7 +22,7 @@ MAD_TO_STD = 1.482602218505602  # 1 / Phi^-1(3/4): makes the MAD of Gaussian noi
 MEAN_SQUARE_PSI = 0.710165  # E psi(z)^2 for Gaussian z and HUBER_K: makes s0 that of Gaussian noise
 ROUNDS = 100
 TOLERANCE = 1e-7  # of a standard deviation of each parameter: far below what matters, far above rounding
-SILENT = 1e-12  # of a channel's spread: what is left is rounding, not noise
+SILENT = 1e-12  # of the largest force: what is left of a channel is rounding, not noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,9 @@ def huber(
         IdentificationError: as `gauss_markov`; or a channel fits without any residual.
     """
     samples, sensors, unknowns = regressors.shape
-    spread = np.ones(6) if pooled else np.maximum(forces.std(axis=0), np.finfo(float).tiny)
+    std = forces.std(axis=0)
+    spread = np.ones(6) if pooled else np.maximum(std, 1e-12 * max(float(std.max()), 1e-300))
+    least = np.zeros(6) if pooled else SILENT * np.abs(forces).max() / spread
     start = gauss_markov(regressors, forces, names, spread**-2.0, nuisance, filtered)
     matrix = (regressors / spread[:, None]).reshape(-1, unknowns)
     scale = column_scale(matrix)
@@ -85,14 +87,14 @@ def huber(
     converged, rounds = False, 0
     while not converged and rounds < ROUNDS:
         residuals = right - q @ v
-        noise = _noise(residuals.reshape(-1, 6), pooled, forces) * shrunk
+        noise = _noise(residuals.reshape(-1, 6), pooled, least) * shrunk
         attention = _attention(residuals, noise)
         weighted = q * (attention / noise**2)[:, None]
         new = np.linalg.solve(q.T @ weighted, weighted.T @ right)
         converged = bool(np.abs(new - v).max() <= TOLERANCE * noise.min() + floor)
         v, rounds = new, rounds + 1
     residuals = right - q @ v
-    noise = _noise(residuals.reshape(-1, 6), pooled, forces) * shrunk
+    noise = _noise(residuals.reshape(-1, 6), pooled, least) * shrunk
     psi = np.clip(residuals / noise, -HUBER_K, HUBER_K)
     back = scale[:, None] * solve_triangular(r, np.eye(unknowns))
     spread_of_u = back @ _bread(q, residuals, noise)
@@ -100,7 +102,7 @@ def huber(
     moved = (q * (psi / noise)[:, None]).reshape(samples, sensors, unknowns).sum(axis=1)
     recorded = noise[:6] * spread / np.sqrt(filtered.gain)  # of the forces before the filter
     values = back @ v
-    s0 = float(np.sqrt(np.mean(psi**2) / MEAN_SQUARE_PSI))
+    s0 = float(shrunk * np.sqrt(np.mean(psi**2) / MEAN_SQUARE_PSI))  # Huber's proposal 2, for a scale near it
     fit = Fit(
         values=values,
         covariance=spread_of_u @ meat @ spread_of_u.T,
@@ -115,16 +117,16 @@ def huber(
     return RobustFit(fit, converged, rounds, recorded, _attention(residuals, noise).reshape(samples, sensors))
 
 
-def _noise(residuals: Array, pooled: bool, forces: Array) -> Array:
+def _noise(residuals: Array, pooled: bool, least: Array) -> Array:
     """Normalised MAD about zero, which the offsets make the centre, one value a force, shape (6 n,)."""
     size = np.abs(residuals)
     mad = np.full(6, np.median(size)) if pooled else np.median(size, axis=0)
-    silent = mad <= (0.0 if pooled else SILENT)  # per channel residuals come in units of the channel's spread
+    silent = mad <= least
     if silent.any():
         raise IdentificationError(
             f"channel {int(np.argmax(silent)) + 1} fits without any residual; its scale cannot be estimated: check it"
         )
-    return np.tile(MAD_TO_STD * mad, len(forces))
+    return np.tile(MAD_TO_STD * mad, len(residuals))
 
 
 def _attention(residuals: Array, noise: Array) -> Array:

@@ -69,12 +69,23 @@ def box_bound(case: Case, model: Model, cache: Path | None = None) -> Bound:
     file = folder / f"{case.hash}-model{model.number}-equal-v{VERSION}.json"
     if file.is_file():
         try:
-            return Bound(**read_json(file, "hexcite plan"))
-        except (FileProblem, TypeError):
+            return _read(file, len(model.parameters))
+        except (FileProblem, KeyError, TypeError, ValueError):
             file.unlink(missing_ok=True)  # a cache holds nothing that cannot be computed again
     bound = compute_bound(case, model)
     with suppress(FileProblem):  # without a writable cache it is computed anew each time
         write_text(file, json_text(asdict(bound)))
+    return bound
+
+
+def _read(file: Path, size: int) -> Bound:
+    """A bound from the cache; raises where it is not one of this model."""
+    data = read_json(file, "hexcite plan")
+    bound = Bound(float(data["logdet"]), float(data["dmax"]), int(data["parameters"]), str(data["method"]))
+    if set(data) != set(asdict(bound)) or not (
+        np.isfinite(bound.logdet) and bound.dmax > 0.0 and bound.parameters == size
+    ):
+        raise ValueError(f"{file}: holds no bound of {size} parameters")
     return bound
 
 

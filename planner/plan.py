@@ -21,6 +21,7 @@ from planner.solving import Start
 Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
+LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
 
 _AXES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
@@ -170,9 +171,16 @@ def load_plan(folder: Path) -> SavedPlan:
             float(settings["period_s"]),
             int(settings["repeats"]),
         )
+        for key in ("family", "model"):
+            if key not in data:
+                raise KeyError(key)
     except (KeyError, TypeError, ValueError) as error:
         raise FileProblem(f"{file}: entry {error} is missing or damaged; plan again") from error
     shapes = motion.centre.shape == (6,) and motion.a.shape == motion.b.shape == (motion.order, 6)
+    if not (0.0 < motion.period <= LONGEST and motion.repeats >= 1 and motion.duration <= LONGEST):
+        raise FileProblem(
+            f"{file}: settings: {motion.repeats} periods of {motion.period:g} s are no excitation; plan again"
+        )
     if not shapes or not all(np.isfinite(v).all() for v in (motion.centre, motion.a, motion.b)):
         raise FileProblem(f"{file}: fourier: coefficients are damaged; plan again")
     case = load_case(case_file)

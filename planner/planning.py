@@ -15,7 +15,7 @@ from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
 from planner.bound import box_bound
 from planner.fourier import FourierFamily
-from planner.plan import Plan
+from planner.plan import LONGEST, Plan
 from planner.problem import mean_information
 from planner.solving import EXPLORE, Start, keep_limits, optimise
 
@@ -56,6 +56,8 @@ class Request:
             raise HexciteError(f"order {self.order} is outside 2 to 7; 1 cannot start at rest, above 7 only jerk grows")
         if not self.period > 0.0 or not np.isfinite(self.period):
             raise HexciteError(f"period {self.period:g} s is not positive; choose about 3 s")
+        if not self.duration <= LONGEST:
+            raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
         repeats = self.duration / self.period
         if not (round(repeats) >= 1 and abs(repeats - round(repeats)) < 1e-9):
             raise HexciteError(

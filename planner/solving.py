@@ -161,7 +161,7 @@ def _optimise(problem: Problem, unknowns: Array, stage: Stage) -> tuple[Array, s
             "solver",
             "ipopt",
             {"x": problem.unknowns, "f": problem.objective, "g": problem.with_struts(active)},
-            {"ipopt": IPOPT | {"max_iter": stage.iterations}, "print_time": False},
+            {"ipopt": IPOPT | {"max_iter": stage.iterations}, "print_time": False, "show_eval_warnings": False},
         )
         unknowns = solver(x0=unknowns, lbg=-1.0, ubg=1.0)["x"].full()[:, 0]
         stats = solver.stats()

@@ -102,6 +102,8 @@ def _why(found: Sequence[str], names: Sequence[str], dialect: Dialect, text: str
         return "the file is cut off in its last line: remove that line"
     if len(found) > len(names) and dialect.delimiter == "," and _DECIMAL_COMMAS.search(text):
         return "does it have decimal commas? export with semicolons and set recording.delimiter and recording.decimal"
+    if len(found) > len(names) and dialect.delimiter == " " and "  " in text:
+        return "there are several blanks between numbers: export with one character between them"
     return "correct or remove the row"
 
 

@@ -50,6 +50,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     Raises:
         RecordingError: anything that keeps the run from being used; several files of one kind; no common time.
     """
+    if not paths:
+        raise RecordingError("no recording is named; give the files of one run")
     tables: list[tuple[Table, RecordingFormat]] = []
     for path in paths:
         file, form = _file_of(path, case)
@@ -93,7 +95,7 @@ def _file_of(path: Path, case: Case) -> tuple[Path, RecordingFormat]:
     try:
         if path.is_dir():
             parquet = path / "recording.parquet"
-            return parquet if parquet.is_file() else path / "recording.csv", RecordingFormat()
+            path = parquet if parquet.is_file() else path / "recording.csv"
         ours = path.stem == "recording" and path.with_name("recording.json").is_file()
     except OSError:  # a name that the system refuses; the reader explains it
         ours = False

@@ -23,7 +23,7 @@ from cases.errors import RecordingError
 from cases.recording import RecordingFormat
 from cases.recording_columns import CLOCK
 from identification.formats.blocks import Block, read_blocks, read_head
-from identification.formats.diagnosis import Dialect
+from identification.formats.diagnosis import Dialect, is_number
 from identification.formats.header import cells, decoded, select, unknown_columns
 from identification.formats.parsing import Fields, lines_of, parse
 from identification.formats.table import Stamps, Table
@@ -118,13 +118,14 @@ def _layout(file: Path, lines: list[bytes], dialect: Dialect, form: RecordingFor
     chosen.pop(CLOCK, None)
     if not chosen:
         raise RecordingError(f"{file}: {unknown_columns([n for n in own if n], form)}")
-    return _Layout(first, names, chosen, {ours: above[k] for ours, k in chosen.items()})
+    shown = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
+    return _Layout(first, shown, chosen, {ours: above[k] for ours, k in chosen.items()})
 
 
 def _is_data(line: bytes, dialect: Dialect) -> bool:
-    """Whether all fields are numbers or missing, and some are numbers."""
-    found = dialect.split(line.decode(errors="replace"))
-    return any(f.strip() for f in found) and all(not f.strip() or dialect.is_number(f) for f in found)
+    """Whether all fields are numbers, with either decimal sign, or missing, and some are numbers."""
+    found = [f for f in dialect.split(line.decode(errors="replace")) if f.strip()]
+    return bool(found) and all(is_number(f.replace(",", ".", 1)) for f in found)
 
 
 def _filled(block: Block, count: int, dialect: Dialect) -> Block:
@@ -149,10 +150,8 @@ def _present(file: Path, block: Block, column: pa.ChunkedArray) -> Stamps:
     valid = column.is_valid().to_numpy()
     count = int(valid.sum())
     if not valid[:count].all():
-        row = int(np.argmin(valid))
-        raise RecordingError(
-            f"{file}, {lines_of(block, len(column)).place(row)}: the clock has no value; remove the row"
-        )
+        place = lines_of(block, len(column)).place(int(np.argmin(valid)))
+        raise RecordingError(f"{file}, {place}: a clock has no value but goes on below; remove the row")
     return np.asarray(column.slice(0, count).to_numpy())
 
 

@@ -34,8 +34,8 @@ class Answer(NamedTuple):
         assert self.err.endswith("\n")
         (line,) = self.err.splitlines()
         assert line.startswith("hexcite: ")
-        assert "internal error" not in line
-        assert "Traceback" not in line
+        assert "internal error" not in line, line
+        assert "Traceback" not in line, line
         return line
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from cases.loading import built_in_cases
 from planner.plan import SavedPlan, load_plan
 from tests.planner.command_line import hexcite
 
@@ -75,3 +76,11 @@ def chain(
     }
     answers = once("chain", lambda: {name: hexcite(*step, "--json", cwd=shared).json() for name, step in steps.items()})
     return {"plan": planned, **answers}
+
+
+@pytest.fixture
+def hexapod_file(tmp_path: Path) -> Path:
+    """A copy of the hexapod's case file, to be edited."""
+    file = tmp_path / "machine.toml"
+    file.write_text(built_in_cases()["hexapod"].read_text(encoding="utf-8"), encoding="utf-8")
+    return file

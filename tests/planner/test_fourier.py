@@ -1,5 +1,7 @@
 """Fourier excitations: at rest after every period, linear in their unknowns, bounded by Bernstein's inequality."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -39,7 +41,7 @@ def test_resting_takes_two_unknowns_of_each_coordinate_and_no_more(order: int):
 
 
 def test_a_single_harmonic_cannot_rest():
-    """sin and cos together have no common zero of rate and acceleration: only a constant is left."""
+    """Sin and cos together have no common zero of rate and acceleration: only a constant is left."""
     assert np.allclose(np.abs(resting_basis(1)[:, 0]), [1.0, 0.0, 0.0])
 
 
@@ -71,15 +73,17 @@ def test_the_grid_covers_one_period_evenly_with_its_density_for_the_highest_harm
 
 @given(order=st.integers(2, 7), period=st.floats(0.1, 100.0), seed=st.integers(0, 2**32 - 1))
 def test_no_motion_outgrows_bernsteins_bound(order: int, period: float, seed: int):
-    """max |x'| <= N w (max x - min x) / 2, and so on for each derivative, whose means are zero."""
+    """Max |x'| <= N w (max x - min x) / 2, and so on for each derivative, whose means are zero."""
     some = family(order, period)
     unknowns = np.random.default_rng(seed).normal(size=some.unknowns * 6)
     motion = some.motion(unknowns).at(np.linspace(0.0, period, 3000))
     orders = (motion.pose, motion.rates, motion.accelerations, motion.jerks)
-    for lower, higher in zip(orders[:-1], orders[1:], strict=True):
+    for lower, higher in itertools.pairwise(orders):
         reached = np.abs(higher).max(axis=0)
         swing = np.ptp(lower, axis=0) / 2
-        assert np.all(reached <= some.growth() * swing * (1 + 1e-4))  # the grid misses 1 - cos(pi N / 3000) of the swing
+        assert np.all(
+            reached <= some.growth() * swing * (1 + 1e-4)
+        )  # the grid misses 1 - cos(pi N / 3000) of the swing
 
 
 def test_bernsteins_bound_is_reached_by_the_highest_harmonic_alone():

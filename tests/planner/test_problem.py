@@ -50,7 +50,9 @@ def test_rows_are_shares_of_the_limits(problem: Problem, unknowns: np.ndarray, h
 
 
 @pytest.mark.parametrize(("order", "period"), [(2, 12.0), (3, 6.0), (5, 3.0), (7, 2.0)])
-def test_limits_without_rows_are_kept_by_every_motion_that_keeps_the_rows(order: int, period: float, hexapod_case: Case):
+def test_limits_without_rows_are_kept_by_every_motion_that_keeps_the_rows(
+    order: int, period: float, hexapod_case: Case
+):
     """Bernstein: a slow series cannot reach the limits of the higher derivatives; the optimiser saves their rows."""
     some = family(hexapod_case, order, period)
     model = identification_model(hexapod_case, 0)
@@ -93,7 +95,7 @@ def test_a_random_start_is_inside_all_limits_and_far_from_rest(seed: int, proble
     some = family(hexapod_case)
     start = random_start(seed, some, problem)
     worst = max(rows(problem, start).max(), strut_shares(problem, start).max())
-    assert worst == pytest.approx(START_SHARE) or worst < START_SHARE
+    assert worst <= START_SHARE * (1 + 1e-9)
     assert rows(problem, start).max() > 0.1
 
 

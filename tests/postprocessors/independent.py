@@ -43,7 +43,7 @@ def strut_lengths(poses: Array, case: Case) -> Array:
 
 
 def derivatives_reached(times: Array, values: Array, order: int) -> Array:
-    """k! times the divided differences of order k, shape (n - k, ..)."""
+    """K! times the divided differences of order k, shape (n - k, ..)."""
     difference = values
     for k in range(1, order + 1):
         difference = np.diff(difference, axis=0) / (times[k:] - times[:-k])[:, None]

@@ -14,6 +14,7 @@ from cases.units import DEG, MM
 from planner.fourier import FourierMotion
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger, excitation_program
+from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HOME, proof
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -31,8 +32,7 @@ def one_of_each() -> Program:
 
 def excitation() -> Program:
     """Two harmonics along y and about the z axis, at rest at the start; tenfold block time to be short."""
-    case = load_case("hexapod")
-    slow = case.model_copy(update={"controller": case.controller.model_copy(update={"block_ms": 100.0})})
+    slow = changed(load_case("hexapod"), controller__block_ms=100.0)
     a, b = np.zeros((2, 6)), np.zeros((2, 6))
     a[:, 1], b[:, 5] = (0.02, -0.02), (0.2, -0.1)
     return excitation_program(FourierMotion(HOME, a, b, 2.0, 1), slow, ("two harmonics",))

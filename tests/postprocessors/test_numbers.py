@@ -33,8 +33,9 @@ def test_every_number_is_a_plain_decimal_without_exponent_comma_negative_zero_or
     axis=st.integers(0, 5),
     seconds=st.floats(0.0, 1e6, exclude_min=True),
 )
-def test_a_pose_and_a_dwell_are_written_to_their_last_decimal(exponent: int, mantissa: float, axis: int, seconds:
-float):
+def test_a_pose_and_a_dwell_are_written_to_their_last_decimal(
+    exponent: int, mantissa: float, axis: int, seconds: float
+):
     pose = HOME.copy()
     pose[axis] = mantissa * 10.0**exponent
     text = write_linuxcnc(Program((), (ToHome(pose, 0.05), Dwell(seconds))))

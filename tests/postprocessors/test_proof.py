@@ -1,10 +1,10 @@
 """What the proof of a program says: which limit, where, how far, and who answers for it."""
 
-import numpy as np
 import pytest
 
 from cases.schema import Case
 from postprocessors.proof import ProgramProof
+from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import proof, small_excitation, there_and_back, timed, typed
 
 PATH = timed(there_and_back())
@@ -41,13 +41,12 @@ def test_a_passed_limit_is_named_with_axis_value_limit_and_line(
     (violation,) = [v for v in result.violations if v.check.name == name]
     assert violation.line == 5
     assert (violation.check.worst, violation.check.limit) == pytest.approx((worst, limit), rel=1e-4)
-    with pytest.raises(ValueError, match="p.ngc, line 5: .*; slow down or change the move"):
+    with pytest.raises(ValueError, match=r"p.ngc, line 5: .*; slow down or change the move"):
         result.require()
 
 
 def test_a_strut_that_would_have_to_be_too_long_is_named(hexapod_case: Case):
-    narrow = hexapod_case.model_copy(deep=True)
-    narrow.limits.motion.__dict__["strut_length"] = np.array([0.9, 1.1])
+    narrow = changed(hexapod_case, limits__motion__strut_length_mm=[900.0, 1100.0])
     result = proof(typed("G1 X200 F3000"), narrow)
     assert [v.check.name.split(" (")[0] for v in result.violations] == ["strut length"]
 
@@ -68,14 +67,22 @@ def test_a_value_just_above_its_limit_is_not_printed_as_if_it_were_the_limit(fee
 
 def test_limits_of_timed_paths_are_proven(hexapod_case: Case):
     limits = proof(typed(PATH), hexapod_case).limits.to_json()
-    for name in ("position", "velocity", "acceleration", "jerk", "strut length", "strut velocity", "strut acceleration"):
+    for name in (
+        "position",
+        "velocity",
+        "acceleration",
+        "jerk",
+        "strut length",
+        "strut velocity",
+        "strut acceleration",
+    ):
         assert limits[name]["status"] == "proven"
         assert 0.0 < limits[name]["ratio"] < 1.0
 
 
 @pytest.mark.parametrize("body", ["G1 X5 F3000", "G0 X5"])
 def test_what_the_controller_times_itself_is_not_called_proven(body: str, hexapod_case: Case):
-    """LinuxCNC limits the acceleration of the axes, far above the case's limits here; jerk and struts it does not know."""
+    """LinuxCNC limits accelerations of axes, here far above the case; jerk and struts it does not know."""
     result = proof(typed(body), hexapod_case)
     for name in ("acceleration", "angular acceleration", "jerk", "angular jerk", "strut acceleration"):
         assert status(result, f"{name}, untimed moves") == "NOT enforced"
@@ -84,9 +91,7 @@ def test_what_the_controller_times_itself_is_not_called_proven(body: str, hexapo
 
 
 def test_a_controller_without_headroom_enforces_the_accelerations_of_its_axes(hexapod_case: Case):
-    linuxcnc = hexapod_case.controller.linuxcnc.model_copy(update={"acceleration_headroom": 1.0})
-    controller = hexapod_case.controller.model_copy(update={"linuxcnc": linuxcnc})
-    result = proof(typed(""), hexapod_case.model_copy(update={"controller": controller}))
+    result = proof(typed(""), changed(hexapod_case, controller__linuxcnc__acceleration_headroom=1.0))
     assert status(result, "acceleration, untimed moves") == "enforced by controller"
     assert status(result, "strut acceleration, untimed moves") == "NOT enforced"
     assert status(result, "jerk, untimed moves") == "NOT enforced"
@@ -109,5 +114,3 @@ def test_what_turns_on_the_way_home_from_an_unknown_pose_is_not_called_proven(na
     """At a feed that counts X, Y and Z, A, B and C follow as fast as they have to: only the controller limits them."""
     limits = proof(typed(""), hexapod_case).limits.to_json()
     assert [v["status"] for k, v in limits.items() if k.startswith(name) and v["status"] == "proven"] == []
-
-

@@ -102,7 +102,7 @@ def test_lines_in_any_order_mean_to_the_reader_what_they_mean_to_the_controller(
 )
 def test_what_the_controller_refuses_is_not_called_proven(line: str, rs274: Callable):
     assert isinstance(rs274(typed(line)), str), "the controller accepts it: not a test"
-    with pytest.raises(ProgramError, match="line [45]"):
+    with pytest.raises(ProgramError, match=r"line [45]"):
         read_linuxcnc(typed(line), "p.ngc")
 
 

@@ -36,7 +36,7 @@ def test_motion_that_is_not_defined_is_refused(text: str, words: str, hexapod_ca
 def test_timed_blocks_under_exact_stop_are_refused_since_the_controller_stops_at_each(hexapod_case: Case):
     """In G61 each block comes to rest: ten times the acceleration of the smooth path that would be proven."""
     text = typed(timed(there_and_back()).replace("G64 P1 Q0", "G61"))
-    with pytest.raises(ProgramError, match="line 6: .*G64"):
+    with pytest.raises(ProgramError, match=r"line 6: .*G64"):
         proof(text, hexapod_case)
 
 
@@ -44,5 +44,5 @@ def test_a_tolerance_that_lets_the_controller_cut_corners_at_will_is_refused(hex
     lines = there_and_back()
     assert proof(typed(timed(lines)), hexapod_case).ok
     for blend in ("G64 P50 Q0", "G64 P1 Q5", "G64 P1"):  # Q merges blocks, and without it is what P is
-        with pytest.raises(ProgramError, match="line 4: .*G64"):
+        with pytest.raises(ProgramError, match=r"line 4: .*G64"):
             parts(typed(timed(lines).replace("G64 P1 Q0", blend)), hexapod_case)

@@ -90,7 +90,7 @@ def test_blocks_hold_each_line_once_with_its_number(
     text = b"\n".join(lines) + b"\n" * newline
     file = written(tmp_path, text or b"\n")
     found = {}
-    for block in read_blocks(file, above, below, size, kept=64):
+    for block in read_blocks(file, above, below, size, kept=400):
         for k, line in enumerate(block.data.split(b"\n")):
             if line:
                 assert block.first_line + k not in found

@@ -1,5 +1,6 @@
 """However a program lays out its table, the case can say so, and the run that is read is the same."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -94,6 +95,11 @@ WRONG = {
         r"line 2, l1_mm: '[0-9]+\.[0-9]+' is not a number: it has a decimal point; set recording.decimal = '\.'",
     ),
     "commas for both": (csv(RUN.numbers(), decimal=","), {}, r"line 2: expected 13 columns, got 2.*decimal commas\?"),
+    "aligned columns": (
+        csv(RUN.numbers(), delimiter=" ").replace("\n0.00", "\n  0.00"),
+        {"delimiter": " "},
+        r"line 3: expected 13 columns, got 15; there are several blanks between numbers: export with one",
+    ),
     "a title": ("title\n" + csv(RUN.numbers()), {}, r"names .* are in line 2, not in line 1; .*names_row = 2"),
     "units below": (
         csv(RUN.numbers()).replace("\n", "\ns,mm" + ",N" * 11 + "\n", 1),
@@ -126,3 +132,19 @@ def test_what_the_case_states_wrongly_is_named_with_the_setting(what: str, tmp_p
     with pytest.raises(RecordingError, match=message) as caught:
         read_recording(file, case_with(**says))
     assert one_line(caught.value).startswith(str(file))
+
+
+def test_a_pipe_is_no_recording(tmp_path: Path) -> None:
+    """Opening one would wait for somebody to write."""
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(RecordingError, match=r"pipe.csv: cannot be read \(it is no regular file\)"):
+        read_recording(tmp_path / "pipe.csv", case_with())
+
+
+def test_what_hexcite_wrote_is_read_whatever_the_case_says_of_other_files(tmp_path: Path) -> None:
+    """The folder of `hexcite run` has our names and units; beside `recording.json` its file is known to be ours."""
+    written(tmp_path, csv(RUN.numbers()), "recording.csv")
+    written(tmp_path, "{}", "recording.json")
+    elsewhere = case_with(format="twincat-scope", decimal=",", columns={"l1_mm": "MAIN.l1"}, units={"forces": "kN"})
+    for place in (tmp_path, tmp_path / "recording.csv"):
+        np.testing.assert_allclose(read_recording(place, elsewhere).forces, RUN.forces, rtol=1e-8)

@@ -83,7 +83,7 @@ def test_it_says_that_it_is_no_real_controller(hexapod_case: Case):
 
 
 def test_a_motion_that_is_not_defined_is_not_run(hexapod_case: Case):
-    with pytest.raises(ProgramError, match="line 5: .*blended"):
+    with pytest.raises(ProgramError, match=r"line 5: .*blended"):
         run(typed("G64\nG1 X5 F100"), hexapod_case)
 
 

@@ -1,0 +1,176 @@
+"""CSV exports of TwinCAT Scope, in the layouts of genuine files: header, clocks, missing fields, decimal comma, EOF."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.errors import RecordingError
+from identification.recording import Recording, read_batches, read_recording
+from tests.helpers import one_line
+from tests.identification.formats.runs import NAMES, Truth, case_with, number, written
+
+RUN = Truth()
+STRUTS = [f"MAIN.strut[{k}]" for k in range(1, 7)]
+FORCES = [f"force {k}" for k in range(1, 7)]
+COLUMNS = dict(zip(NAMES[1:], [*STRUTS, *FORCES], strict=True))
+FILETIME = 132_959_733_843_760_000
+Group = tuple[list[str], np.ndarray, np.ndarray]  # channels, their stamps, their values, shape (n, channels)
+
+
+def exported(
+    groups: list[Group], delimiter: str = "\t", decimal: str = ",", shared: bool = True, eof: bool = True
+) -> str:
+    """An export: `shared` with one clock for neighbours, else one for each channel."""
+    if not shared:
+        groups = [([n], t, v[:, [k]]) for names, t, v in groups for k, n in enumerate(names)]
+    d = delimiter
+    lines = [
+        f"Name{d}Scope Project{d}", f"File{d}C:\\TwinCAT\\run.csv{d}",
+        f"Starttime of export{d}{FILETIME}{d}Montag, 2. Mai 2022{d}15:56:24.376",
+        f"Endtime of export{d}{FILETIME + 9990000}{d}Montag, 2. Mai 2022{d}15:56:25.375", "", "",
+    ]  # fmt: skip
+    for key in ("Name", "SymbolComment", "Data-Type", "SampleTime[ms]", "Port", "Unit"):
+        cells = {"Name": None, "SymbolComment": "", "Data-Type": "REAL64", "SampleTime[ms]": "0,2", "Port": "851"}
+        lines.append(
+            d.join(
+                d.join([key, *((n if key == "Name" else cells.get(key, "(None)")) for n in names)])
+                for names, _, _ in groups
+            )
+        )
+    lines.append("")
+    for row in range(max(len(t) for _, t, _ in groups)):
+        fields = []
+        for names, t, values in groups:
+            there = row < len(t)
+            fields += [number(v, decimal) for v in (t[row], *values[row])] if there else [" "] * (len(names) + 1)
+        while fields[-1] == " ":
+            fields.pop()
+        lines.append(d.join(fields))
+    return "\n".join([*lines, *["EOF"] * eof]) + "\n"
+
+
+def both(stamps: np.ndarray = 1e3 * RUN.t) -> list[Group]:
+    return [(STRUTS, stamps, RUN.struts * 1e3), (FORCES, stamps, RUN.forces)]
+
+
+def case(**says: object):
+    return case_with(**{"format": "twincat-scope", "decimal": ",", "columns": COLUMNS, **says})
+
+
+def require_the_run(recording: Recording) -> None:
+    np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
+    np.testing.assert_allclose(recording.struts, RUN.struts, rtol=1e-8)
+    np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
+
+
+@pytest.mark.parametrize("delimiter", ["\t", ";"])
+@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize("shared", [True, False])
+@pytest.mark.parametrize("eof", [True, False])
+def test_an_export_is_read_whatever_its_settings(
+    delimiter: str, decimal: str, shared: bool, eof: bool, tmp_path: Path
+) -> None:
+    file = written(tmp_path, exported(both(), delimiter, decimal, shared, eof))
+    require_the_run(read_recording(file, case(decimal=decimal)))
+
+
+def test_separated_by_commas_it_has_points(tmp_path: Path) -> None:
+    """The header keeps the decimal commas of the system's language, so that its lines have odd numbers of fields."""
+    text = exported(both(), ",", ".")
+    require_the_run(read_recording(written(tmp_path, text), case(decimal=".")))
+
+
+def test_stamps_may_be_filetimes(tmp_path: Path) -> None:
+    text = exported(both(np.arange(RUN.count)))
+    head, rows = text.split("\n\n0\t", 1)
+    lines = []
+    for line in ("0\t" + rows).splitlines()[:-1]:
+        fields = line.split("\t")
+        for k in (0, 7):
+            fields[k] = str(FILETIME + 10_000 * int(fields[k]))
+        lines.append("\t".join(fields))
+    file = written(tmp_path, head + "\n\n" + "\n".join(lines))
+    require_the_run(read_recording(file, case(clock={"unit": "filetime"})))
+    with pytest.raises(RecordingError, match=r"such as 132959733843760000, are not in ms; set .*unit = 'filetime'"):
+        read_recording(file, case())
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_channels_of_another_rate_are_a_stream_of_their_own(shared: bool, tmp_path: Path) -> None:
+    """Forces at 1 kHz, struts at 250 Hz from 0.5 ms on: their fields end earlier, in the middle of the lines."""
+    slow = RUN.struts[::4]
+    groups = [(FORCES[:3], 1e3 * RUN.t, RUN.forces[:, :3]), (STRUTS, 0.5 + 4.0 * np.arange(len(slow)), slow * 1e3)]
+    groups.append((FORCES[3:], 1e3 * RUN.t, RUN.forces[:, 3:]))
+    recording = read_recording(written(tmp_path, exported(groups, shared=shared)), case())
+    np.testing.assert_allclose(recording.forces, RUN.forces, rtol=1e-8)
+    np.testing.assert_allclose(recording.t, RUN.t, atol=1e-9)
+    (other,) = recording.others
+    np.testing.assert_allclose(other.struts, slow, rtol=1e-8)
+    np.testing.assert_allclose(other.t, 0.5e-3 + 4e-3 * np.arange(len(slow)), atol=1e-9)
+    assert recording.struts is None
+    assert recording.stream_with("struts") is other
+
+
+def test_a_channel_that_ends_a_sample_early_shortens_its_group(tmp_path: Path) -> None:
+    groups = [(STRUTS, 1e3 * RUN.t, RUN.struts * 1e3), (FORCES, 1e3 * RUN.t[:-1], RUN.forces[:-1])]
+    recording = read_recording(written(tmp_path, exported(groups)), case())
+    np.testing.assert_allclose(recording.struts, RUN.struts[:-1], rtol=1e-8)
+    np.testing.assert_allclose(recording.forces, RUN.forces[:-1], rtol=1e-8)
+
+
+def test_channels_may_be_named_by_their_symbols(tmp_path: Path) -> None:
+    text = exported(both())
+    symbols = text.splitlines()[6].replace("Name", "SymbolName").replace("force ", "GVL.f")
+    text = text.replace("\nPort", f"\n{symbols}\nPort", 1)
+    columns = COLUMNS | {f"f{k}_N": f"GVL.f{k}" for k in range(1, 7)}
+    require_the_run(read_recording(written(tmp_path, text), case(columns=columns)))
+
+
+def test_a_comment_of_several_lines_does_no_harm(tmp_path: Path) -> None:
+    text = exported(both()).replace("\nData-Type", "(* length\n\n of strut 1\n12 *)\nData-Type", 1)
+    require_the_run(read_recording(written(tmp_path, text), case()))
+
+
+def test_a_long_export_is_read_in_batches(tmp_path: Path) -> None:
+    long = Truth(count=70_000)
+    groups = [(STRUTS, 1e3 * long.t, long.struts * 1e3), (FORCES, 1e3 * long.t, long.forces)]
+    batches = list(read_batches(written(tmp_path, exported(groups)), case()))
+    assert len(batches) > 1
+    np.testing.assert_allclose(np.concatenate([b.t for b in batches]), long.t, atol=1e-9)
+    np.testing.assert_allclose(np.vstack([b.forces for b in batches]), long.forces, rtol=1e-8)
+
+
+GOOD = exported(both())
+LINES = GOOD.splitlines()
+HEADER = 13
+DAMAGES = {
+    "another format": ("t_s,l1_mm\n0,1\n", {}, r"line 1: does not start with Name and a separator.*recording.format"),
+    "no header of channels": ("\n".join([*LINES[:4], "", *LINES[13:]]), {}, r"no second line that starts with Name"),
+    "no rows": ("\n".join(LINES[:HEADER]), {}, r"has a header but no rows"),
+    "no rows but EOF": ("\n".join([*LINES[:HEADER], "EOF"]), {}, r"has a header but no rows"),
+    "points for commas": (GOOD, {"decimal": "."}, r"line 14, .*: '-?\d+,\d+' is not a number: .*decimal = ','"),
+    "commas for points": (exported(both(), decimal="."), {}, r"it has a decimal point; .*decimal = '\.'"),
+    "another clock": (GOOD, {"clock": {"unit": "filetime"}}, r"such as 0, are not in filetime; set .*unit = 'ms'"),
+    "unknown channels": (GOOD, {"columns": {"l1_mm": "MAIN.x"}}, r"none of .*MAIN.x.*; it has MAIN.strut\[1\], "),
+    "one channel missing": (GOOD.replace("force 3", "fors 3", 1), {}, r"column force 3 is missing; it has .*fors 3"),
+    "separated by blanks": (GOOD.replace("\t", " "), {}, r"separated by blanks; export with tabulators or semicolons"),
+    "a hole in a clock": (GOOD.replace("\n5\t", "\n \t", 1), {}, r"line 19: a clock has no value but goes on below"),
+    "a hole in a channel": (
+        "\n".join([*LINES[:20], "\t".join([*LINES[20].split("\t")[:2], " ", *LINES[20].split("\t")[3:]]), *LINES[21:]]),
+        {},
+        r"line 21, MAIN.strut\[2\]: nan is not a measured value",
+    ),
+    "channels filled with previous values": (GOOD.replace("\n5\t", "\n4\t", 1), {}, r"line 19.*4 ms comes after|part"),
+    "text": (GOOD.replace("\n5\t", "\nfive\t", 1), {}, r"line 19, time of MAIN.strut\[1\]: 'five' is not a number"),
+    "two of one name": (GOOD.replace("force 3", "force 2", 1), {"columns": COLUMNS}, r"column force 2 is there twice"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damage_is_named_with_its_place(damage: str, tmp_path: Path) -> None:
+    text, says, message = DAMAGES[damage]
+    file = written(tmp_path, text)
+    with pytest.raises(RecordingError, match=message) as caught:
+        read_recording(file, case(**says))
+    assert one_line(caught.value).startswith(str(file))

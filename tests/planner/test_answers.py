@@ -1,0 +1,100 @@
+"""`--json`: one JSON object with the promised keys on standard output, and nothing else anywhere."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.planner.command_line import call
+from tests.planner.json_answer import one_json_object
+
+Chain = dict[str, dict[str, Any]]
+
+KEYS = {  # the table of the command line in DESIGN
+    "plan": "plan family criterion status duration_s solve_s starts logdet condition d_efficiency predicted_std limits",
+    "post": "program dialect blocks duration_s limits",
+    "check": "ok violations duration_s limits",
+    "run": "recording samples duration_s planned_s path_error_mm d_efficiency",
+    "identify": "result model s0 s0_N samples rank condition parameters warnings",
+}
+LIMIT = {"at", "worst", "limit", "unit", "ratio", "time_s", "status"}
+PROMISES = {"proven", "enforced by controller", "NOT enforced"}
+
+
+@pytest.mark.parametrize("command", KEYS)
+def test_a_command_answers_with_the_promised_keys(command: str, chain: Chain):
+    assert set(KEYS[command].split()) <= set(chain[command])
+
+
+@pytest.mark.parametrize("command", ["plan", "post", "check"])
+def test_every_limit_comes_with_its_worst_case_and_says_who_answers_for_it(command: str, chain: Chain):
+    limits = chain[command]["limits"]
+    assert len(limits) >= 14
+    for name, limit in limits.items():
+        assert set(limit) == LIMIT, name
+        assert limit["status"] in PROMISES
+        assert 0.0 <= limit["ratio"] <= 1.0
+
+
+def test_every_parameter_comes_with_both_standard_deviations_and_its_unit(chain: Chain):
+    for name, p in chain["identify"]["parameters"].items():
+        assert set(p) == {"value", "std", "std_robust", "unit"}, name
+        assert p["std"] > 0.0 < p["std_robust"]
+
+
+def test_the_paths_in_the_answers_are_those_that_were_asked_for(chain: Chain, shared: Path):
+    asked = {"post": ("program", "excitation.ngc"), "run": ("recording", "recording"), "identify": ("result", "result")}
+    for command, (key, name) in asked.items():
+        assert chain[command][key] == name
+        assert (shared / name).exists()
+
+
+def test_cases_lists_the_built_in_cases():
+    rows = call("cases", "--json").json()["cases"]
+    assert {r["name"] for r in rows} == {"hexapod", "ft_wrist"}
+    assert all(Path(r["file"]).is_file() for r in rows)
+
+
+@pytest.mark.parametrize("case", ["hexapod", "ft_wrist"])
+def test_case_check_answers_with_figures(case: str):
+    answer = call("case", "check", case, "--json").json()
+    assert answer["ok"] is True
+    assert answer["figures"]["name"] == case
+    assert answer["figures"]["frame_condition"] >= 1.0
+
+
+def test_force_answers_with_what_is_left_of_a_run_without_contact(chain: Chain, shared: Path, tmp_path: Path):
+    files = (shared / "recording", "--parameters", shared / "result")
+    answer = call("force", *files, "-o", tmp_path / "force.csv", "--json").json()
+    assert {"rms", "peak"} <= set(answer)
+    assert len(answer["rms"]) == len(answer["peak"]) == 6
+    for axis, rms in answer["rms"].items():
+        assert 0.0 < rms <= answer["peak"][axis]
+        assert rms < 2.0  # [N, N m]: the noise of a newton a sensor, behind the filter
+
+
+def test_a_check_that_fails_still_answers(chain: Chain, shared: Path, tmp_path: Path):
+    lines = (shared / "excitation.ngc").read_text().splitlines()
+    line = lines.index("M65 P0") - 700
+    lines[line] = lines[line].replace(" Y", " Y9", 1)
+    (tmp_path / "edited.ngc").write_text("\n".join(lines))
+    code, out, err = call("check", tmp_path / "edited.ngc", "--case", "hexapod", "--json")
+    assert code == 1
+    assert len(err.splitlines()) == 1
+    answer = one_json_object(out)
+    assert answer["ok"] is False
+    assert abs(answer["violations"][0]["line"] - (line + 1)) <= 2
+
+
+@pytest.mark.parametrize("command", ["post", "check", "run", "identify"])
+def test_without_json_a_command_tells_people_what_it_did(command: str, chain: Chain, shared: Path, tmp_path: Path):
+    arguments = {
+        "post": (shared / "plan", "-o", tmp_path / "p.ngc"),
+        "check": (shared / "excitation.ngc", "--case", "hexapod"),
+        "run": (shared / "excitation.ngc", "--case", "hexapod", "-o", tmp_path / "recording"),
+        "identify": (shared / "recording", "-o", tmp_path / "result"),
+    }
+    answer = call(command, *arguments[command])
+    assert (answer.code, answer.err) == (0, "")
+    said = {"post": "read back and proven", "check": "proven", "run": "simulated", "identify": "result written"}
+    assert said[command] in answer.out

@@ -1,0 +1,94 @@
+"""Recordings that cannot be used, through the command line: file, row or column, value and remedy in one line."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.planner.command_line import refused
+
+Rows = list[list[str]]
+
+
+@pytest.fixture
+def rows(chain: dict[str, Any], shared: Path) -> Rows:
+    """Header and the first 700 rows of a good recording."""
+    lines = (shared / "recording" / "recording.csv").read_text().splitlines()[:701]
+    return [line.replace('"', "").split(",") for line in lines]
+
+
+def column(rows: Rows, name: str) -> int:
+    return rows[0].index(name)
+
+
+def without(name: str) -> Callable[[Rows], Rows]:
+    return lambda rows: [[v for k, v in enumerate(row) if k != column(rows, name)] for row in rows]
+
+
+def with_value(line: int, name: str, value: str) -> Callable[[Rows], Rows]:
+    def change(rows: Rows) -> Rows:
+        rows[line - 1][column(rows, name)] = value
+        return rows
+
+    return change
+
+
+def backwards(rows: Rows) -> Rows:
+    k = column(rows, "t_s")
+    rows[400][k] = rows[398][k]
+    return rows
+
+
+def constant(rows: Rows) -> Rows:
+    first = [column(rows, "l1_mm") + k for k in range(6)]
+    return [rows[0], *([rows[1][k] if k in first else v for k, v in enumerate(row)] for row in rows[1:])]
+
+
+def all_on(rows: Rows) -> Rows:
+    k = column(rows, "trigger")
+    return [rows[0], *([*row[:k], "1", *row[k + 1 :]] for row in rows[1:])]
+
+
+DAMAGE: dict[str, tuple[Callable[[Rows], Rows], tuple[str, ...]]] = {
+    "a missing column": (without("l3_mm"), ("l3_mm", "is missing", "add it or map its name")),
+    "no forces": (lambda r: [row[:7] for row in r], ("f1_N", "no forces")),
+    "text in a number": (with_value(17, "f2_N", "strong"), ("line 17", "f2_N", "'strong'", "correct")),
+    "nothing in a number": (with_value(17, "f2_N", ""), ("line 17", "f2_N", "nothing")),
+    "a decimal comma": (with_value(17, "f2_N", '"1,5"'), ("line 17", "f2_N", "'1,5'")),
+    "NaN": (with_value(300, "l1_mm", "nan"), ("line 300", "l1_mm", "nan", "remove the row")),
+    "infinity": (with_value(300, "l1_mm", "inf"), ("line 300", "l1_mm", "inf")),
+    "time that runs backwards": (backwards, ("line 401", "t_s", "must increase")),
+    "a gap in time": (lambda r: r[:300] + r[400:], ("t_s", "step")),
+    "a row that is too short": (
+        lambda r: [*r[:50], r[50][:5], *r[51:]],
+        ("line 51", "expected 14 columns, got 5", "correct"),
+    ),
+    "no rows": (lambda r: r[:1], ("no rows", "record again")),
+    "a constant pose": (lambda r: constant(all_on(r)), ("pose is constant", "record the excitation")),
+    "no trigger": (lambda r: r[:500], ("trigger", "never 1")),
+    "too few samples for the filter": (lambda r: all_on(r)[:150], ("149 samples", "filter")),
+    "fewer standstills than unknowns": (lambda r: without("t_s")(r)[:3], ("not determined|rank|fewer|unknowns",)),
+}
+
+
+@pytest.mark.parametrize("what", DAMAGE)
+def test_a_damaged_recording_is_refused(what: str, rows: Rows, tmp_path: Path):
+    damage, words = DAMAGE[what]
+    file = tmp_path / "run.csv"
+    file.write_text("".join(",".join(row) + "\n" for row in damage(rows)))
+    line = refused("identify", file, "--case", "hexapod", "-o", tmp_path / "result", "--json")
+    assert str(file) in line
+    for word in words:
+        assert any(w in line for w in word.split("|")), line
+    assert not (tmp_path / "result").exists()
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00\x01\x02" * 50, b"\xff\xfe\x00a", b"just words\n", b"\n\n\n"])
+def test_a_file_that_is_no_recording_is_refused(content: bytes, tmp_path: Path):
+    (tmp_path / "run.csv").write_bytes(content)
+    assert "run.csv" in refused("identify", tmp_path / "run.csv", "--case", "hexapod", "-o", tmp_path / "result")
+
+
+def test_a_folder_without_a_recording_is_refused(tmp_path: Path):
+    assert "recording.csv" in refused("identify", tmp_path, "--case", "hexapod", "-o", tmp_path / "result")

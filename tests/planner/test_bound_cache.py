@@ -1,0 +1,94 @@
+"""The bound is computed once for a case and model, and again wherever the cache cannot be trusted."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cases.schema import Case
+from identification.model import identification_model
+from planner import bound as bound_module
+from planner.bound import Bound, box_bound
+from tests.postprocessors.changed_case import changed
+
+KNOWN = Bound(1.25, 10.01, 10, "as computed")
+
+
+@pytest.fixture
+def computed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Replaces the computation; holds one entry for each time it was needed."""
+    calls: list[str] = []
+
+    def compute(case: Case, model: object) -> Bound:
+        calls.append(case.hash)
+        return KNOWN
+
+    monkeypatch.setattr(bound_module, "compute_bound", compute)
+    return calls
+
+
+def ask(case: Case, cache: Path, number: int = 0) -> Bound:
+    return box_bound(case, identification_model(case, number), cache)
+
+
+def test_it_is_computed_once(computed: list[str], hexapod_case: Case, tmp_path: Path):
+    assert ask(hexapod_case, tmp_path) == ask(hexapod_case, tmp_path) == KNOWN
+    assert len(computed) == 1
+
+
+def test_another_model_or_case_is_another_bound(computed: list[str], hexapod_case: Case, tmp_path: Path):
+    lighter = changed(hexapod_case, gravity_m_s2=[0.0, 0.0, -9.8])
+    for case, number in ((hexapod_case, 0), (hexapod_case, 6), (lighter, 0)):
+        ask(case, tmp_path, number)
+    assert len(computed) == 3
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "",
+        "{",
+        "[1, 2]",
+        "null",
+        '{"logdet": 1.25}',
+        '{"logdet": "x", "dmax": 10.0, "parameters": 10, "method": "m"}',
+        '{"logdet": null, "dmax": 10.0, "parameters": 10, "method": "m"}',
+        '{"logdet": NaN, "dmax": 10.0, "parameters": 10, "method": "m"}',
+        '{"logdet": 1.0, "dmax": 10.0, "parameters": 0, "method": "m"}',
+        '{"logdet": 1.0, "dmax": 10.0, "parameters": 10, "method": "m", "more": 1}',
+        "\x00" * 100,
+    ],
+)
+def test_a_damaged_file_is_computed_again_and_mended(
+    damage: str, computed: list[str], hexapod_case: Case, tmp_path: Path
+):
+    ask(hexapod_case, tmp_path)
+    (file,) = tmp_path.iterdir()
+    whole = file.read_text()
+    file.write_text(damage)
+    assert ask(hexapod_case, tmp_path) == KNOWN
+    assert len(computed) == 2
+    assert file.read_text() == whole
+
+
+def test_bytes_that_are_no_text_are_damage_too(computed: list[str], hexapod_case: Case, tmp_path: Path):
+    ask(hexapod_case, tmp_path)
+    (file,) = tmp_path.iterdir()
+    file.write_bytes(b"\xff\xfe\x00")
+    assert ask(hexapod_case, tmp_path) == KNOWN
+
+
+def test_a_cache_that_cannot_be_written_only_costs_time(computed: list[str], hexapod_case: Case, tmp_path: Path):
+    (tmp_path / "file").write_text("not a folder")
+    for _ in range(2):
+        assert ask(hexapod_case, tmp_path / "file" / "cache") == KNOWN
+    assert len(computed) == 2
+
+
+def test_the_cache_lies_where_the_system_wants_it(computed: list[str], hexapod_case: Case, cache: Path):
+    model = identification_model(hexapod_case, 1)  # a model that no other test plans with
+    box_bound(hexapod_case, model)
+    (file,) = cache.rglob(f"{hexapod_case.hash}-model1-*.json")
+    assert json.loads(file.read_text())["method"] == KNOWN.method
+    file.unlink()

@@ -1,0 +1,118 @@
+"""`hexcite demo`: the whole chain from one command to one page that needs no network."""
+
+import re
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.planner.command_line import hexcite
+from tests.planner.json_answer import one_json_object
+
+PLOTS = ("trajectory", "limits", "executed", "residuals", "errors")
+FETCHED = {"src", "href", "srcset", "data", "poster", "action", "background"}
+
+
+class Page(HTMLParser):
+    """What a browser would fetch for a page, the identifiers on it, and its text."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.fetched: list[str] = []
+        self.ids: list[str] = []
+        self.text = ""
+        self.inside: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.inside.append(tag)
+        for name, value in attrs:
+            if name in FETCHED and value:
+                self.fetched.append(value)
+            if name == "style" and value:
+                self.fetched += re.findall(r"url\((.*?)\)", value)
+            if name == "id" and value:
+                self.ids.append(value)
+
+    def handle_endtag(self, tag: str) -> None:
+        while self.inside and self.inside.pop() != tag:
+            pass
+
+    def handle_data(self, data: str) -> None:
+        where = self.inside[-1] if self.inside else ""
+        if where == "style":
+            self.fetched += re.findall(r"url\((.*?)\)|@import\s+(\S+)", data)
+        elif where != "script":
+            self.text += data
+
+
+@pytest.fixture(scope="module")
+def demo(shared: Path, planned: dict[str, Any], once: Callable[[str, Callable[[], Any]], Any]) -> dict[str, Any]:
+    """The answer of a demo with two starts on the virtual controller."""
+    command = ("demo", "--starts", 2, "--on", "virtual", "-o", shared / "demo", "--json")
+    return once("demo", lambda: hexcite(*command, cwd=shared).json())
+
+
+@pytest.fixture(scope="module")
+def page(demo: dict[str, Any]) -> Page:
+    return Page(Path(demo["report"]).read_text(encoding="utf-8"))
+
+
+def test_it_answers_with_each_step(demo: dict[str, Any]):
+    assert {"report", "controller", "plan", "post", "check", "run", "identify", "truth"} <= set(demo)
+    assert demo["check"]["ok"]
+    assert "virtual" in demo["controller"]
+
+
+def test_every_estimate_lies_within_four_standard_deviations_of_the_truth(demo: dict[str, Any]):
+    assert len(demo["truth"]) == 20
+    worst = max(abs(r["error"]) / r["std"] for r in demo["truth"])
+    assert worst == pytest.approx(demo["worst_error_in_std"])
+    assert worst < 4.0
+    for row in demo["truth"]:
+        assert row["error"] == pytest.approx(row["estimate"] - row["truth"])
+
+
+def test_it_leaves_everything_that_it_made(demo: dict[str, Any]):
+    folder = Path(demo["report"]).parent
+    assert {p.name for p in folder.iterdir()} == {"plan", "excitation.ngc", "recording", "result", "report.html"}
+
+
+def test_the_same_seed_gives_the_same_plan_apart_from_the_time_it_took(demo: dict[str, Any], planned: dict[str, Any]):
+    """The demo plans what `hexcite plan hexapod --starts 2` plans."""
+
+    def timeless(plan: dict[str, Any]) -> dict[str, Any]:
+        content = one_json_object((Path(plan["plan"]) / "plan.json").read_text(encoding="utf-8"))
+        del content["solve_s"]
+        for start in content["starts"]:
+            del start["seconds"]
+        return content
+
+    assert timeless(demo["plan"]) == timeless(planned)
+
+
+def test_the_page_fetches_nothing(page: Page):
+    assert [link for link in page.fetched if not str(link).startswith(("#", "data:"))] == []
+
+
+def test_the_page_shows_every_plot_once(page: Page):
+    assert [i for i in page.ids if i.startswith("plot-")] != []
+    for name in PLOTS:
+        assert page.ids.count(f"plot-{name}") == 1
+
+
+def test_the_page_says_what_is_simulated_and_what_nobody_enforces(page: Page):
+    said = " ".join(page.text.split())
+    assert "Sensors and encoders are simulated" in said
+    assert "virtual controller" in said
+    assert "NOT enforced" in said
+
+
+def test_the_page_names_every_parameter_with_its_estimate(page: Page, demo: dict[str, Any]):
+    for row in demo["truth"]:
+        assert row["name"] in page.text
+        scale = 1000 if row["unit"] == "m" else 1
+        assert f"{row['estimate'] * scale:.6g}" in page.text

@@ -1,0 +1,68 @@
+"""A command that is killed or interrupted leaves a whole folder or none, and the next one works."""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.planner.command_line import PROGRAM, call
+from tests.planner.json_answer import one_json_object
+
+QUICK = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "1", "--json")
+
+
+def start(*arguments: object) -> subprocess.Popen:
+    command = [PROGRAM, *map(str, arguments)]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )  # fmt: skip
+
+
+def signal_when(process: subprocess.Popen, there: list[str], folder: Path, what: signal.Signals) -> tuple[str, str]:
+    """Sends a signal to a command and its workers as soon as files that match appear in a folder."""
+    while not any(any(folder.glob(pattern)) for pattern in there):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.002)
+    os.killpg(process.pid, what)
+    return process.communicate(timeout=60)
+
+
+def whole(folder: Path, file: str, others: list[str]) -> bool:
+    """Whether a folder is complete; false where there is none."""
+    if not folder.exists():
+        return False
+    one_json_object((folder / file).read_text(encoding="utf-8"))
+    assert all((folder / name).exists() for name in others)
+    return True
+
+
+@pytest.mark.parametrize("moment", [".plan.*.part", ".plan.*.part/plan.json", ".plan.*.part/plots"])
+def test_a_plan_that_is_killed_while_it_is_written_is_whole_or_absent(moment: str, cache: Path, tmp_path: Path):
+    signal_when(start(*QUICK, "-o", tmp_path / "plan"), [moment, "plan"], tmp_path, signal.SIGKILL)
+    whole(tmp_path / "plan", "plan.json", ["motion.csv", "plots/trajectory.svg"])
+
+
+def test_a_result_that_is_killed_while_it_is_written_is_whole_or_absent(
+    chain: dict[str, Any], shared: Path, tmp_path: Path
+):
+    identify = ("identify", shared / "recording", "-o", tmp_path / "result", "--json")
+    signal_when(start(*identify), [".result.*.part/result.json", "result"], tmp_path, signal.SIGKILL)
+    whole(tmp_path / "result", "result.json", ["plots"])
+    call(*identify).json()
+    assert whole(tmp_path / "result", "result.json", ["plots"])
+
+
+def test_an_interrupted_plan_says_so_in_one_line_and_leaves_nothing(cache: Path, tmp_path: Path):
+    """Ctrl-C reaches the workers too, which have nothing to say."""
+    process = start(*QUICK[:-1], "--starts", "40", "-o", tmp_path / "plan")
+    assert process.stdout.readline().startswith("Planning for hexapod")
+    time.sleep(1.0)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert err == "hexcite: interrupted; nothing was written\n"
+    assert list(tmp_path.iterdir()) == []

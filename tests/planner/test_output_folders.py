@@ -1,0 +1,97 @@
+"""Where to write: a place that cannot be written or holds somebody else's files is refused, and nothing is lost."""
+
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.planner.command_line import call, refused
+
+QUICK = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "1", "--json")
+
+
+@pytest.fixture
+def sources(chain: dict[str, Any], shared: Path) -> dict[str, tuple[object, ...]]:
+    return {
+        "plan": QUICK,
+        "run": ("run", shared / "excitation.ngc", "--case", "hexapod", "--json"),
+        "identify": ("identify", shared / "recording", "--json"),
+        "post": ("post", shared / "plan", "--json"),
+    }
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(f.relative_to(folder)): f.read_bytes() for f in sorted(folder.rglob("*")) if f.is_file()}
+
+
+@pytest.mark.parametrize("command", ["plan", "run", "identify"])
+def test_a_folder_that_holds_other_files_is_refused_and_stays(command: str, sources: dict, tmp_path: Path):
+    folder = tmp_path / "thesis"
+    folder.mkdir()
+    (folder / "chapter.tex").write_text("years of work")
+    line = refused(*sources[command], "-o", folder)
+    assert str(folder) in line
+    assert "choose another place with -o" in line
+    assert contents(folder) == {"chapter.tex": b"years of work"}
+    assert list(tmp_path.iterdir()) == [folder]
+
+
+@pytest.mark.parametrize("command", ["plan", "run", "identify", "post"])
+def test_a_place_that_cannot_be_written_is_refused(command: str, sources: dict, tmp_path: Path):
+    (tmp_path / "file").write_text("no folder")
+    line = refused(*sources[command], "-o", tmp_path / "file" / "out")
+    assert str(tmp_path / "file" / "out") in line
+    assert "choose another place with -o" in line
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_without_permission_is_refused(sources: dict, tmp_path: Path):
+    (tmp_path / "locked").mkdir(mode=0o500)
+    assert "ermission denied" in refused(*sources["identify"], "-o", tmp_path / "locked" / "result")
+
+
+def test_a_place_that_cannot_be_written_is_known_before_the_work_begins(sources: dict, tmp_path: Path):
+    """Half a minute of optimising would be lost otherwise."""
+    (tmp_path / "file").write_text("no folder")
+    line = refused("plan", "hexapod", "--period", "nan", "-o", tmp_path / "file" / "out", "--json")
+    assert "period nan" in line  # settings first
+    out, err = call("plan", "hexapod", "--starts", "1000", "-o", tmp_path / "file" / "out", "--json")[1:]
+    assert (out, len(err.splitlines())) == ("", 1)
+
+
+def test_a_recording_is_not_overwritten_by_the_result_that_is_made_from_it(chain: Any, shared: Path, tmp_path: Path):
+    recording = Path(shutil.copytree(shared / "recording", tmp_path / "recording"))
+    before = contents(recording)
+    line = refused("identify", recording, "-o", recording, "--json")
+    assert str(recording) in line
+    assert contents(recording) == before
+
+
+@pytest.mark.parametrize("command", ["plan", "run"])
+def test_a_folder_of_another_kind_is_not_overwritten(
+    command: str, sources: dict, chain: Any, shared: Path, tmp_path: Path
+):
+    result = Path(shutil.copytree(shared / "result", tmp_path / "result"))
+    before = contents(result)
+    assert str(result) in refused(*sources[command], "-o", result)
+    assert contents(result) == before
+
+
+def test_a_folder_of_the_same_kind_is_replaced_as_a_whole(sources: dict, chain: Any, shared: Path, tmp_path: Path):
+    result = Path(shutil.copytree(shared / "result", tmp_path / "result"))
+    (result / "plots" / "old.svg").write_text("of another run")
+    call(*sources["identify"], "-o", result).json()
+    assert not (result / "plots" / "old.svg").exists()
+    assert (result / "result.json").is_file()
+
+
+def test_without_o_a_command_writes_beside_the_user_under_a_name_that_tells(
+    sources: dict, chain: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert call(*sources["post"]).json()["program"] == "plan.ngc"
+    assert call(*sources["run"]).json()["recording"] == "excitation-recording"
+    assert call(*sources["identify"]).json()["result"] == "recording-result"
+    assert {p.name for p in tmp_path.iterdir()} == {"plan.ngc", "excitation-recording", "recording-result"}

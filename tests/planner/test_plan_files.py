@@ -1,0 +1,124 @@
+"""A plan folder: what is written is what was planned, and what is damaged is not used."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from planner.plan import HEADER, SavedPlan
+from tests.planner.command_line import call, refused
+from tests.planner.json_answer import one_json_object
+
+
+@pytest.fixture
+def copy(saved_plan: SavedPlan, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(saved_plan.folder, tmp_path / "plan"))
+
+
+def test_plan_json_is_the_answer_of_the_command(saved_plan: SavedPlan, planned: dict[str, Any]):
+    content = one_json_object((saved_plan.folder / "plan.json").read_text(encoding="utf-8"))
+    assert {"plan": str(saved_plan.folder)} | content == planned
+
+
+def test_motion_csv_is_the_motion_in_millimetres_and_degrees_a_thousand_times_a_second(saved_plan: SavedPlan):
+    file = saved_plan.folder / "motion.csv"
+    assert HEADER == (
+        "t_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,v_x_mm_s,v_y_mm_s,v_z_mm_s,v_a_deg_s,v_b_deg_s,v_c_deg_s,"
+        "acc_x_mm_s2,acc_y_mm_s2,acc_z_mm_s2,acc_a_deg_s2,acc_b_deg_s2,acc_c_deg_s2"
+    )
+    assert file.read_text().splitlines()[0] == HEADER
+    table = np.loadtxt(file, delimiter=",", skiprows=1)
+    assert table[:, 0] == pytest.approx(np.arange(12_001) / 1000, abs=1e-8)
+    motion = saved_plan.motion.at(table[:, 0])
+    assert table[:, 1:4] == pytest.approx(motion.pose[:, :3] * 1000, abs=1e-5)
+    assert table[:, 4:7] == pytest.approx(np.degrees(motion.pose[:, 3:]), abs=1e-6)
+    assert table[:, 7:10] == pytest.approx(motion.rates[:, :3] * 1000, abs=1e-4)
+    assert table[:, 10:13] == pytest.approx(np.degrees(motion.rates[:, 3:]), abs=1e-4)
+    assert table[:, 13:16] == pytest.approx(motion.accelerations[:, :3] * 1000, abs=1e-3)
+    assert table[:, 16:] == pytest.approx(np.degrees(motion.accelerations[:, 3:]), abs=1e-3)
+
+
+def test_the_plot_is_a_picture_with_all_limits(saved_plan: SavedPlan):
+    picture = (saved_plan.folder / "plots" / "trajectory.svg").read_text(encoding="utf-8")
+    assert "<svg" in picture
+    assert picture.rstrip().endswith("</svg>")
+
+
+def rewrite(folder: Path, *path: str, **value: Any) -> None:
+    """Changes or, without a value, removes an entry of plan.json."""
+    data = json.loads((folder / "plan.json").read_text())
+    *tables, key = path
+    table = data
+    for name in tables:
+        table = table[name]
+    if value:
+        table[key] = value["to"]
+    else:
+        del table[key]
+    (folder / "plan.json").write_text(json.dumps(data))
+
+
+@pytest.mark.parametrize("key", ["case_file", "case_hash", "settings", "fourier", "family", "model"])
+def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path):
+    rewrite(copy, key)
+    line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
+    assert str(copy / "plan.json") in line
+    assert key in line
+    assert "plan again" in line
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("settings", "period_s"), 0.0),
+        (("settings", "period_s"), -3.0),
+        (("settings", "period_s"), float("nan")),
+        (("settings", "period_s"), "three"),
+        (("settings", "repeats"), 0),
+        (("settings", "repeats"), -1),
+        (("settings", "repeats"), 1e9),
+        (("settings",), 3),
+        (("fourier",), None),
+        (("fourier", "centre_m_rad"), [0.0, 0.9]),
+        (("fourier", "a_m_s_rad_s"), [[1.0]]),
+        (("fourier", "b_m_s_rad_s"), "x"),
+        (("fourier", "a_m_s_rad_s"), []),
+        (("fourier", "centre_m_rad"), [float("nan")] * 6),
+    ],
+)
+def test_a_plan_with_a_damaged_entry_is_refused(path: tuple[str, ...], value: Any, copy: Path):
+    rewrite(copy, *path, to=value)
+    line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
+    assert str(copy / "plan.json") in line
+    assert not (copy.parent / "p.ngc").exists()
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "null", "3", '"plan"', "{}", "\x00\x01"])
+def test_a_file_that_is_no_plan_is_refused(text: str, copy: Path):
+    (copy / "plan.json").write_text(text)
+    assert str(copy / "plan.json") in refused("post", copy, "--json")
+
+
+def test_a_faster_motion_that_somebody_typed_into_the_plan_is_not_written(copy: Path):
+    data = json.loads((copy / "plan.json").read_text())
+    rewrite(copy, "fourier", "a_m_s_rad_s", to=(1.2 * np.array(data["fourier"]["a_m_s_rad_s"])).tolist())
+    line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
+    assert "limit" in line
+    assert not (copy.parent / "p.ngc").exists()
+
+
+def test_a_plan_whose_case_was_edited_since_is_refused(copy: Path, hexapod_file: Path):
+    """Another limit is another plan; another comment is not."""
+    rewrite(copy, "case_file", to=str(hexapod_file))
+    hexapod_file.write_text(hexapod_file.read_text() + "\n# a comment\n")
+    call("post", copy, "-o", copy.parent / "p.ngc", "--json").json()
+    edited = hexapod_file.read_text().replace("velocity_mm_s = [600.0", "velocity_mm_s = [500.0")
+    hexapod_file.write_text(edited)
+    line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
+    assert str(hexapod_file) in line
+    assert "has changed since" in line
+    hexapod_file.unlink()
+    assert "no such case" in refused("post", copy, "-o", copy.parent / "p.ngc", "--json")

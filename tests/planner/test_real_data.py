@@ -1,0 +1,34 @@
+"""`hexcite identify` on recordings of a real force/torque sensor (FACTS, section 8)."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.planner.command_line import hexcite, skip_without
+
+FOLDER = Path(__file__).parents[3] / "shared" / "data" / "ft_wrist_ntnu"
+STATIC = FOLDER / "0-calibration_fts-accel.csv"
+OFFSETS = [9.0765, -1.0181, 9.9848, 0.4325, -0.6916, -0.1570]
+
+
+@skip_without(STATIC)
+def test_the_static_set_gives_mass_centre_of_gravity_and_offsets_of_the_literature(tmp_path: Path):
+    command = ("identify", STATIC, "--case", "ft_wrist", "-o", tmp_path / "result", "--json")
+    answer = hexcite(*command, cwd=tmp_path).json()
+    assert (answer["model"], answer["weights"], answer["rank"]) == (0, "per_channel", 10)
+    p = answer["parameters"]
+    expected = {"m": (0.932, 0.004), "zC": (0.0439, 0.0005), "xC": (0.0003, 0.0005), "yC": (0.0001, 0.0005)}
+    for name, (value, tolerance) in expected.items():
+        assert p[name]["value"] == pytest.approx(value, abs=tolerance), name
+        assert p[name]["std"] < tolerance
+    for k, offset in enumerate(OFFSETS, start=1):
+        found = p[f"f_q0_{k}"]
+        assert abs(found["value"] - offset) < 2.1 * max(found["std"], found["std_robust"]), k
+    assert answer["residual_rms"][:3] == pytest.approx([0.1] * 3, abs=0.1)
+
+
+@skip_without(STATIC)
+def test_a_model_that_standstills_cannot_excite_is_refused(tmp_path: Path):
+    answer = hexcite("identify", STATIC, "--case", "ft_wrist", "--model", "6", "-o", tmp_path / "r", cwd=tmp_path)
+    assert "inertia" in answer.refusal()
+    assert list(tmp_path.iterdir()) == []

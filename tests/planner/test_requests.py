@@ -1,0 +1,43 @@
+"""What cannot be planned is refused before anything is computed, with the value and a remedy."""
+
+import re
+
+import pytest
+
+from cases.errors import HexciteError
+from planner.planning import Request
+from tests.helpers import one_line
+
+
+@pytest.mark.parametrize(
+    ("setting", "value", "words"),
+    [
+        ("criterion", "E", "criterion 'E' is unknown; choose A, D, K, N"),
+        ("criterion", "A", "criterion A is not optimised for this family yet; choose D"),
+        ("order", 1, "order 1 is outside 2 to 7; 1 cannot start at rest"),
+        ("order", 8, "order 8 is outside 2 to 7"),
+        ("period", 0.0, "period 0 s is not positive; choose about 3 s"),
+        ("period", -3.0, "period -3 s"),
+        ("period", float("nan"), "period nan s"),
+        ("period", float("inf"), "period inf s"),
+        ("duration", 10.0, "10 s is not a whole number of periods of 3 s; choose 9 s"),
+        ("duration", 1.0, "choose 3 s"),
+        ("duration", 0.0, "choose 3 s"),
+        ("duration", -12.0, "choose 3 s"),
+        ("duration", float("nan"), "duration nan s"),
+        ("duration", float("inf"), "duration inf s"),
+        ("duration", 3e9, "duration 3e+09 s"),
+        ("starts", 0, "0 starts; choose 1 to 1000"),
+        ("starts", 1001, "1001 starts"),
+        ("seed", -1, "seed -1 is negative; choose 0 or more"),
+    ],
+)
+def test_a_setting_outside_its_range_is_named_with_its_value(setting: str, value: object, words: str):
+    with pytest.raises(HexciteError, match=re.escape(words)) as caught:
+        Request("hexapod", **{setting: value})
+    one_line(caught.value)
+
+
+def test_a_whole_number_of_periods_may_be_a_rounded_one():
+    Request("hexapod", period=0.1, duration=0.3)  # 0.3 / 0.1 is 2.9999999999999996
+    Request("hexapod", period=0.7, duration=4.9)

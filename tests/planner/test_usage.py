@@ -1,0 +1,57 @@
+"""Start-up and wrong usage: fast help, exit code 2, and no heavy import before there is work."""
+
+import subprocess
+import sys
+
+import pytest
+
+from tests.planner.command_line import call
+
+HEAVY = ("casadi", "scipy", "matplotlib", "plotly", "pyarrow", "numpy", "jinja2", "toppra", "ruckig")
+WATCH = f"""
+import sys
+sys.argv = ["hexcite", *sys.argv[1:]]
+from planner.cli import main
+try:
+    main()
+except SystemExit as stop:
+    loaded = [m for m in {HEAVY!r} if m in sys.modules]
+    print("LOADED", *loaded)
+    sys.exit(stop.code)
+"""
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("plan", "--help"), ("case", "--help"), ("nonsense",)])
+def test_help_imports_nothing_heavy(arguments: tuple[str, ...]):
+    run = subprocess.run([sys.executable, "-c", WATCH, *arguments], capture_output=True, text=True, timeout=60)
+    assert run.stdout.splitlines()[-1] == "LOADED"
+    assert run.returncode == (0 if "--help" in arguments else 2)
+
+
+def test_help_lists_every_command():
+    answer = call("--help")
+    assert answer.code == 0
+    for command in ("cases", "case", "plan", "post", "check", "run", "identify", "demo", "force", "tare", "payload"):
+        assert f"\n  {command} " in answer.out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (),
+        ("nonsense",),
+        ("plan",),
+        ("plan", "hexapod", "--nonsense"),
+        ("plan", "hexapod", "--order", "five"),
+        ("plan", "hexapod", "surplus"),
+        ("check", "p.ngc"),
+        ("run", "p.ngc"),
+        ("identify",),
+        ("case", "nonsense"),
+    ],
+)
+def test_wrong_usage_ends_with_2_and_says_how_to_use_it(arguments: tuple[str, ...]):
+    answer = call(*arguments)
+    assert answer.code == 2
+    assert "Usage: hexcite" in answer.out + answer.err
+    assert "Traceback" not in answer.err
