@@ -15,7 +15,7 @@ from identification.estimator import UNFILTERED, WEIGHT_ROUNDS, WEIGHT_TOLERANCE
 
 Array = NDArray[np.float64]
 
-LEAST = 24  # independent samples: with fewer the 21 variances and covariances follow the noise they are to judge
+LEAST = 60  # independent samples: with fewer the 21 variances and covariances follow the noise they are to judge
 DEPENDENT = 1e-10  # least eigenvalue of the channels' correlation below which one follows from the others
 
 
@@ -48,7 +48,7 @@ def full_weights(
 
     W from n samples is on average too large by n / (n - 7), the mean of the inverse Wishart distribution (Hartlap,
     Simon & Schneider 2007, Astron. Astrophys. 464:399), and its scatter costs the estimate up to as much again: the
-    covariance is raised by the square (ours; 95 % intervals then hold the truth in 94 to 96 % from 24 samples on).
+    covariance is raised by the square (ours; 95 % intervals then hold the truth in 95 to 96 % for Gaussian noise).
 
     Args:
         regressors: A_j, shape (n, 6, u).

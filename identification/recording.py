@@ -15,7 +15,8 @@ import pyarrow.csv as pacsv
 from cases.recording_columns import BAR_FORCES, ROTATION, STRUTS, WRENCH
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.run import force_columns, read_batches, read_recording, read_run
+from identification.formats.assembly import forces_of as force_columns
+from identification.formats.run import read_batches, read_recording, read_run
 from identification.formats.stream import Recording, Stream
 
 __all__ = [

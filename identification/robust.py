@@ -124,7 +124,7 @@ def _noise(residuals: Array, pooled: bool, least: Array) -> Array:
     silent = mad <= least
     if silent.any():
         raise IdentificationError(
-            f"channel {int(np.argmax(silent)) + 1} fits without any residual; its scale cannot be estimated: check it"
+            f"channel {int(np.argmax(silent)) + 1} fits without any residual; check it, record more, or pool the scales"
         )
     return np.tile(MAD_TO_STD * mad, len(residuals))
 

@@ -27,7 +27,7 @@ from identification.formats.checks import (
     require_reach,
     require_rotations,
 )
-from identification.formats.header import unknown_columns
+from identification.formats.header import without
 from identification.formats.stream import Stream
 from identification.formats.table import Array, Table, listed
 
@@ -39,6 +39,11 @@ _SHIFTED: dict[StreamName, tuple[str, ...]] = {
     "accelerometer": ACCELEROMETER,
     "forces": (*BAR_FORCES, *WRENCH),
 }
+
+
+def forces_of(case: Case) -> tuple[str, ...]:
+    """Names of the force columns of a case's sensor frame."""
+    return BAR_FORCES if case.sensor_frame.bars is not None else WRENCH
 
 
 def streams_of(
@@ -57,8 +62,6 @@ def streams_of(
     """
     last: dict[tuple[str, tuple[str, ...]], float | int] = {}
     for table in tables:
-        if not table.values:
-            raise RecordingError(f"{table.source}: {unknown_columns(table.names, form)}")
         require_finite(table, form)
         t = None
         if table.stamps is not None:
@@ -86,7 +89,7 @@ def start_of(table: Table, form: RecordingFormat) -> Fraction:
 
 
 def _stream(table: Table, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
-    forces = _group(table, form, BAR_FORCES if case.sensor_frame.bars is not None else WRENCH)
+    forces = _group(table, form, forces_of(case))
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
     stream = Stream(
@@ -102,12 +105,19 @@ def _stream(table: Table, t: Array | None, case: Case, form: RecordingFormat) ->
         lines=table.lines,
     )
     if not stream.channels:
-        raise RecordingError(f"{table.source}: {unknown_columns(table.names, form)}")
+        raise RecordingError(f"{table.source}: {_nothing(table, forces_of(case), form)}")
     require_rotations(stream)
     if STRUTS[0] in table.values:
         require_reach(stream, case, form)
     require_gravity(stream, case)
     return stream
+
+
+def _nothing(table: Table, forces: tuple[str, ...], form: RecordingFormat) -> str:
+    """What to say of a file in which nothing serves the case."""
+    if ACCELEROMETER[0] in table.values:
+        return "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
+    return without([form.file_name(c) for c in (STRUTS[0], POSE[0], ROTATION[0], forces[0])], table.names)
 
 
 def _group(table: Table, form: RecordingFormat, wanted: tuple[str, ...]) -> Array | None:

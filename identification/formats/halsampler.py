@@ -45,10 +45,11 @@ def _columns(file: Path, names: list[str], dialect: Dialect) -> tuple[list[str],
     lines = (line for line in read_head(file) if line.strip() and not line.startswith(_OVERRUN))
     text = next(lines, b"").decode(errors="replace")
     end = [""] if text.endswith(dialect.delimiter) else []
-    found = len(dialect.split(text)) - len(end)
+    values = dialect.split(text)
+    found = len(values) - len(end)
     if found == len(names):
         return [*names, *end], False
-    if found == len(names) + 1:
+    if found == len(names) + 1 and values[0].isdecimal():
         return [_NUMBER_OF_SAMPLE, *names, *end], True
     raise RecordingError(
         f"{file}: has {found} values in a line, where recording.column_names lists {len(names)}; list one name for "

@@ -8,7 +8,7 @@ from cases.errors import RecordingError
 from cases.recording import RecordingFormat
 from cases.recording_columns import CLOCK, COLUMNS
 from identification.formats.diagnosis import Dialect, not_text
-from identification.formats.table import listed
+from identification.formats.table import listed, shown
 
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks", "|": "vertical bars"}
 _SEARCHED_LINES = 50  # no export known to us has a longer header
@@ -62,7 +62,7 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> Selection
     for ours in COLUMNS:
         theirs = form.file_name(ours)
         if names.count(theirs) > 1:
-            raise RecordingError(f"{file}: column {theirs} is there twice; rename or remove one")
+            raise RecordingError(f"{file}: column {shown(theirs)} is there twice; rename or remove one")
         if theirs in names:
             positions[ours] = names.index(theirs)
     return Selection({k: p for k, p in positions.items() if k != CLOCK}, positions.get(CLOCK))
@@ -107,6 +107,6 @@ def unknown_columns(names: Iterable[str], form: RecordingFormat) -> str:
 def without(wanted: Iterable[str], names: Iterable[str]) -> str:
     """What to say of a file that lacks columns that are wanted."""
     return (
-        f"none of the columns {', '.join(wanted)}; it has {listed(names)}: name them so or map them in "
+        f"none of the columns {listed(wanted)}; it has {listed(names)}: name them so or map them in "
         "[recording.columns] of the case"
     )

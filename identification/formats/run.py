@@ -9,19 +9,14 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from cases.recording_columns import BAR_FORCES, POSE, ROTATION, STRUTS, WRENCH
+from cases.recording_columns import POSE, ROTATION, STRUTS
 from cases.schema import Case
-from identification.formats.assembly import start_of, streams_of
+from identification.formats.assembly import forces_of, start_of, streams_of
 from identification.formats.header import without
 from identification.formats.reading import read_batches as read_table_batches
 from identification.formats.reading import read_tables
 from identification.formats.stream import Recording, Stream
 from identification.formats.table import Table
-
-
-def force_columns(case: Case) -> tuple[str, ...]:
-    """Names of the force columns of a case's sensor frame."""
-    return BAR_FORCES if case.sensor_frame.bars is not None else WRENCH
 
 
 def read_recording(path: Path, case: Case) -> Recording:
@@ -116,7 +111,7 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
             owner[channel] = stream.source
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
-        wanted = [form.file_name(c) for c in force_columns(case)]
+        wanted = [form.file_name(c) for c in forces_of(case)]
         raise RecordingError(f"{sources}: no forces: {without(wanted, names)}")
     if not {"struts", "poses", "rotations"} & owner.keys():
         wanted = [form.file_name(c) for c in (STRUTS if case.machine is not None else (*ROTATION, *POSE))]

@@ -37,10 +37,11 @@ _LEAST_FILETIME = 1.26e17
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """What the header says: number of its lines, names of all fields, and the clock of each wanted column."""
+    """What the header says: number of its lines, names of fields and channels, and the clock of each wanted column."""
 
     header_rows: int
     names: list[str]
+    channels: tuple[str, ...]
     values: dict[str, int]
     clocks: dict[str, int]
 
@@ -79,7 +80,7 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
                 continue
             values = {ours: columns[layout.values[ours]].to_numpy()[: len(clock)] for ours in group}
             where = lines_of(filled, len(columns[used[0]]))
-            yield Table(str(file), tuple(layout.names), values, clock, form.tick, where)
+            yield Table(str(file), layout.channels, values, clock, form.tick, where)
     if not groups:
         raise RecordingError(f"{file}: has a header but no rows; export the recording again")
 
@@ -116,10 +117,11 @@ def _layout(file: Path, lines: list[bytes], dialect: Dialect, form: RecordingFor
             symbols = cells(line.decode(dialect.encoding, "replace"), dialect)
             chosen = select(file, [*symbols, *names][: len(names)], form).values | chosen
     chosen.pop(CLOCK, None)
+    channels = tuple(name for name in own if name)
     if not chosen:
-        raise RecordingError(f"{file}: {unknown_columns([n for n in own if n], form)}")
+        raise RecordingError(f"{file}: {unknown_columns(channels, form)}")
     shown = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
-    return _Layout(first, shown, chosen, {ours: above[k] for ours, k in chosen.items()})
+    return _Layout(first, shown, channels, chosen, {ours: above[k] for ours, k in chosen.items()})
 
 
 def _is_data(line: bytes, dialect: Dialect) -> bool:

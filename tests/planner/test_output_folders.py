@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from cases.errors import HexciteError
+from planner import planning
 from tests.planner.command_line import call, refused
 
 QUICK = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "1", "--json")
@@ -52,13 +54,22 @@ def test_a_folder_without_permission_is_refused(sources: dict, tmp_path: Path):
     assert "ermission denied" in refused(*sources["identify"], "-o", tmp_path / "locked" / "result")
 
 
-def test_a_place_that_cannot_be_written_is_known_before_the_work_begins(sources: dict, tmp_path: Path):
+@pytest.mark.parametrize("place", ["file/out", "thesis"])
+def test_a_place_that_cannot_be_written_is_known_before_the_work_begins(
+    place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     """Half a minute of optimising would be lost otherwise."""
+
+    def work(*_: object) -> None:
+        raise HexciteError("optimised before it was known where to write")
+
+    monkeypatch.setattr(planning, "plan_fourier", work)
     (tmp_path / "file").write_text("no folder")
-    line = refused("plan", "hexapod", "--period", "nan", "-o", tmp_path / "file" / "out", "--json")
-    assert "period nan" in line  # settings first
-    out, err = call("plan", "hexapod", "--starts", "1000", "-o", tmp_path / "file" / "out", "--json")[1:]
-    assert (out, len(err.splitlines())) == ("", 1)
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "chapter.tex").write_text("years of work")
+    line = refused("plan", "hexapod", "-o", tmp_path / place, "--json")
+    assert str(tmp_path / place) in line
+    assert "choose another place with -o" in line
 
 
 def test_a_recording_is_not_overwritten_by_the_result_that_is_made_from_it(chain: Any, shared: Path, tmp_path: Path):

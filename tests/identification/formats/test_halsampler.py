@@ -69,6 +69,7 @@ WRONG = {
         r"line 4: LinuxCNC lost samples here .*; record with halsampler -t",
     ),
     "a pin too many": (sampled(np.ones((3, 15)), False), r"has 15 values in a line, where .*column_names lists 12;"),
+    "a pin too many, and real": (sampled(np.full((3, 13), 0.5), False), r"has 13 values in a line"),
     "a pin too few": (sampled(np.ones((3, 11)), False), r"has 11 values in a line"),
     "cut off": (sampled(RUN.numbers()[:, 1:], False)[:-30], r"line 40: expected .* cut off in its last line"),
     "a word": (sampled(RUN.numbers()[:, 1:], False) + "killed" + " 1" * 11 + " \n", r"line 41, l1_mm: 'killed' is"),

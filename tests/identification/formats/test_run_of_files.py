@@ -90,6 +90,12 @@ def test_a_run_of_one_file_has_one_stream(tmp_path: Path) -> None:
     assert stream.rows == RUN.count
 
 
+DAMAGES = [
+    "one file twice", "two runs", "no forces", "no pose", "not together", "one without a clock", "no file",
+    "standstills of two sets", "a file of something else", "forces of another sensor", "an unknown accelerometer",
+]  # fmt: skip
+
+
 def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
     forces, struts = files(folder)
     (folder / "later").mkdir()
@@ -97,6 +103,8 @@ def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
     alone = written(folder, csv(RUN.struts * 1e3, STRUTS), "alone.csv")
     few = written(folder, csv(RUN.forces[:9], BAR_FORCES), "few.csv")
     notes = written(folder, "a,b\n1,2\n", "notes.csv")
+    wrench = written(folder, "t_s,fx_N\n0,1\n1,1\n", "wrench.csv")
+    felt = written(folder, "t_s,ax,ay,az\n0,0,0,1\n1,0,0,1\n", "felt.csv")
     return {
         "one file twice": ([forces, struts, forces], r"forces.csv: has forces, and is given twice; .*each once"),
         "two runs": ([forces, struts, later], r"later.*: has struts, as .*struts.csv does; give the files of one run"),
@@ -112,14 +120,13 @@ def damaged(folder: Path) -> dict[str, tuple[list[Path], str]]:
             r"alone.csv: has 40 standstills, .*few.csv has 9; give files of one run",
         ),
         "a file of something else": ([forces, struts, notes], r"notes.csv: none of the columns .*; it has a, b"),
+        "forces of another sensor": ([forces, struts, wrench], r"wrench.csv: none of .* f1_N; it has t_s, fx_N: name"),
+        "an unknown accelerometer": ([forces, struts, felt], r"felt.csv: has readings .*\[recording.accelerometer\]"),
         "no file": ([], r"no recording is named; give the files of one run"),
     }
 
 
-@pytest.mark.parametrize(
-    "what", ["one file twice", "two runs", "no forces", "no pose", "not together", "one without a clock",
-             "standstills of two sets", "a file of something else", "no file"],
-)  # fmt: skip
+@pytest.mark.parametrize("what", DAMAGES)
 def test_what_is_no_run_is_named_with_its_file(what: str, tmp_path: Path) -> None:
     paths, message = damaged(tmp_path)[what]
     with pytest.raises(RecordingError, match=message) as caught:
