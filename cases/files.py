@@ -101,11 +101,19 @@ def atomic_folder(path: Path) -> Iterator[Path]:
         shutil.rmtree(part, ignore_errors=True)
 
 
+# What each kind of folder of ours holds: one with anything else in it is somebody's and is not replaced.
+_CONTENTS = (
+    {"plan.json", "motion.csv", "plots"},
+    {"recording.json", "recording.csv"},
+    {"result.json", "identifiability.json", "plots"},
+)
+
+
 def _is_ours(path: Path) -> bool:
     if not path.is_dir():
         return False
     entries = list(path.iterdir())
-    return not entries or any(entry.name in {"plan.json", "recording.json", "result.json"} for entry in entries)
+    return not entries or any({e.name for e in entries} <= content for content in _CONTENTS)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -115,6 +115,10 @@ def _with_delay(run: Run) -> tuple[Fit, Delay, Array]:
         delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
         if abs(step) < DELAY_TOLERANCE:
             break
+    if abs(delay) >= MOST_DELAY:
+        raise IdentificationError(
+            f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they of one run?"
+        )
     residuals = run.recorded_forces - matrices @ fit.values[:-1]
     return fit, Delay(delay, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals
 

@@ -63,7 +63,8 @@ class LimitCheck:
 
     def sentence(self) -> str:
         """One phrase with value and limit."""
-        return f"{self.name} reaches {self.worst:.4g} {self.unit} at {self.time:.3f} s, limit {self.limit:.4g}"
+        digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
+        return f"{self.name} reaches {self.worst:.{digits}g} {self.unit} at {self.time:.3f} s, limit {self.limit:.4g}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,13 +116,16 @@ def prove(trajectory: Trajectory, case: Case, rate: float = PROOF_RATE, offset: 
     Raises:
         CaseError: the case has no machine or no limits.
     """
-    machine, workspace, limits = case.need_machine("the proof of limits")
     steps = max(1, math.ceil(trajectory.duration * rate - 1e-9))
+    return prove_at(trajectory, case, np.linspace(0.0, trajectory.duration, steps + 1), offset)
+
+
+def prove_at(trajectory: Trajectory, case: Case, instants: Array, offset: float = 0.0) -> LimitReport:
+    """Checks every limit at given instants, shape (n,) [s]; see `prove`."""
+    machine, workspace, limits = case.need_machine("the proof of limits")
     reports = []
-    for first in range(0, steps + 1, CHUNK):
-        t = np.minimum(
-            np.arange(first, min(first + CHUNK, steps + 1)) * (trajectory.duration / steps), trajectory.duration
-        )
+    for first in range(0, len(instants), CHUNK):
+        t = instants[first : first + CHUNK]
         m = trajectory.at(t)
         part = Motion(t + offset, m.pose, m.rates, m.accelerations, m.jerks)
         with np.errstate(invalid="ignore"):  # what is no number counts as passed, and is reported so

@@ -23,6 +23,7 @@ STILL = 1e-7  # a coordinate moves if it changes by more, in mm or degrees (the 
 _WORD = re.compile(r"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)))")
 _AXES = "XYZABC"
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
+LOOSEST = 1.0  # [mm] of a corner that G64 may cut: on 10 ms blocks the corners themselves keep it far below
 LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
 # Two words of one modal group on a line are an error to the controller.
 _GROUPS = (
@@ -73,6 +74,7 @@ class _Interpreter:
         self.pose = np.full(6, np.nan)  # mm, degrees; unknown until the first move has named all six
         self.units = self.absolute = self.exact = self.ended = False
         self.inverse_time = False
+        self.loose: ProgramError | None = None
         self.feed: float | None = None
         self.motion: str | None = None
 
@@ -135,6 +137,8 @@ class _Interpreter:
             self.feed = None  # a feed of the other kind has no meaning any more
         elif code in ("G61", "G64"):
             self.exact = code == "G61"
+            if code == "G64":
+                self.loose = self._looseness(line, word, seen)
         elif code == "G4":
             if "P" not in seen or seen["P"].value < 0.0:
                 raise self.error(line, word, "G4 needs a duration in seconds that is not negative; write G4 P0.3")
@@ -147,6 +151,14 @@ class _Interpreter:
             self.ended = True
         else:
             raise self.error(line, word, f"{code} is {_REMEDY.get(code, 'not a word of an excitation; remove it')}")
+
+    def _looseness(self, line: int, word: _Word, seen: dict[str, _Word]) -> ProgramError | None:
+        """G64 P cuts corners by up to P; Q merges blocks, and is what P is where it is not written."""
+        cut = seen["P"].value if "P" in seen else math.inf
+        merge = seen["Q"].value if "Q" in seen else cut
+        if cut > LOOSEST or merge > 0.0:
+            return self.error(line, word, f"G64 lets the controller leave the path; write G64 P{LOOSEST:g} Q0")
+        return None
 
     def _move(self, line: int, seen: dict[str, _Word]) -> None:
         if not (self.units and self.absolute):
@@ -161,6 +173,8 @@ class _Interpreter:
             missing = _AXES[int(np.flatnonzero(np.isnan(end))[0])]
             raise self.error(line, None, f"the first move leaves {missing} open; name all six axes")
         timing, value = self._timing(line, seen, end)
+        if timing is Timing.DURATION and self.loose is not None and not np.isnan(self.pose).any():
+            raise self.loose
         self.events.append(Move(line, _to_si(end), timing, value, self.exact, self._linear(end)))
         self.pose = end
 

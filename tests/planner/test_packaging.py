@@ -1,0 +1,96 @@
+"""The wheel holds the four packages with their data and nothing else, and works outside the checkout."""
+
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("cases", "identification", "planner", "postprocessors")
+DATA = (
+    "cases/hexapod/case.toml",
+    "cases/ft_wrist/case.toml",
+    "planner/templates/demo.html.j2",
+    "postprocessors/execute/linuxcnc/warp.c",
+    "postprocessors/execute/linuxcnc/driver.py",
+)
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(folder)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=120)
+    (file,) = folder.glob("hexcite-*.whl")
+    return file
+
+
+@pytest.fixture(scope="module")
+def names(wheel: Path) -> set[str]:
+    with zipfile.ZipFile(wheel) as archive:
+        return set(archive.namelist())
+
+
+@pytest.fixture(scope="module")
+def python(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The interpreter of a new environment with the wheel; dependencies come from this one's, by a path at the end."""
+    folder = tmp_path_factory.mktemp("environment") / "new"
+    venv.create(folder, with_pip=False)
+    python = folder / "bin" / "python"
+    quiet = ["--quiet", "--disable-pip-version-check", "--no-deps", "--no-index"]
+    pip = [sys.executable, "-m", "pip", "--python", str(python), "install", *quiet, str(wheel)]
+    subprocess.run(pip, check=True, capture_output=True, timeout=120)
+    (site,) = folder.glob("lib/python*/site-packages")
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    return python
+
+
+def run(*command: str | Path, cwd: Path) -> str:
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    done = subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+def test_nothing_but_the_four_packages_ships(names: set[str]):
+    tops = {name.split("/")[0] for name in names}
+    assert {t for t in tops if not t.endswith(".dist-info")} == set(PACKAGES)
+    (about,) = (t for t in tops if t not in PACKAGES)
+    assert about.startswith("hexcite-")
+    assert [n for n in names if n.endswith((".png", ".pyc", ".so")) or "test" in n.lower()] == []
+
+
+def test_every_module_and_all_data_ship(names: set[str]):
+    modules = {str(f.relative_to(ROOT)) for package in PACKAGES for f in (ROOT / package).rglob("*.py")}
+    assert modules <= names
+    assert set(DATA) <= names
+    assert any(n.endswith("licenses/LICENSE") for n in names)
+
+
+def test_a_new_environment_takes_the_code_from_the_wheel_and_not_from_the_checkout(python: Path, tmp_path: Path):
+    code = f"import {', '.join(PACKAGES)}; print(*({', '.join(f'{p}.__file__' for p in PACKAGES)},), sep='\\n')"
+    files = run(python, "-c", code, cwd=tmp_path).splitlines()
+    assert len(files) == 4
+    for file in files:
+        assert Path(file).is_relative_to(python.parents[1]), file
+
+
+def test_the_command_works_outside_the_checkout(python: Path, tmp_path: Path):
+    rows = json.loads(run(python.with_name("hexcite"), "cases", "--json", cwd=tmp_path))["cases"]
+    assert {r["name"] for r in rows} == {"hexapod", "ft_wrist"}
+    assert all(Path(r["file"]).is_relative_to(python.parents[1]) for r in rows)
+    checked = json.loads(run(python.with_name("hexcite"), "case", "check", "hexapod", "--json", cwd=tmp_path))
+    assert checked["ok"] is True
+
+
+def test_the_report_finds_its_template_outside_the_checkout(python: Path, tmp_path: Path):
+    code = (
+        "from jinja2 import Environment, PackageLoader as L; print(Environment(loader=L('planner')).list_templates())"
+    )
+    assert "demo.html.j2" in run(python, "-c", code, cwd=tmp_path)
