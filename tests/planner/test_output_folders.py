@@ -106,3 +106,18 @@ def test_without_o_a_command_writes_beside_the_user_under_a_name_that_tells(
     assert call(*sources["run"]).json()["recording"] == "excitation-recording"
     assert call(*sources["identify"]).json()["result"] == "recording-result"
     assert {p.name for p in tmp_path.iterdir()} == {"plan.ngc", "excitation-recording", "recording-result"}
+
+
+def test_the_folder_in_which_the_user_stands_is_refused_and_left_as_it_was(
+    sources: dict, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert "choose another place with -o" in refused(*sources["identify"], "-o", ".")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_program_is_not_written_under_a_name_that_check_would_not_read(sources: dict, tmp_path: Path):
+    line = refused(*sources["post"], "-o", tmp_path / "program.txt")
+    assert "program.txt" in line
+    assert ".ngc" in line
+    assert list(tmp_path.iterdir()) == []
