@@ -4,10 +4,10 @@ import os
 import signal
 import subprocess
 import time
-
-import pytest
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from tests.planner.command_line import PROGRAM, call
 from tests.planner.json_answer import one_json_object
