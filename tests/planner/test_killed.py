@@ -69,3 +69,6 @@ def test_an_interrupted_plan_says_so_in_one_line_and_leaves_nothing(cache: Path,
     assert process.returncode == 130
     assert err == "hexcite: interrupted; nothing was written\n"
     assert list(tmp_path.iterdir()) == []
+
+
+pytestmark = pytest.mark.slow  # whole plans in processes of their own: minutes on a loaded machine

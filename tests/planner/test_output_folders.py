@@ -121,3 +121,6 @@ def test_a_program_is_not_written_under_a_name_that_check_would_not_read(sources
     assert "program.txt" in line
     assert ".ngc" in line
     assert list(tmp_path.iterdir()) == []
+
+
+pytestmark = pytest.mark.slow  # whole plans in processes of their own: minutes on a loaded machine
