@@ -4,12 +4,31 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from cases.errors import FileProblem
+
+
+@dataclass(frozen=True)
+class FolderKind:
+    """A kind of folder that hexcite writes.
+
+    Attributes:
+        name: what it is, for messages.
+        contents: names of everything that it may hold; a folder with anything else in it is somebody's.
+    """
+
+    name: str
+    contents: frozenset[str]
+
+
+PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "plots"}))
+RUN = FolderKind("a run", frozenset({"recording.json", "recording.csv"}))
+RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json", "plots"}))
 
 
 def _flush(path: Path) -> None:
@@ -57,24 +76,77 @@ def atomic_file(path: Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
+def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = ()) -> None:
+    """Says before the work starts what would keep its output file from being written.
+
+    Args:
+        path: the file that will be written.
+        suffixes: endings that it may have, in lower case; upper case in `path` is as good.
+        inputs: what the work reads, which is never overwritten.
+
+    Raises:
+        FileProblem: wrong ending, a folder stands there, or it is one of the inputs.
+    """
+    allowed = tuple(suffixes)
+    if path.suffix.lower() not in allowed:
+        raise FileProblem(
+            f"{path}: ends in {path.suffix or 'nothing'!r}; name a file that ends in {' or '.join(allowed)}"
+        )
+    if path.is_dir():
+        raise FileProblem(f"{path}: is a folder; name a file in it with -o")
+    for source in inputs:
+        if path.exists() and source.exists() and path.samefile(source):
+            raise FileProblem(f"{path}: is also what is read; choose another place with -o")
+
+
+def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = ()) -> None:
+    """Says before the work starts what would keep its output folder from being written.
+
+    A folder that stands there is replaced only if it is empty or of the same kind, so that a slip of `-o` cannot wipe
+    a folder of somebody else's, or another result of ours.
+
+    Args:
+        path: the folder that will be written.
+        kind: what will be in it.
+        inputs: what the work reads; none of it may be in the folder that is replaced.
+
+    Raises:
+        FileProblem: something else stands there, or it is or holds one of the inputs.
+    """
+    if path.resolve() == Path.cwd() or path.resolve() in Path.cwd().parents:
+        raise FileProblem(f"{path}: is the folder that you work in; name a new one with -o")
+    for source in inputs:
+        if path.resolve() in (source.resolve(), *source.resolve().parents):
+            raise FileProblem(f"{path}: holds {source}, which is read; choose another place with -o")
+    try:
+        held = {entry.name for entry in path.iterdir()} if path.is_dir() else None
+        if held is None and (path.exists() or path.is_symlink()):
+            raise FileProblem(f"{path}: exists and is no folder; choose another place with -o")
+    except OSError as error:
+        raise FileProblem(f"{path}: cannot be read ({_reason(error)}); choose another place with -o") from error
+    if held and not held <= kind.contents:
+        other = sorted(held - kind.contents)[0]
+        raise FileProblem(f"{path}: is not {kind.name} of hexcite's (it holds {other}); choose another place with -o")
+
+
 @contextmanager
-def atomic_folder(path: Path) -> Iterator[Path]:
+def atomic_folder(path: Path, kind: FolderKind) -> Iterator[Path]:
     """Yields an empty folder to fill; it takes the place of `path` only when the block ends without an error.
 
-    A folder that stood there before is replaced as a whole. Only folders that hold nothing or a `*.json` of ours are
-    replaced, so that a slip of `-o` cannot wipe a folder of somebody else's.
+    What stood there before is replaced as a whole, if `check_folder` allows it.
+
+    Args:
+        path: the folder.
+        kind: what it will hold.
 
     Raises:
         FileProblem: the place cannot be written, or holds something that is not ours.
     """
+    check_folder(path, kind)
     try:
-        if path.exists() and not _is_ours(path):
-            raise FileProblem(f"{path}: exists and is not a folder written by hexcite; choose another place with -o")
         path.parent.mkdir(parents=True, exist_ok=True)
         part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
     except OSError as error:
-        if isinstance(error, FileProblem):
-            raise
         raise FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o") from error
     try:
         yield part
@@ -99,21 +171,6 @@ def atomic_folder(path: Path) -> Iterator[Path]:
         raise FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o") from error
     finally:
         shutil.rmtree(part, ignore_errors=True)
-
-
-# What each kind of folder of ours holds: one with anything else in it is somebody's and is not replaced.
-_CONTENTS = (
-    {"plan.json", "motion.csv", "plots"},
-    {"recording.json", "recording.csv"},
-    {"result.json", "identifiability.json", "plots"},
-)
-
-
-def _is_ours(path: Path) -> bool:
-    if not path.is_dir():
-        return False
-    entries = list(path.iterdir())
-    return not entries or any({e.name for e in entries} <= content for content in _CONTENTS)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import FileProblem
-from cases.files import atomic_folder, json_text, read_json
+from cases.files import PLAN, atomic_folder, json_text, read_json
 from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -118,7 +118,7 @@ def save_plan(plan: Plan, folder: Path) -> None:
     from planner.plots import trajectory_figure
 
     motion = sample(plan.motion, SAMPLE_RATE)
-    with atomic_folder(folder) as part:
+    with atomic_folder(folder, PLAN) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
         (part / "motion.csv").write_text(motion_csv(motion), encoding="utf-8")
         (part / "plots").mkdir()

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.errors import ExecutionError, HexciteError
-from cases.files import atomic_folder, json_text
+from cases.files import RUN, atomic_folder, json_text
 from cases.schema import Case
 from identification.executed import StrutExecution
 from identification.hexapod import Hexapod
@@ -158,7 +158,7 @@ def save_recording(
         "peak_acceleration_of_limit": rating.peak_acceleration,
         "units": "SI with the unit in each column name",
     }
-    with atomic_folder(folder) as part:
+    with atomic_folder(folder, RUN) as part:
         write_recording(part / "recording.csv", outcome.recording, case)
         (part / "recording.json").write_text(json_text(about), encoding="utf-8")
     return about

@@ -72,7 +72,7 @@ def tare(
     json: Json = False,
 ) -> None:
     """Identify the sensor offsets anew from a short standstill; leave all other parameters."""
-    from cases.files import atomic_folder, json_text
+    from cases.files import RESULT, atomic_folder, json_text
     from identification.force import tare as new_offsets
     from identification.recording import read_recording
     from identification.saved import load_result, with_tare
@@ -83,7 +83,7 @@ def tare(
     found = new_offsets(read_recording(recording, loaded), loaded, saved)
     folder = output if output is not None else Path(f"{parameters.resolve().stem}-tared")
     content = with_tare(parameters, saved, loaded, found.values, found.covariance, str(recording))
-    with atomic_folder(folder) as part:
+    with atomic_folder(folder, RESULT) as part:
         (part / "result.json").write_text(json_text(content), encoding="utf-8")
     if json:
         print_json({"result": str(folder)} | content)

@@ -38,7 +38,7 @@ def make_result(
     path: Path, case: str | None, model: int | None, output: Path | None, quiet: bool
 ) -> tuple[dict[str, Any], Any]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate."""
-    from cases.files import atomic_folder, json_text
+    from cases.files import RESULT, atomic_folder, check_folder, json_text
     from identification.identify import identifiability
     from identification.identify import identify as estimate_parameters
     from identification.recording import read_recording
@@ -46,13 +46,14 @@ def make_result(
 
     loaded = case_of(path, case)
     folder = output if output is not None else Path(f"{path.resolve().stem}-result")
+    check_folder(folder, RESULT, [path])
     with status("identifying", quiet):
         recording = read_recording(path, loaded)
         estimate = estimate_parameters(recording, loaded, model)
         found = identifiability(recording, loaded, estimate)
         answer = {"result": str(folder)} | estimate.to_json()
         answer["strongest_correlations"] = [{"pair": [a, b], "value": v} for a, b, v in found.strongest()]
-        with atomic_folder(folder) as part:
+        with atomic_folder(folder, RESULT) as part:
             (part / "result.json").write_text(json_text(estimate.to_json()), encoding="utf-8")
             (part / "plots").mkdir()
             (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")

@@ -10,7 +10,17 @@ from pathlib import Path
 import pytest
 
 from cases.errors import FileProblem
-from cases.files import atomic_file, atomic_folder, json_text, read_json, write_text
+from cases.files import (
+    PLAN,
+    RESULT,
+    atomic_file,
+    atomic_folder,
+    check_file,
+    check_folder,
+    json_text,
+    read_json,
+    write_text,
+)
 from tests.helpers import one_line
 
 
@@ -19,8 +29,12 @@ def tree(folder: Path) -> dict[str, str | None]:
     return {str(p.relative_to(folder)): p.read_text() if p.is_file() else None for p in folder.rglob("*")}
 
 
+def plan_folder(folder: Path) -> AbstractContextManager[Path]:
+    return atomic_folder(folder, PLAN)
+
+
 def plan(folder: Path, content: str) -> None:
-    with atomic_folder(folder) as part:
+    with atomic_folder(folder, PLAN) as part:
         (part / "plan.json").write_text(content)
         (part / "plots").mkdir()
         (part / "plots" / "pose.svg").write_text(content)
@@ -68,13 +82,13 @@ def test_an_error_leaves_the_old_folder_and_nothing_else(error: type[BaseExcepti
     plan(tmp_path / "p", "old")
     before = tree(tmp_path)
     with pytest.raises(error):
-        interrupted(atomic_folder(tmp_path / "p"), "plan.json", error)
+        interrupted(atomic_folder(tmp_path / "p", PLAN), "plan.json", error)
     assert tree(tmp_path) == before
 
 
 def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:
     plan(tmp_path / "p", "old")
-    with atomic_folder(tmp_path / "p") as part:
+    with atomic_folder(tmp_path / "p", PLAN) as part:
         (part / "plan.json").write_text("new")
     assert tree(tmp_path) == {"p": None, "p/plan.json": "new"}
 
@@ -89,7 +103,9 @@ def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
 def test_a_folder_of_somebody_else_is_left_alone(name: str, tmp_path: Path) -> None:
     (tmp_path / "p").mkdir()
     (tmp_path / "p" / name).write_text("years of work")
-    with pytest.raises(FileProblem, match="not a folder written by hexcite; choose another place with -o") as caught:
+    with pytest.raises(
+        FileProblem, match=r"is not a plan of hexcite's .it holds .*; choose another place with -o"
+    ) as caught:
         plan(tmp_path / "p", "new")
     assert one_line(caught.value).startswith(str(tmp_path / "p"))
     assert tree(tmp_path) == {"p": None, f"p/{name}": "years of work"}
@@ -97,7 +113,7 @@ def test_a_folder_of_somebody_else_is_left_alone(name: str, tmp_path: Path) -> N
 
 def test_a_file_is_not_replaced_by_a_folder(tmp_path: Path) -> None:
     (tmp_path / "p").write_text("a file")
-    with pytest.raises(FileProblem, match="not a folder written by hexcite"):
+    with pytest.raises(FileProblem, match="exists and is no folder"):
         plan(tmp_path / "p", "new")
     assert tree(tmp_path) == {"p": "a file"}
 
@@ -118,7 +134,7 @@ def test_a_place_below_a_file_cannot_be_written(write: Callable[[Path, str], Non
     assert one_line(caught.value).startswith(str(tmp_path / "file" / "below"))
 
 
-@pytest.mark.parametrize("context", [atomic_file, atomic_folder])
+@pytest.mark.parametrize("context", [atomic_file, plan_folder])
 def test_a_disk_that_is_full_is_told_in_one_line(context: Callable, tmp_path: Path) -> None:
     with (
         pytest.raises(FileProblem, match=r"cannot be written .No space left on device") as caught,
@@ -129,7 +145,7 @@ def test_a_disk_that_is_full_is_told_in_one_line(context: Callable, tmp_path: Pa
     assert tree(tmp_path) == {}
 
 
-@pytest.mark.parametrize("context", [atomic_file, atomic_folder])
+@pytest.mark.parametrize("context", [atomic_file, plan_folder])
 def test_an_error_of_ours_passes_through_unchanged(context: Callable, tmp_path: Path) -> None:
     """What could not be read is not to be reported as a place that cannot be written."""
     ours = FileProblem("in.json: cannot be read (gone)")
@@ -195,3 +211,41 @@ def test_a_folder_that_cannot_be_replaced_at_the_last_moment_is_put_back(
     with pytest.raises(FileProblem, match="Input/output error"):
         plan(tmp_path / "p", "new")
     assert tree(tmp_path) == before
+
+
+def test_a_result_does_not_take_the_place_of_a_plan(tmp_path: Path) -> None:
+    plan(tmp_path / "p", "old")
+    before = tree(tmp_path)
+    with pytest.raises(FileProblem, match=r"p: is not a result of hexcite's \(it holds plan.json\)"):
+        check_folder(tmp_path / "p", RESULT)
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("source", ["p", "p/plan.json", "p/plots/pose.svg"])
+def test_what_is_read_is_never_replaced(source: str, tmp_path: Path) -> None:
+    plan(tmp_path / "p", "old")
+    check_folder(tmp_path / "p", PLAN, [tmp_path / "other"])
+    with pytest.raises(FileProblem, match="which is read; choose another place"):
+        check_folder(tmp_path / "p", PLAN, [tmp_path / source])
+
+
+@pytest.mark.parametrize("place", [".", ".."])
+def test_the_folder_that_one_works_in_is_not_replaced(
+    place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FileProblem, match="is the folder that you work in"):
+        check_folder(Path(place), PLAN)
+
+
+def test_an_output_file_is_checked_before_the_work(tmp_path: Path) -> None:
+    (tmp_path / "a.ngc").write_text("x")
+    check_file(tmp_path / "a.ngc", [".ngc"])
+    check_file(tmp_path / "B.NGC", [".ngc"], [tmp_path / "a.ngc"])
+    with pytest.raises(FileProblem, match=r"ends in '.json'; name a file that ends in .ngc or .nc"):
+        check_file(tmp_path / "plan.json", [".ngc", ".nc"])
+    with pytest.raises(FileProblem, match="is also what is read"):
+        check_file(tmp_path / "a.ngc", [".ngc"], [tmp_path / "sub" / ".." / "a.ngc", tmp_path / "a.ngc"])
+    (tmp_path / "f.ngc").mkdir()
+    with pytest.raises(FileProblem, match="is a folder"):
+        check_file(tmp_path / "f.ngc", [".ngc"])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cases.files import atomic_folder, write_text
+from cases.files import PLAN, atomic_folder, write_text
 
 WRITE_FILE = """
 import sys
@@ -24,8 +24,8 @@ with atomic_file(Path(sys.argv[1])) as part:
 WRITE_FOLDER = """
 import sys
 from pathlib import Path
-from cases.files import atomic_folder
-with atomic_folder(Path(sys.argv[1])) as part:
+from cases.files import PLAN, atomic_folder
+with atomic_folder(Path(sys.argv[1]), PLAN) as part:
     (part / "plan.json").write_text("new")
     print("half", flush=True)
     sys.stdin.read()
@@ -60,7 +60,7 @@ def test_what_a_killed_process_left_does_not_keep_the_next_one_from_writing(tmp_
 
 def test_a_folder_stays_as_it_was(tmp_path: Path) -> None:
     target = tmp_path / "plan"
-    with atomic_folder(target) as part:
+    with atomic_folder(target, PLAN) as part:
         (part / "plan.json").write_text("old")
         (part / "motion.csv").write_text("old")
     kill_in_the_middle(WRITE_FOLDER, target)
