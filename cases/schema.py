@@ -8,7 +8,7 @@ import json
 from functools import cached_property
 from typing import Literal, NoReturn
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from cases.controller import Controller
 from cases.errors import CaseError
@@ -16,6 +16,7 @@ from cases.machine import Limits, Machine, Workspace
 from cases.parts import Array, Part, Vector, frozen
 from cases.recording import RecordingFormat
 from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation
+from cases.units import MINUTE, MM
 
 
 class Case(Part):
@@ -37,6 +38,17 @@ class Case(Part):
     nominal: RigidBody | None = None
     simulation: Simulation | None = None
 
+    @model_validator(mode="after")
+    def _safe_feed_is_safe(self) -> "Case":
+        if self.controller is not None and self.limits is not None:
+            fastest = float(self.limits.motion.rate[:3].min())
+            if self.controller.safe_feed > fastest:
+                raise ValueError(
+                    f"controller.safe_feed_mm_min = {self.controller.safe_feed_mm_min:g} is faster than "
+                    f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"
+                )
+        return self
+
     @cached_property
     def gravity(self) -> Array:
         """Gravitational acceleration in {B}, shape (3,) [m/s^2]."""
@@ -44,8 +56,11 @@ class Case(Part):
 
     @cached_property
     def hash(self) -> str:
-        """Fingerprint of the validated content: comments and layout of the file do not matter, every value does."""
-        content = json.dumps(self.model_dump(mode="json"), sort_keys=True)
+        """Fingerprint of the validated content: comments and layout of the file do not matter, every value does.
+
+        A setting left at its default and one that states the default are the same case, in later versions too.
+        """
+        content = json.dumps(self.model_dump(mode="json", exclude_defaults=True), sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     def missing(self, part: str, purpose: str) -> NoReturn:

@@ -23,8 +23,8 @@ def list_cases(json: Json = False) -> None:
     else:
         print_table(
             "Built-in cases",
-            ("case", "setup", "what it is"),
-            [[r["name"], r["setup"], r["title"]] for r in rows],
+            ("case", "setup", "what it is", "file"),
+            [[r["name"], r["setup"], r["title"], r["file"]] for r in rows],
             False,
         )
 

@@ -7,6 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
+WIDEST = 1000  # characters that a table may take
+
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 
 
@@ -19,6 +21,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
     """A table; all columns but the first are numbers unless `right` is False."""
     from rich import box
     from rich.console import Console
+    from rich.measure import Measurement
     from rich.table import Table
 
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
@@ -27,9 +30,8 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
     for row in rows:
         table.add_row(*row)
     console = Console()
-    if not console.is_terminal:
-        console.width = 160  # a pipe has no width; do not fold the table
-    console.print(table)
+    console.width = max(console.width, Measurement.get(console, console.options.update(width=WIDEST), table).maximum)
+    console.print(table)  # a narrow terminal folds lines; numbers are never cut off
 
 
 @contextmanager

@@ -66,6 +66,7 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "large moments of deviation": (INERTIA, "[1.65, 2.0, 0.0, 1.65, 0.0, 1.51]", "nominal", "no rigid body"),
     "another version": ("schema_version = 1", "schema_version = 2", "schema_version", "2: .*1"),
     "unknown setup": ('setup = "1b"', 'setup = "r"', "setup", "'r': .*'1a', '1b' or 'R'"),
+    "safe feed that is too fast": ("safe_feed_mm_min = ", "safe_feed_mm_min = 99", "", "faster than limits.motion.vel"),
     "name with a blank": ('name = "hexapod"', 'name = "Hexa pod"', "name", "'Hexa pod'"),
     "more than a cycle": ("offset_cycles = 0.5", "offset_cycles = 1.5", "simulation.force_sampling", "1.5: "),
     "column that is a number": ("[recording]", "[recording]\ncolumns = { t_s = 3 }", "recording.columns.t_s", "3: "),

@@ -92,6 +92,13 @@ def test_any_value_that_changes_changes_the_hash(which: int) -> None:
     assert Case.model_validate(data).hash != load_case("hexapod").hash
 
 
+def test_stating_a_default_does_not_make_another_case(tmp_path: Path, hexapod_case: Case) -> None:
+    stated = HEXAPOD.replace("[recording]", '[recording]\nformat = "csv"')
+    assert "\nformat =" not in HEXAPOD
+    (tmp_path / "case.toml").write_text(stated)
+    assert load_case(str(tmp_path)).hash == hexapod_case.hash
+
+
 @pytest.mark.parametrize(
     ("name", "hint"),
     [("hexapd", "did you mean 'hexapod'"), ("ft-wrist", "did you mean 'ft_wrist'"), ("lathe", "hexapod")],
