@@ -125,7 +125,7 @@ class Hexapod:
         )
 
     @cached_property
-    def _jacobian_drift(self) -> ca.Function:
+    def jacobian_drift(self) -> ca.Function:
         """(pose, twist) -> d/dt(J_Hex^-1) twist, the part of l'' that is there without acceleration."""
         pose, motion = ca.SX.sym("pose", 6), ca.SX.sym("twist", 6)
         struts, arms = self._struts(pose)
@@ -141,7 +141,7 @@ class Hexapod:
         return ca.Function("jacobian_drift", [pose, motion], [ca.vertcat(*drift)], ["pose", "twist"], ["drift"])
 
     @cached_property
-    def _newton_step(self) -> ca.Function:
+    def newton_step(self) -> ca.Function:
         """(pose, step in position and rotation vector) -> pose; turns about the axes of {B}."""
         pose, step = ca.SX.sym("pose", 6), ca.SX.sym("step", 6)
         half = step[3:] / 2  # Cayley: a proper rotation for every step, equal to it to second order
@@ -203,7 +203,7 @@ class Hexapod:
             if not len(active):
                 break
             step = np.linalg.solve(jacobian, error[:, :, None])[:, :, 0]
-            pose[active] = over_samples(self._newton_step, pose[active], step)[0]
+            pose[active] = over_samples(self.newton_step, pose[active], step)[0]
         return pose, closed
 
     def kinematics(self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike) -> Kinematics:
@@ -222,7 +222,7 @@ class Hexapod:
         pose = self.poses(lengths)
         jacobian = over_samples(self.inverse_jacobian, pose)[1]
         twist_ = np.linalg.solve(jacobian, np.asarray(velocities)[:, :, None])[:, :, 0]
-        drift = over_samples(self._jacobian_drift, pose, twist_)[0]
+        drift = over_samples(self.jacobian_drift, pose, twist_)[0]
         rate = np.linalg.solve(jacobian, (np.asarray(accelerations) - drift)[:, :, None])[:, :, 0]
         return Kinematics(pose, twist_, np.asarray(rate, dtype=np.float64))
 

@@ -10,7 +10,7 @@ import traceback
 import typer
 
 from cases.errors import HexciteError
-from planner.cli import cases, demo, force, identify, plan, post, run
+from planner.cli import cases, demo, export, force, identify, plan, post, run
 
 app = typer.Typer(
     name="hexcite",
@@ -30,6 +30,7 @@ app.command("identify")(identify.identify)
 app.command("force")(force.force)
 app.command("tare")(force.tare)
 app.command("payload")(force.payload)
+app.command("export")(export.export)
 app.command("demo")(demo.demo)
 
 

@@ -18,6 +18,7 @@ from identification.simulate import simulate_recording
 from planner.cli.console import print_table
 from planner.running import execute, linuxcnc_missing
 from tests.bench.coverage import coverage, idealised
+from tests.bench.exported import exported
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 SEEDS = 100
@@ -91,6 +92,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         rows += demos(Path(name))
         rows += identification(Path(name))
+    rows += exported()
     print_table("Figures, measured now on this machine", ("figure", "measured", "wanted"), rows)
 
 

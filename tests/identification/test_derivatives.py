@@ -56,7 +56,7 @@ def turning() -> Case:
 
 def drift() -> Case:
     now = twist(T)
-    return lambda t: jacobian(t) @ now, over_samples(HEXAPOD._jacobian_drift, moment(T).pose, now[None])[0][0]
+    return lambda t: jacobian(t) @ now, over_samples(HEXAPOD.jacobian_drift, moment(T).pose, now[None])[0][0]
 
 
 def physical() -> Case:

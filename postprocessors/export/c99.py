@@ -1,0 +1,123 @@
+"""The measurement model as C99: a header that people read and a source whose mathematics CasADi's expressions give."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import casadi as ca
+
+from cases.schema import Case
+from postprocessors.export.calibration import Calibration
+from postprocessors.export.functions import coordinates, measurement, mechanics
+from postprocessors.export.instructions import INFIX, Language, number, statements
+from postprocessors.export.rendering import comment_lines, environment
+
+MOST_STEPS = 12
+"""Of the forward kinematics from one start; from home into a corner of the workspace it takes five."""
+
+RING = 256
+"""Cycles that the signal chain remembers: 40 ms of delay and as much window at 4 kHz."""
+
+_MATH = {"sqrt": "sqrt({0})", "sin": "sin({0})", "cos": "cos({0})", "atan2": "atan2({0}, {1})"}
+
+
+_HALF_GAIN = 0.443  # cut-off times half window: a triangle of half width T has the gain sinc(f T)^2, 1/2 at f T = 0.443
+
+
+class Window(NamedTuple):
+    """The signal chain's window: half its width [s], and what it does."""
+
+    half: float
+    meaning: str
+
+
+def window_of(case: Case) -> Window:
+    """The triangular window whose gain is a half where the identification's filter has it; 10 ms without one."""
+    cutoff = case.recording.filter_cutoff_Hz
+    half = 0.010 if cutoff is None else round(_HALF_GAIN / cutoff, 6)
+    return Window(half, f"half gain at {_HALF_GAIN / half:.3g} Hz")
+
+
+@dataclass(frozen=True, slots=True)
+class Sources:
+    """C99 text.
+
+    Args:
+        header: declarations.
+        source: definitions.
+    """
+
+    header: str
+    source: str
+
+
+def c_sources(calibration: Calibration, name: str) -> Sources:
+    """Header and source of a model called `name`."""
+    values = {"name": name, "NAME": name.upper(), "origin": comment_lines(calibration)}
+    declarations, definitions = c_parts(calibration, name, "")
+    return Sources(
+        environment().get_template("header.h.jinja").render(values | {"declarations": declarations}),
+        environment().get_template("source.c.jinja").render(values | {"definitions": definitions}),
+    )
+
+
+def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str]:
+    """Declarations and definitions without their files; `linkage` is empty or `static `."""
+    machine = calibration.case.machine
+    window = window_of(calibration.case)
+    hexapod = calibration.hexapod
+    drives = calibration.case.recording.drives if hexapod is not None else None
+    functions = [measurement(calibration.model), coordinates()]
+    if hexapod is not None:
+        functions += mechanics(hexapod)
+    values = {
+        "name": name,
+        "NAME": name.upper(),
+        "linkage": linkage,
+        "hexapod": hexapod is not None,
+        "most_steps": MOST_STEPS,
+        "ring": RING,
+        "delay": number(calibration.result.delay),
+        "half_window": number(window.half),
+        "window_meaning": window.meaning,
+        "force_units": "[N]" if calibration.case.sensor_frame.bars is not None else "[N, N m]",
+        "home": [] if machine is None else [number(v) for v in machine.home.vector],
+        "drives": drives
+        and {
+            "index": drives.index,
+            "sign": [number(s) for s in drives.sign],
+            "offset": [number(v) for v in drives.offset],
+        },
+        "offsets": [n for n in calibration.model.names if n.startswith("f_q0_")],
+        "parameters": [
+            {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"}
+            for p, v, s in zip(
+                calibration.model.parameters,
+                calibration.result.values,
+                calibration.result.covariance.diagonal() ** 0.5,
+                strict=True,
+            )
+        ],
+        "functions": [_function(f, name, calibration.model.names) for f in functions],
+    }
+    return (
+        environment().get_template("declarations.c.jinja").render(values),
+        environment().get_template("definitions.c.jinja").render(values),
+    )
+
+
+def _function(function: ca.Function, name: str, parameters: list[str]) -> dict[str, object]:
+    def element(argument: str, k: int) -> str:
+        return f"u->{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
+
+    language = Language(INFIX | _MATH, lambda k, _: f"t{k}", "const double {} = {};", "{} = {};", element)
+    arguments = [
+        f"const {name}_parameters *u" if n == "u" else f"const double {n}[{function.numel_in(k)}]"
+        for k, n in enumerate(function.name_in())
+    ]
+    arguments += [f"double {n}[{function.numel_out(k)}]" for k, n in enumerate(function.name_out())]
+    return {
+        "name": function.name(),
+        "comment": f"({', '.join(function.name_in())}) -> {', '.join(function.name_out())}",
+        "arguments": ", ".join(arguments),
+        "statements": statements(function, language),
+    }

@@ -1,0 +1,125 @@
+"""A saved result together with its case and model: what is exported, and whether it may be."""
+
+import hashlib
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from cases.errors import CaseError, FileProblem
+from cases.files import read_json
+from cases.loading import built_in_cases, load_case
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from identification.model import Model
+from identification.parameters import physical_form
+from identification.result import Value
+from identification.saved import SavedResult, load_result
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """The calibrated measurement model.
+
+    Args:
+        result: identified parameters.
+        case: the machine that they belong to, unchanged since.
+        model: the identification model.
+        hexapod: kinematics, None where the case has no machine.
+        physical: physical parameters by name.
+        recording: what they were identified from.
+        samples: how many samples that were.
+        s0: (27).
+        result_hash: of the file of the result.
+        warnings: that the result carries.
+    """
+
+    result: SavedResult
+    case: Case
+    model: Model
+    hexapod: Hexapod | None
+    physical: dict[str, Value]
+    recording: str
+    samples: int
+    s0: float
+    result_hash: str
+    warnings: tuple[str, ...]
+
+    @property
+    def origin(self) -> tuple[str, ...]:
+        """Which result, case, model and version made a file, and every warning: one sentence a line."""
+        return (
+            f"made by hexcite {version('hexcite')}",
+            f"result {self.result.source} (sha256 {self.result_hash}), from {self.recording}: {self.samples} samples, "
+            f"s0 {self.s0:.4g}",
+            f"case {self.case.name}, hash {self.case.hash}; model {self.model.number} with {len(self.model.names)} "
+            "parameters",
+            *(f"WARNING: {warning}" for warning in self.warnings),
+        )
+
+
+def load_calibration(path: Path, case_name: str | None, force: bool) -> Calibration:
+    """Loads a result for export.
+
+    Args:
+        path: `result.json` or the folder that holds it.
+        case_name: built-in name, folder or file of the case; by default the built-in case that the result names.
+        force: export in spite of warnings.
+
+    Raises:
+        FileProblem: the result is damaged, belongs to another case, or carries warnings and `force` is not set.
+        CaseError: no such case.
+    """
+    result = load_result(path)
+    case = load_case(_case_name(result, case_name))
+    model = result.model_of(case)
+    if case.hash != result.case_hash:
+        raise FileProblem(
+            f"{result.source}: identified with another state of case {case.name} (hash {result.case_hash}, now "
+            f"{case.hash}); identify again, or name the case file of that time with --case"
+        )
+    file = Path(result.source)
+    data = read_json(file, "hexcite identify")
+    try:
+        names, warnings = list(data["linear"]["names"]), tuple(str(w) for w in data["warnings"])
+        recording, samples, s0 = str(data["recording"]), int(data["samples"]), float(data["s0"])
+        robust = {name: float(entry["std_robust"]) for name, entry in data["parameters"].items()}
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error
+    form = physical_form(model)
+    if names != model.names or len(result.values) != len(names) or not {p.name for p in form.parameters} <= set(robust):
+        raise FileProblem(f"{file}: its parameters are not those of model {model.number}; identify again")
+    if not result.values[0] > 0.0:
+        raise FileProblem(f"{file}: mass {result.values[0]:.4g} kg is not positive; identify from another run")
+    if warnings and not force:
+        more = f" (and {len(warnings) - 1} more)" if len(warnings) > 1 else ""
+        raise FileProblem(
+            f"{file}: carries a warning{more}: {warnings[0]}; identify from a better run, or export with --force, "
+            "which writes the warning into the file"
+        )
+    values, covariance = form.of(result.values, result.covariance)
+    physical = {
+        p.name: Value(float(values[k]), float(max(covariance[k, k], 0.0) ** 0.5), robust[p.name], p.unit)
+        for k, p in enumerate(form.parameters)
+    }
+    return Calibration(
+        result=result,
+        case=case,
+        model=model,
+        hexapod=Hexapod.of(case) if case.machine is not None else None,
+        physical=physical,
+        recording=recording,
+        samples=samples,
+        s0=s0,
+        result_hash=hashlib.sha256(file.read_bytes()).hexdigest()[:16],
+        warnings=warnings,
+    )
+
+
+def _case_name(result: SavedResult, case_name: str | None) -> str:
+    if case_name is not None:
+        return case_name
+    if result.case_name not in built_in_cases():
+        raise CaseError(
+            f"case {result.case_name}", "", f"is not built in; name the case file of {result.source} with --case"
+        )
+    return result.case_name

@@ -1,0 +1,136 @@
+"""The calibrated model as JSON: everything that an implementation of its own needs, versioned and described.
+
+`calibration.schema.json` beside this file is the JSON Schema of `Document`. SI units and radians throughout.
+"""
+
+import json
+from importlib.metadata import version
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from identification.frame import structure_matrix
+from postprocessors.export.calibration import Calibration
+
+SCHEMA_VERSION = 1
+
+Six = Annotated[list[float], Field(min_length=6, max_length=6)]
+Three = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Origin(_Part):
+    """What made the file, and from what."""
+
+    hexcite: str = Field(description="version of hexcite")
+    result: str = Field(description="file of the result")
+    result_sha256: str = Field(description="first 16 digits of its hash")
+    recording: str = Field(description="run that it was identified from")
+    samples: int = Field(description="samples of that run that were used")
+    s0: float = Field(description="(27): dimensionless with weights per channel, else N")
+    case: str = Field(description="name of the case")
+    case_hash: str = Field(description="fingerprint of the case")
+
+
+class Parameter(_Part):
+    """An identified value."""
+
+    name: str
+    unit: str = Field(description="SI")
+    value: float
+    std: float = Field(description="standard deviation by (28)")
+
+
+class Drives(_Part):
+    """Struts from drive positions: strut k = sign[k] * position of drive[k] + offset[k]; drives counted from 1."""
+
+    drive: list[int]
+    sign: Six
+    offset_m: Six
+
+
+class Kinematics(_Part):
+    """The hexapod: strut k joins base joint k (in {B}) to platform joint k (in {P})."""
+
+    base_m: Annotated[list[Three], Field(min_length=6, max_length=6)]
+    platform_m: Annotated[list[Three], Field(min_length=6, max_length=6)]
+    home: Six = Field(description="x, y, z [m], roll, pitch, yaw [rad] of {P} in {B}")
+    drives: Drives | None
+
+
+class Document(_Part):
+    """A calibrated measurement model: external = -structure (forces - A(pose, twist, twist rate) u), (1)-(22).
+
+    A has one column for each entry of `linear`. `external` acts on the platform, at the origin of {P}, along its axes.
+    """
+
+    schema_version: Literal[1]
+    kind: Literal["hexcite calibration"]
+    origin: Origin
+    warnings: list[str] = Field(description="of the identification; not empty only if the export was forced")
+    model: int = Field(ge=0, le=9, description="identification model, Table 2")
+    gravity_m_s2: Three = Field(description="in {B}")
+    structure: Annotated[list[Six], Field(min_length=6, max_length=6)] = Field(
+        description="J^-T of (2), row by row: sensor forces to force [N] and moment [N m] on the platform, in {P}"
+    )
+    force_delay_s: float = Field(description="how much later than the motion the forces were recorded")
+    kinematics: Kinematics | None = Field(description="null for a sensor without a hexapod")
+    linear: list[Parameter] = Field(description="u of (17)")
+    covariance: list[list[float]] = Field(description="of u, in the same order")
+    physical: list[Parameter] = Field(description="mass, centre of gravity in {P}, inertia about it, offsets, factors")
+
+
+def document(calibration: Calibration) -> Document:
+    """Everything that a calibration holds."""
+    case, result = calibration.case, calibration.result
+    kinematics = None
+    if case.machine is not None:
+        drives = case.recording.drives
+        kinematics = Kinematics(
+            base_m=case.machine.base.points.tolist(),
+            platform_m=case.machine.platform.points.tolist(),
+            home=case.machine.home.vector.tolist(),
+            drives=drives and Drives(drive=list(drives.order), sign=list(drives.sign), offset_m=drives.offset.tolist()),
+        )
+    deviations = result.covariance.diagonal() ** 0.5
+    return Document(
+        schema_version=1,
+        kind="hexcite calibration",
+        origin=Origin(
+            hexcite=version("hexcite"),
+            result=result.source,
+            result_sha256=calibration.result_hash,
+            recording=calibration.recording,
+            samples=calibration.samples,
+            s0=calibration.s0,
+            case=case.name,
+            case_hash=case.hash,
+        ),
+        warnings=list(calibration.warnings),
+        model=calibration.model.number,
+        gravity_m_s2=case.gravity.tolist(),
+        structure=structure_matrix(case.sensor_frame).tolist(),
+        force_delay_s=result.delay,
+        kinematics=kinematics,
+        linear=[
+            Parameter(name=p.name, unit=p.unit, value=float(v), std=float(s))
+            for p, v, s in zip(calibration.model.parameters, result.values, deviations, strict=True)
+        ],
+        covariance=result.covariance.tolist(),
+        physical=[
+            Parameter(name=name, unit=v.unit, value=v.value, std=v.std) for name, v in calibration.physical.items()
+        ],
+    )
+
+
+def json_document(calibration: Calibration) -> str:
+    """The text of the file."""
+    return document(calibration).model_dump_json(indent=2) + "\n"
+
+
+def json_schema() -> str:
+    """The JSON Schema of the file."""
+    return json.dumps(Document.model_json_schema(), indent=2) + "\n"

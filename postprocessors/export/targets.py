@@ -1,0 +1,104 @@
+"""From a calibration to files: which targets there are, what each is called, and how it appears as a whole or not."""
+
+import shutil
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from cases.errors import FileProblem, HexciteError
+from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder
+from postprocessors.export.building import build_object
+from postprocessors.export.c99 import c_sources
+from postprocessors.export.calibration import Calibration
+from postprocessors.export.document import json_document
+from postprocessors.export.isg import isg_load
+from postprocessors.export.rendering import checked_name, default_name
+
+
+@dataclass(frozen=True, slots=True)
+class SingleFile:
+    """A target that is one file.
+
+    Args:
+        suffix: of the file, where none is given.
+        text: what it holds, from the calibration and the name of the model.
+        named: whether the file's name becomes the name of the model.
+        build: compiles it, where that makes sense; the file that results.
+    """
+
+    suffix: str
+    text: Callable[[Calibration, str], str]
+    named: bool
+    build: Callable[[Path], Path] | None = None
+
+
+SINGLE_FILES = {
+    "json": SingleFile(".json", lambda calibration, _: json_document(calibration), named=False),
+    "isg-load": SingleFile(".nc", lambda calibration, _: isg_load(calibration), named=False),
+}
+
+TARGETS = ("c", *SINGLE_FILES)
+
+
+def export(calibration: Calibration, target: str, output: Path | None, build: bool) -> list[Path]:
+    """Writes a calibration for a target.
+
+    Args:
+        calibration: what is written.
+        target: one of `TARGETS`.
+        output: file, or folder for `c`; by default named after the case, in the current folder.
+        build: compile it too; what does not compile is not written.
+
+    Returns:
+        The files, the one that matters first.
+
+    Raises:
+        HexciteError: the target is unknown, cannot carry the model, cannot be compiled or cannot be written.
+    """
+    if target == "c":
+        return _c_folder(calibration, output, build)
+    if target not in SINGLE_FILES:
+        raise HexciteError(f"target {target!r} is unknown; choose {', '.join(TARGETS)}")
+    return _single_file(calibration, target, output, build)
+
+
+def _single_file(calibration: Calibration, target: str, output: Path | None, build: bool) -> list[Path]:
+    kind = SINGLE_FILES[target]
+    file = output if output is not None else Path(f"{default_name(calibration)}{kind.suffix}")
+    check_file(file, [kind.suffix], [Path(calibration.result.source)])
+    name = checked_name(file.stem, file) if kind.named else file.stem
+    if build and kind.build is None:
+        raise HexciteError(f"--build: nothing is compiled for --to {target}; leave it out")
+    text = kind.text(calibration, name)
+    if not build or kind.build is None:
+        with atomic_file(file) as part:
+            part.write_text(text, encoding="utf-8")
+        return [file]
+    with tempfile.TemporaryDirectory(prefix="hexcite-export-") as folder:
+        source = Path(folder) / file.name
+        source.write_text(text, encoding="utf-8")
+        made = kind.build(source)
+        built = file.with_name(made.name)
+        check_file(built, [made.suffix])
+        with atomic_file(built) as part, atomic_file(file) as text_part:
+            shutil.copyfile(made, part)
+            shutil.copyfile(source, text_part)
+    return [file, built]
+
+
+def _c_folder(calibration: Calibration, output: Path | None, build: bool) -> list[Path]:
+    name = default_name(calibration)
+    folder = output if output is not None else Path(f"{name}-c")
+    if folder.suffix in (".c", ".h"):
+        raise FileProblem(f"{folder}: --to c writes a folder with {name}.h and {name}.c; name a folder with -o")
+    names = [f"{name}.c", f"{name}.h", *([f"{name}.o"] if build else [])]
+    kind = FolderKind("a C model", frozenset((*names, f"{name}.o")))
+    check_folder(folder, kind, [Path(calibration.result.source)])
+    sources = c_sources(calibration, name)
+    with atomic_folder(folder, kind) as part:
+        (part / names[0]).write_text(sources.source, encoding="ascii")
+        (part / names[1]).write_text(sources.header, encoding="ascii")
+        if build:
+            build_object(part / names[0])
+    return [folder / n for n in names]

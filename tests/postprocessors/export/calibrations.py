@@ -1,0 +1,58 @@
+"""Saved results as `hexcite identify` writes them, with parameters that a test chooses."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.loading import load_case
+from cases.schema import Case
+from identification.model import Model, identification_model
+from identification.parameters import body_parameters, physical_form
+from postprocessors.export.calibration import Calibration, load_calibration
+
+Array = NDArray[np.float64]
+
+
+def plausible(case: Case, model: Model, seed: int = 0) -> Array:
+    """U of a machine that might exist: the nominal body and seeded offsets and factors."""
+    draw = np.random.default_rng(seed)
+    body = case.nominal
+    known = body_parameters(body) if body is not None else {"m": 0.932, "mxC": 0.0003, "myC": 1e-4, "mzC": 0.041}
+    return np.array([known.get(n, 30.0 * draw.normal()) for n in model.names])
+
+
+def write_result(folder: Path, machine: Case, number: int, values: Array | None = None, **changes: Any) -> Path:
+    """A result folder; `changes` replace entries of result.json."""
+    model = identification_model(machine, number)
+    u = plausible(machine, model) if values is None else values
+    covariance = np.diag((1e-3 * np.abs(u) + 1e-3) ** 2)
+    form = physical_form(model)
+    physical, _ = form.of(u, covariance)
+    data = {
+        "schema_version": 1,
+        "case": machine.name,
+        "case_hash": machine.hash,
+        "recording": "run.csv",
+        "model": number,
+        "s0": 1.0,
+        "samples": 3400,
+        "delay_s": {"value": 2.5e-3, "std": 1e-4},
+        "parameters": {
+            p.name: {"value": float(v), "std": 0.1, "std_robust": 0.2, "unit": p.unit}
+            for p, v in zip(form.parameters, physical, strict=True)
+        },
+        "linear": {"names": model.names, "values": u.tolist()},
+        "covariance": covariance.tolist(),
+        "warnings": [],
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "result.json").write_text(json.dumps(data | changes), encoding="utf-8")
+    return folder
+
+
+def calibration(folder: Path, name: str, number: int, values: Array | None = None, **changes: Any) -> Calibration:
+    """The calibration of a built-in case."""
+    return load_calibration(write_result(folder, load_case(name), number, values, **changes), None, True)

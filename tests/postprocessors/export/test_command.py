@@ -1,0 +1,146 @@
+"""`hexcite export` as its users call it: what it writes, what it says, and that a mistake leaves nothing behind."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cases.loading import built_in_cases, load_case
+from postprocessors.export import building
+from postprocessors.export.targets import TARGETS
+from tests.planner.command_line import call, refused
+from tests.postprocessors.export.calibrations import write_result
+
+CASE = load_case("hexapod")
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty working folder."""
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.fixture
+def result(tmp_path: Path) -> Path:
+    return write_result(tmp_path / "result", CASE, 9)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_every_target_is_written_whole_and_says_where_it_is_from(target: str, result: Path, here: Path) -> None:
+    answer = call("export", result, "--to", target, "--json").json()
+    assert answer["target"] == target
+    assert answer["file"] == answer["files"][0]
+    for file in answer["files"]:
+        text = Path(file).read_text(encoding="utf-8")
+        for word in (str(result / "result.json"), CASE.hash, "hexapod"):
+            assert word in text
+    written = {path for path in here.rglob("*") if path.is_file()}
+    assert written == {here / file for file in answer["files"]}
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_result_with_warnings_needs_force_and_the_file_tells(target: str, tmp_path: Path, here: Path) -> None:
+    result = write_result(tmp_path / "doubtful", CASE, 9, warnings=["rank 19 of 20: k1 is free", "short"])
+    line = refused("export", result, "--to", target)
+    for word in ("doubtful/result.json", "rank 19 of 20: k1 is free", "and 1 more", "--force"):
+        assert word in line
+    assert list(here.iterdir()) == []
+    answer = call("export", result, "--to", target, "--force", "--json").json()
+    assert answer["warnings"] == ["rank 19 of 20: k1 is free", "short"]
+    for file in answer["files"]:
+        assert "rank 19 of 20: k1 is free" in Path(file).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--to", "fortran"), ("'fortran'", "choose c, ")),
+        (("--to", "c", "--case", "ft_wrist"), ("result.json", "case hexapod, not ft_wrist")),
+        (("--to", "c", "--case", "nowhere"), ("nowhere", "no such case")),
+        (("--to", "c", "-o", "model.c"), ("model.c", "folder", "-o")),
+        (("--to", "c", "-o", "."), ("folder that you work in",)),
+        (("--to", "json", "-o", "model.txt"), ("model.txt", ".json")),
+        (("--to", "json", "--build"), ("--build", "json")),
+        (("--to", "isg-load", "-o", "load.json"), ("load.json", ".nc")),
+    ],
+)
+def test_a_wrong_argument_is_named_and_nothing_written(
+    arguments: tuple[str, ...], words: tuple[str, ...], result: Path, here: Path
+) -> None:
+    line = refused("export", result, *arguments)
+    for word in words:
+        assert word in line
+    assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"case_hash": "0" * 16}, ("another state of case hexapod", "--case")),
+        ({"case": "my_machine"}, ("my_machine", "--case")),
+        ({"warnings": None}, ("missing or damaged", "identify again")),
+        ({"parameters": {}}, ("parameters are not those of model 9",)),
+        ({"model": 8}, ("parameters are not those of model 8",)),
+        ({"schema_version": 7}, ("schema_version 7",)),
+    ],
+)
+def test_a_result_that_does_not_fit_is_named(
+    changes: dict[str, Any], words: tuple[str, ...], tmp_path: Path, here: Path
+) -> None:
+    result = write_result(tmp_path / "result", CASE, 9, **changes)
+    line = refused("export", result, "--to", "c")
+    for word in ("result.json", *words):
+        assert word in line
+    assert list(here.iterdir()) == []
+
+
+def test_a_negative_mass_is_no_machine(tmp_path: Path, here: Path) -> None:
+    from tests.postprocessors.export.calibrations import identification_model, plausible
+
+    u = plausible(CASE, identification_model(CASE, 9))
+    u[0] = -1.0
+    line = refused("export", write_result(tmp_path / "result", CASE, 9, u), "--to", "json")
+    assert "mass -1 kg is not positive" in line
+    assert list(here.iterdir()) == []
+
+
+def test_the_result_itself_is_never_overwritten(result: Path, here: Path) -> None:
+    before = (result / "result.json").read_bytes()
+    refused("export", result, "--to", "json", "-o", result / "result.json")
+    refused("export", result, "--to", "c", "-o", result)
+    assert (result / "result.json").read_bytes() == before
+
+
+def test_a_case_that_is_not_built_in_is_named_by_file(tmp_path: Path, here: Path) -> None:
+    file = tmp_path / "machine.toml"
+    text = built_in_cases()["hexapod"].read_text(encoding="utf-8")
+    file.write_text(text.replace('name = "hexapod"', 'name = "mine"'), encoding="utf-8")
+    result = write_result(tmp_path / "result", load_case(str(file)), 9)
+    answer = call("export", result, "--to", "json", "--case", file, "--json").json()
+    assert answer["file"] == "mine_force.json"
+    assert json.loads(Path(answer["file"]).read_text())["origin"]["case"] == "mine"
+
+
+@pytest.mark.usefixtures("gcc")
+def test_c_is_compiled_on_demand(result: Path, here: Path) -> None:
+    answer = call("export", result, "--to", "c", "--build", "-o", "model", "--json").json()
+    assert [Path(f).name for f in answer["files"]] == ["hexapod_force.c", "hexapod_force.h", "hexapod_force.o"]
+    assert (here / "model" / "hexapod_force.o").stat().st_size > 1000
+    call("export", result, "--to", "c", "-o", "model", "--json").json()  # replaces what is its own
+    shutil.copy(result / "result.json", here / "model")
+    assert "is not a C model" in refused("export", result, "--to", "c", "-o", "model")
+
+
+def test_without_gcc_nothing_is_compiled_and_nothing_written(
+    result: Path, here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(building, "SYSTEM_PATH", str(here))
+    line = refused("export", result, "--to", "c", "--build")
+    for word in ("gcc is missing", "install", "--build"):
+        assert word in line
+    assert list(here.iterdir()) == []

@@ -1,0 +1,61 @@
+"""The JSON export: described, versioned, and enough to compute external forces from nothing else."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
+
+from cases.loading import load_case
+from identification.model import identification_model
+from postprocessors.export import document as module
+from postprocessors.export.document import Document, json_document, json_schema
+from tests.postprocessors.export.calibrations import calibration
+from tests.postprocessors.export.physics import external, states
+
+
+def test_the_schema_beside_the_code_is_the_documents() -> None:
+    file = Path(module.__file__).with_name("calibration.schema.json")
+    assert file.read_text(encoding="utf-8") == json_schema()
+
+
+@pytest.mark.parametrize(("name", "number"), [("hexapod", 9), ("hexapod", 4), ("ft_wrist", 6)])
+def test_external_forces_follow_from_the_file_alone(name: str, number: int, tmp_path: Path) -> None:
+    data = json.loads(json_document(calibration(tmp_path, name, number)))
+    case = load_case(name)
+    s = states(case, 20, 1)
+    rotations = Rotation.from_euler("xyz", s.pose[:, 3:]).as_matrix()
+    matrices = identification_model(case, data["model"]).matrices(s.pose[:, :3], rotations, s.twist, s.twist_rate)
+    u = [p["value"] for p in data["linear"]]
+    found = -(s.forces - matrices @ u) @ np.array(data["structure"]).T
+    values = {p["name"]: p["value"] for p in data["linear"]}
+    expected = [external(case, values, *state) for state in zip(s.pose, s.twist, s.twist_rate, s.forces, strict=True)]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_struts_follow_from_the_file_alone(tmp_path: Path) -> None:
+    data = json.loads(json_document(calibration(tmp_path, "hexapod", 9)))["kinematics"]
+    s = states(load_case("hexapod"), 5, 2)
+    for pose, lengths in zip(s.pose, s.lengths, strict=True):
+        turn = Rotation.from_euler("xyz", pose[3:]).as_matrix()
+        ends = pose[:3] + np.array(data["platform_m"]) @ turn.T
+        np.testing.assert_allclose(np.linalg.norm(ends - data["base_m"], axis=1), lengths, rtol=1e-14)
+
+
+def test_what_was_written_is_read_back_and_damage_is_noticed(tmp_path: Path) -> None:
+    text = json_document(calibration(tmp_path, "hexapod", 9))
+    assert Document.model_validate_json(text).model_dump_json(indent=2) + "\n" == text
+    for damage in ({"schema_version": 2}, {"model": 10}, {"gravity_m_s2": [1.0]}, {"more": 1}):
+        with pytest.raises(ValidationError):
+            Document.model_validate(json.loads(text) | damage)
+
+
+def test_physical_values_are_those_of_the_linear_ones(tmp_path: Path) -> None:
+    data = json.loads(json_document(calibration(tmp_path, "hexapod", 9)))
+    linear = {p["name"]: p["value"] for p in data["linear"]}
+    physical = {p["name"]: p["value"] for p in data["physical"]}
+    assert physical["zC"] == pytest.approx(linear["mzC"] / linear["m"], rel=1e-14)
+    steiner = linear["m"] * (physical["yC"] ** 2 + physical["zC"] ** 2)
+    assert physical["IC11"] == pytest.approx(linear["I11"] - steiner, rel=1e-9)
