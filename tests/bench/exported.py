@@ -73,7 +73,8 @@ def exported() -> list[list[str]]:
         )
         body = ",\n".join("{" + ", ".join(repr(float(v)) for v in row) + "}" for row in rows)
         (folder / "motion.h").write_text(
-            f"#define ROUNDS {ROUNDS}\n#define COUNT {len(rows)}\nstatic const double motion[COUNT][24] = {{\n{body}\n}};\n"
+            f"#define ROUNDS {ROUNDS}\n#define COUNT {len(rows)}\n"
+            f"static const double motion[COUNT][24] = {{\n{body}\n}};\n"
         )
         (folder / "timer.c").write_text(TIMER)
         build = ["gcc", *STRICT, "-o", "timer", "timer.c", "hexapod_force.c", "-lm"]
