@@ -46,6 +46,7 @@ class LimitCheck:
         ratio: share of the limit that is used; the limit is kept up to 1.
         time: when [s].
         status: who answers for it.
+        binding: whether the motion itself is answerable for it; not where a controller's own law is only predicted.
     """
 
     name: str
@@ -55,11 +56,12 @@ class LimitCheck:
     ratio: float
     time: float
     status: Status
+    binding: bool = True
 
     @property
     def kept(self) -> bool:
-        """Whether the limit is kept."""
-        return self.ratio <= 1.0 + TOLERANCE
+        """Whether the limit is kept, as far as the motion is answerable for it."""
+        return not self.binding or self.ratio <= 1.0 + TOLERANCE
 
     def sentence(self) -> str:
         """One phrase with value and limit."""
@@ -85,8 +87,8 @@ class LimitReport:
 
     @property
     def worst_ratio(self) -> float:
-        """Largest share of a limit that is used."""
-        return max(c.ratio for c in self.checks)
+        """Largest share that is used of a limit for which the motion is answerable."""
+        return max(c.ratio for c in self.checks if c.binding)
 
     def to_json(self) -> dict[str, dict[str, float | str]]:
         """One object a limit, by name."""

@@ -1,7 +1,7 @@
-"""The rest-to-rest profile with seven segments of constant jerk, in closed form, and straight moves that follow it."""
+"""Time laws from rest to rest in closed form (seven segments of constant jerk, trapezoid), and straight moves."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,6 +9,28 @@ from numpy.typing import ArrayLike, NDArray
 from identification.motion import Motion
 
 Array = NDArray[np.float64]
+
+
+class TimeLaw(Protocol):
+    """How a way is covered over time, from rest to rest."""
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        ...
+
+    @property
+    def peak_velocity(self) -> float:
+        """Largest velocity [unit of the distance per second]."""
+        ...
+
+    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
+        ...
+
+    def slowed(self, speed: float) -> "TimeLaw":
+        """The same way at a share of the speed."""
+        ...
 
 
 class Profile(NamedTuple):
@@ -31,6 +53,15 @@ class Profile(NamedTuple):
         """Duration of the whole move [s]."""
         return 4 * self.jerk_time + 2 * self.hold_time + self.cruise_time
 
+    @property
+    def peak_velocity(self) -> float:
+        """Largest velocity."""
+        return self.jerk * self.jerk_time * (self.jerk_time + self.hold_time)
+
+    def slowed(self, speed: float) -> "Profile":
+        """The same way at a share of the speed."""
+        return Profile(self.jerk * speed**3, self.jerk_time / speed, self.hold_time / speed, self.cruise_time / speed)
+
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
         """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
         time = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
@@ -52,6 +83,52 @@ class Profile(NamedTuple):
             a0 += jerk * length
             start += length
         return s, v, a, j
+
+
+class Trapezoid(NamedTuple):
+    """Acceleration +a, 0, -a: the law of a controller without a jerk limit. Its jerk is infinite where a steps; `at`
+    gives 0 there and everywhere else.
+
+    Args:
+        acceleration: magnitude [1/s^2 of the unit of the distance].
+        ramp_time: duration of each of the two ramps [s].
+        cruise_time: duration at constant velocity [s].
+    """
+
+    acceleration: float
+    ramp_time: float
+    cruise_time: float
+
+    @property
+    def duration(self) -> float:
+        """Duration of the whole move [s]."""
+        return 2 * self.ramp_time + self.cruise_time
+
+    @property
+    def peak_velocity(self) -> float:
+        """Largest velocity."""
+        return self.acceleration * self.ramp_time
+
+    def slowed(self, speed: float) -> "Trapezoid":
+        """The same way at a share of the speed."""
+        return Trapezoid(self.acceleration * speed**2, self.ramp_time / speed, self.cruise_time / speed)
+
+    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
+        time = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
+        braking = time > self.ramp_time + self.cruise_time
+        up, down = np.minimum(time, self.ramp_time), np.where(braking, self.duration - time, self.ramp_time)
+        cruise = np.clip(time - self.ramp_time, 0.0, self.cruise_time)
+        v = self.acceleration * np.minimum(up, down)
+        s = self.acceleration * (up**2 / 2 + self.ramp_time * cruise + (self.ramp_time**2 - down**2) / 2)
+        a = np.where(braking, -self.acceleration, np.where(time < self.ramp_time, self.acceleration, 0.0))
+        return s, v, a, np.zeros_like(s)
+
+
+def fastest_trapezoid(distance: float, velocity: float, acceleration: float) -> Trapezoid:
+    """The fastest trapezoid over a distance within two limits, all above 0 and in one unit of distance."""
+    ramp = min(velocity / acceleration, float(np.sqrt(distance / acceleration)))
+    return Trapezoid(acceleration, ramp, max(0.0, distance / (acceleration * ramp) - ramp))
 
 
 def fastest_profile(distance: float, velocity: float, acceleration: float, jerk: float) -> Profile:
@@ -79,7 +156,7 @@ class StraightMove:
 
     start: Array
     end: Array
-    profile: Profile
+    profile: TimeLaw
 
     @classmethod
     def fastest(

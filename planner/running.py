@@ -21,11 +21,13 @@ from identification.simulate import TRUE_MODEL, simulate_recording
 from planner.bound import Bound, box_bound
 from planner.problem import mean_information
 from postprocessors.execute.executed_run import ExecutedRun, windows
+from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.files import read_program, read_text
+from postprocessors.files import ProgramFile, read_program
+from postprocessors.predicted import predicted
 from postprocessors.proof import prove_program
-from postprocessors.stretches import Timed, stretches
+from postprocessors.stretches import Timed, Untimed, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
 
@@ -59,12 +61,14 @@ class Outcome:
         recording: what was measured, simulated.
         rating: planned against executed.
         planned: the excitation that the program asks for.
+        program_hash: fingerprint of the program that ran.
     """
 
     run: ExecutedRun
     recording: Recording
     rating: Rating
     planned: Trajectory
+    program_hash: str
 
 
 def best_controller() -> tuple[str, str]:
@@ -88,21 +92,37 @@ def execute(program: Path, case: Case, on: str, seed: int) -> Outcome:
     if on not in CONTROLLERS:
         raise HexciteError(f"controller {on!r} is unknown; choose {', '.join(CONTROLLERS)}")
     case.need_simulation("a run")
-    reading = read_program(program)
-    prove_program(reading, case).require()
-    excited = [s.points for s in stretches(reading, case) if isinstance(s, Timed) and s.trigger]
-    if not excited:
-        raise ExecutionError(f"{program}: no timed path runs with the trigger on; write it with hexcite post")
-    planned: Trajectory = excited[0] if len(excited) == 1 else Joined(tuple(excited))
-    run = run_virtual(reading, case) if on == "virtual" else _on_linuxcnc(program, case)
+    read = read_program(program, case)
+    prove_program(read.reading, case, read.guarantees).require()
+    planned = _planned(read, case)
+    run = run_virtual(read.reading, case) if on == "virtual" else _on_linuxcnc(read, case)
     if not len(run.trigger):
         raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
     recording = simulate_recording(case, run.execution, run.trigger, seed)
-    return Outcome(run, recording, _rating(case, planned, run), planned)
+    fingerprint = hashlib.sha256(read.content).hexdigest()[:16]
+    return Outcome(run, recording, _rating(case, planned, run), planned, fingerprint)
 
 
-def _on_linuxcnc(program: Path, case: Case) -> ExecutedRun:
-    log = run_linuxcnc(program, case)
+def _planned(read: ProgramFile, case: Case) -> Trajectory:
+    """The motion that the program asks for while its trigger is on."""
+    limits = case.need_machine("a run")[2].motion
+    excited: list[Trajectory] = []
+    for part in stretches(read.reading):
+        if isinstance(part, Timed) and part.trigger:
+            excited.append(part.points)
+        elif isinstance(part, Untimed) and part.trigger:
+            motion = predicted(part, limits, read.guarantees)
+            excited += [] if motion is None else [motion]
+    if not excited:
+        raise ExecutionError(f"{read.path}: nothing moves with the trigger on; write it with hexcite post")
+    return excited[0] if len(excited) == 1 else Joined(tuple(excited))
+
+
+def _on_linuxcnc(read: ProgramFile, case: Case) -> ExecutedRun:
+    if read.dialect.name != "linuxcnc":
+        raise ExecutionError(f"{read.path}: is no LinuxCNC program ({read.dialect.name}); run it with --on virtual")
+    headroom = acceleration_headroom(read.reading, case)
+    log = run_linuxcnc(read.path, case, read.content, headroom=headroom)
     execution = StrutExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
     return ExecutedRun(log.controller, execution, windows(log.trigger, log.period), real=True)
 
@@ -140,7 +160,7 @@ def save_recording(
         "case_file": case_file,
         "case_hash": case.hash,
         "program": str(program.resolve()),
-        "program_hash": hashlib.sha256(read_text(program).encode()).hexdigest()[:16],
+        "program_hash": outcome.program_hash,
         "controller": outcome.run.controller,
         "controller_real": outcome.run.real,
         "simulated": True,

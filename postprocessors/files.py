@@ -1,30 +1,45 @@
 """Reads program files, each in the dialect that its suffix names."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 from cases.errors import ProgramError
+from cases.schema import Case
+from postprocessors.dialects import Dialect, dialect_of_file
+from postprocessors.guarantees import Guarantees
 from postprocessors.reading.words import Reading
-from postprocessors.writing import dialect_of_file
 
 
-def read_text(file: Path) -> str:
-    """The text of a program.
+class ProgramFile(NamedTuple):
+    """A program file and what it says; whatever judges or runs it uses this content, not the file a second time.
 
-    Raises:
-        ProgramError: it cannot be read.
+    Args:
+        path: of the file.
+        dialect: that its suffix names.
+        content: byte by byte.
+        reading: what it says.
+        guarantees: what the controller answers for.
     """
-    try:
-        return file.read_text(encoding="utf-8")
-    except OSError as error:
-        raise ProgramError(file, 0, 0, f"cannot be read ({error.strerror}); name a program file") from error
-    except UnicodeDecodeError as error:
-        raise ProgramError(file, 0, 0, "is not text; name a program file") from error
+
+    path: Path
+    dialect: Dialect
+    content: bytes
+    reading: Reading
+    guarantees: Guarantees
 
 
-def read_program(file: Path) -> Reading:
+def read_program(file: Path, case: Case) -> ProgramFile:
     """Reads a program.
 
     Raises:
         ProgramError: it cannot be read or understood, with line and column.
+        CaseError: the case lacks what its dialect needs.
     """
-    return dialect_of_file(file.name).read(read_text(file), str(file))
+    dialect = dialect_of_file(file.name)
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise ProgramError(file, 0, 0, f"cannot be read ({error.strerror}); name a program file") from error
+    language = dialect.load()
+    reading = language.read(content, str(file), case)
+    return ProgramFile(file, dialect, content, reading, language.guarantees(reading, case))

@@ -1,17 +1,30 @@
 """The neutral program: what a controller shall do, block by block, before any dialect."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
-from identification.motion import Trajectory
+from identification.circle import CircularMove
+from identification.motion import Joined, Motion, Standstill, Trajectory
+from identification.polynomial import PolynomialMotion
 from identification.profile import StraightMove
 
 Array = NDArray[np.float64]
 
 APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: nobody needs that move to be fast
+
+
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A remark for people.
+
+    Args:
+        text: any; dialects wrap it and replace what their controller cannot read.
+    """
+
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +41,48 @@ class ToHome:
 
 
 @dataclass(frozen=True, slots=True)
+class PointToPoint:
+    """A straight move in the six coordinates from rest to rest, exact stop at its end.
+
+    Controllers know feeds, not durations: a dialect writes the feed that makes its controller's own time law, under the
+    limits of the case, take as long as planned.
+
+    Args:
+        move: where from, where to, and the planned time law.
+    """
+
+    move: StraightMove
+
+    @property
+    def feed(self) -> float:
+        """Largest speed of the planned move: of the origin [m/s], or of the angles where the origin rests [rad/s]."""
+        return self.move.profile.peak_velocity * self.length
+
+    @property
+    def length(self) -> float:
+        """Way of the origin [m], or of the angles where the origin rests [rad]: what feeds count."""
+        way = self.move.end - self.move.start
+        linear = float(np.linalg.norm(way[:3]))
+        return linear if linear > 0.0 else float(np.linalg.norm(way[3:]))
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """A circular move in a coordinate plane from rest to rest, exact stop at its end; full circles too.
+
+    Args:
+        move: where from, about what, how far, and the planned time law.
+    """
+
+    move: CircularMove
+
+    @property
+    def feed(self) -> float:
+        """Largest speed of the origin in the planned move [m/s]."""
+        return self.move.profile.peak_velocity * self.move.length
+
+
+@dataclass(frozen=True, slots=True)
 class TimedPath:
     """Poses to be passed at given times, from rest at the pose before to rest at the last.
 
@@ -35,11 +90,26 @@ class TimedPath:
         name: what it is for.
         times: shape (k,), increasing, the first 0 [s].
         poses: shape (k, 6), the first is where the machine stands [m, rad].
+        source: the motion that was sampled, on the clock of `times`, for dialects that can carry more than points.
     """
 
     name: str
     times: Array
     poses: Array
+    source: Trajectory | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SplinePath:
+    """Polynomial pieces, one after the other, from rest to rest: the exact path and time law of a spline.
+
+    Args:
+        name: what it is for.
+        motion: its pieces, each with its duration.
+    """
+
+    name: str
+    motion: PolynomialMotion
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +130,7 @@ class Trigger:
     on: bool
 
 
-Block = ToHome | TimedPath | Dwell | Trigger
+Block = Comment | ToHome | PointToPoint | Arc | TimedPath | SplinePath | Dwell | Trigger
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +151,31 @@ class Program:
         return tuple(b for b in self.blocks if isinstance(b, TimedPath))
 
 
+@dataclass(frozen=True, slots=True)
+class Slowed:
+    """A motion at a share of its speed: the same path, everything else slower.
+
+    Args:
+        motion: at full speed.
+        speed: share of it, above 0.
+    """
+
+    motion: Trajectory
+    speed: float
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return self.motion.duration / self.speed
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        fast = self.motion.at(np.clip(time * self.speed, 0.0, self.motion.duration))
+        s = self.speed
+        return Motion(time, fast.pose, fast.rates * s, fast.accelerations * s**2, fast.jerks * s**3)
+
+
 def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) -> TimedPath:
     """A trajectory as equally timed poses.
 
@@ -92,11 +187,40 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
     """
     count = max(2, int(np.ceil(trajectory.duration / block - 1e-9)))
     times = np.linspace(0.0, trajectory.duration, count + 1)
-    return TimedPath(name, times / speed, trajectory.at(times).pose)
+    source = trajectory if speed == 1.0 else Slowed(trajectory, speed)
+    return TimedPath(name, times / speed, trajectory.at(times).pose, source)
+
+
+def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float) -> tuple[Block, ...]:
+    """What a motion is to a controller.
+
+    Straight and circular moves stay what they are, joined motions become their parts in order, standstills dwells,
+    polynomials splines; whatever else becomes a timed path.
+
+    Args:
+        name: what it is for.
+        trajectory: from rest to rest.
+        block: duration of a block of a timed path at full speed, at most [s].
+        speed: share of the planned speed.
+    """
+    if isinstance(trajectory, Joined):
+        return tuple(b for part in trajectory.parts for b in motion_blocks(name, part, block, speed))
+    if isinstance(trajectory, StraightMove):
+        return (PointToPoint(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
+    if isinstance(trajectory, CircularMove):
+        return (Arc(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
+    if isinstance(trajectory, Standstill):
+        return (Dwell(trajectory.duration),)  # as long at any speed
+    if isinstance(trajectory, PolynomialMotion):
+        return (SplinePath(name, trajectory.slowed(speed)),)
+    return (timed_path(name, trajectory, block, speed),)
 
 
 def excitation_program(trajectory: Trajectory, case: Case, header: tuple[str, ...], speed: float = 1.0) -> Program:
     """Home, approach, settle, the excitation between trigger on and off, settle, back home.
+
+    Approach and return are point-to-point moves where the excitation consists of such moves, else timed paths: a
+    controller that is set up to follow dense paths may accelerate as hard as it can in a move that it times itself.
 
     Args:
         trajectory: the excitation, from rest to rest.
@@ -112,6 +236,8 @@ def excitation_program(trajectory: Trajectory, case: Case, header: tuple[str, ..
     home = machine.home.vector
     first, last = trajectory.at([0.0, trajectory.duration]).pose
     blocks: list[Block] = [ToHome(home, controller.safe_feed * min(1.0, speed))]
+    excitation = motion_blocks("excitation", trajectory, controller.block, speed)
+    own_time = not any(isinstance(b, TimedPath | SplinePath) for b in excitation)
 
     def straight(name: str, start: Array, end: Array) -> None:
         if np.array_equal(start, end):
@@ -119,11 +245,12 @@ def excitation_program(trajectory: Trajectory, case: Case, header: tuple[str, ..
         box = limits.motion
         share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]
         move = StraightMove.fastest(start, end, *share)
-        blocks.append(timed_path(name, move, controller.block, speed))
+        if own_time:
+            blocks.extend([Comment(name), *motion_blocks(name, move, controller.block, speed)])
+        else:
+            blocks.append(timed_path(name, move, controller.block, speed))
 
     straight("approach", home, first)
-    blocks += [Dwell(controller.settle_s), Trigger(True)]
-    blocks.append(timed_path("excitation", trajectory, controller.block, speed))
-    blocks += [Trigger(False), Dwell(controller.settle_s)]
+    blocks += [Dwell(controller.settle_s), Trigger(True), *excitation, Trigger(False), Dwell(controller.settle_s)]
     straight("return", last, home)
     return Program(header, tuple(blocks))

@@ -1,24 +1,15 @@
 """Proves a program's text inside the limits of a case, or says at which line it is not."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
-
-import numpy as np
-from numpy.typing import ArrayLike
+from collections.abc import Collection
+from dataclasses import dataclass
 
 from cases.errors import ProgramError
 from cases.schema import Case
-from cases.units import MM
-from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at, worst_of
-from identification.motion import Array, Motion, Standstill
+from identification.limits import LimitCheck, LimitReport, Status, worst_of
+from postprocessors.guarantees import KINETIC, Guarantees, family
+from postprocessors.judging import judge
 from postprocessors.reading.words import Reading
 from postprocessors.stretches import Still, Stretch, Timed, Untimed, stretches
-
-SAMPLES_A_BLOCK = 100
-SAMPLES_A_LINE = 1000.0  # for moves at constant speed: straight lines need no fine grid
-BY_CONTROLLER = {"acceleration", "angular acceleration", "strut acceleration"}
-FROM_UNKNOWN = {"angular velocity": Status.ENFORCED, "strut velocity": Status.NOT_ENFORCED}
-BY_NOBODY = {"jerk", "angular jerk"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +35,7 @@ class ProgramProof:
 
     Args:
         file: the program.
+        controller: that would run it.
         blocks: lines that hold words.
         duration: of everything whose duration is known [s].
         excitation: duration of the motion with the trigger on [s].
@@ -52,6 +44,7 @@ class ProgramProof:
     """
 
     file: str
+    controller: str
     blocks: int
     duration: float
     excitation: float
@@ -63,6 +56,43 @@ class ProgramProof:
         """Whether every limit that the program itself is answerable for is kept."""
         return not self.violations
 
+    @property
+    def relies_on(self) -> tuple[str, ...]:
+        """Families of limits that nobody enforces, in the order of the report: `jerk`, `strut acceleration`."""
+        return tuple(dict.fromkeys(family(c.name) for c in self.limits.checks if c.status is Status.NOT_ENFORCED))
+
+    @property
+    def verdict(self) -> str:
+        """What the proof comes to, never more than it holds."""
+        if self.violations:
+            return "NOT proven"
+        if self.relies_on:
+            return f"proven, but nobody enforces: {', '.join(self.relies_on)}"
+        return "proven"
+
+    def require_accepted(self, accepted: Collection[str]) -> None:
+        """Raises ProgramError unless the proof holds and every limit that nobody enforces is accepted by name.
+
+        Args:
+            accepted: families of limits, as in `relies_on`, or several with commas; a hyphen counts as a blank.
+        """
+        self.require()
+        names = {part.strip().lower().replace("-", " ") for name in accepted for part in name.split(",")}
+        if unknown := sorted(names - set(KINETIC)):
+            raise ProgramError(
+                self.file, 0, 0, f"--accept {unknown[0]!r} names no such limit; choose from {', '.join(KINETIC)}"
+            )
+        open_ = [name for name in self.relies_on if name not in names]
+        if open_:
+            options = f"--accept {','.join(name.replace(' ', '-') for name in open_)}"
+            raise ProgramError(
+                self.file,
+                0,
+                0,
+                f"{self.controller} does not enforce {', '.join(open_)} in this motion, and nothing else does; "
+                f"look at hexcite check, and write it with {options} if the machine can bear it",
+            )
+
     def require(self) -> None:
         """Raises ProgramError, naming line, value and limit, unless the proof holds."""
         if self.violations:
@@ -73,114 +103,41 @@ class ProgramProof:
             )
 
 
-@dataclass(frozen=True, slots=True)
-class _ConstantSpeed:
-    """A straight line in the coordinates at constant rates; its ends are the controller's."""
-
-    start: Array
-    end: Array
-    duration: float
-
-    def at(self, t: ArrayLike) -> Motion:
-        time = np.asarray(t, dtype=float)
-        way = self.end - self.start
-        pose = self.start + (time / self.duration)[:, None] * way
-        none = [np.zeros((len(time), 6)) for _ in range(2)]
-        return Motion(time, pose, np.tile(way / self.duration, (len(time), 1)), *none)
-
-
-def prove_program(reading: Reading, case: Case) -> ProgramProof:
+def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> ProgramProof:
     """Proves a program that was read.
 
     Timed paths are proven at 10 kHz, or at a hundred samples a block where blocks are longer than 10 ms, under the
-    assumption that the controller passes the points at their times along the quintic spline through them. Moves whose
-    time law is the controller's are proven in their geometry and speed; their acceleration is the controller's to keep,
-    if its own limits are those of the case, and their jerk nobody's.
+    assumption that the controller passes the points at their times along the quintic spline through them; of a
+    controller that is not known to do so, accelerations and jerks are `NOT enforced`. Moves whose time law is the
+    controller's are proven in their geometry and feed; the rest is predicted from that law
+    and says who answers for it.
+
+    Args:
+        reading: the program.
+        case: machine and limits.
+        guarantees: what the controller answers for.
 
     Raises:
-        ProgramError: the motion is not defined.
+        ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
         CaseError: the case has no machine.
     """
-    parts = stretches(reading, case)
+    parts = stretches(reading)
     if not any(isinstance(p, Timed | Untimed) for p in parts):
         raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
     violations: list[Violation] = []
     for part in parts:
-        report, duration = _judge(part, case, clock)
+        report, duration = judge(part, case, guarantees, reading.file, clock)
         reports.append(report)
         violations += [Violation(_line(part, v.time - clock), v) for v in report.violations]
         clock += duration
-        excitation += duration if _excites(part) else 0.0
+        excitation += duration if part.trigger and not isinstance(part, Still) else 0.0
     worst_first = tuple(sorted(violations, key=lambda v: -v.check.ratio))
-    return ProgramProof(reading.file, reading.blocks, clock, excitation, worst_of(reports), worst_first)
-
-
-def _excites(part: Stretch) -> bool:
-    return part.trigger and not isinstance(part, Still)
+    return ProgramProof(
+        reading.file, guarantees.controller, reading.blocks, clock, excitation, worst_of(reports), worst_first
+    )
 
 
 def _line(part: Stretch, time: float) -> int:
     return part.line_at(time) if isinstance(part, Timed) else part.line
-
-
-def _judge(part: Stretch, case: Case, clock: float) -> tuple[LimitReport, float]:
-    if isinstance(part, Timed):
-        return prove_at(part.points, case, _instants(part), clock), part.points.duration
-    if isinstance(part, Still):
-        return LimitReport(()), part.duration
-    return _untimed(part, case, clock), part.duration or 0.0
-
-
-def _instants(part: Timed) -> Array:
-    """10 kHz in blocks of up to 10 ms, a hundred instants in each longer one: slow programs need no fine grid."""
-    steps = np.diff(part.points.times)
-    counts = np.clip(np.ceil(steps * PROOF_RATE - 1e-9), 1, SAMPLES_A_BLOCK).astype(int)
-    first = np.repeat(np.cumsum(counts) - counts, counts)
-    share = (np.arange(counts.sum()) - first) / np.repeat(counts, counts)
-    inside = np.repeat(part.points.times[:-1], counts) + share * np.repeat(steps, counts)
-    return np.append(inside, part.points.times[-1])
-
-
-def _untimed(part: Untimed, case: Case, clock: float) -> LimitReport:
-    """Geometry and speed; what depends on the controller's time law says who answers for it."""
-    if part.start is None or part.duration is None or part.duration == 0.0:
-        report = prove(Standstill(part.end, 0.0), case, 1.0, clock)
-        if part.start is not None:
-            return LimitReport(tuple(_relabelled(report.checks, case)))
-        # What turns on the way from an unknown pose turns as fast as it must: the axis limits of the controller hold.
-        checks = [
-            replace(c, name=f"{kind}, untimed moves", ratio=0.0, status=FROM_UNKNOWN[kind])
-            if kind in FROM_UNKNOWN
-            else c
-            for c, kind in ((c, c.name.split(" (")[0]) for c in _relabelled(report.checks, case))
-        ]
-        return LimitReport((*checks, *_speed_checks(part, case, clock)))
-    line = _ConstantSpeed(part.start, part.end, part.duration)
-    return LimitReport(tuple(_relabelled(prove(line, case, SAMPLES_A_LINE / part.duration, clock).checks, case)))
-
-
-def _speed_checks(part: Untimed, case: Case, clock: float) -> Iterable[LimitCheck]:
-    """The feed of a move from an unknown pose against the lowest velocity limit: it may run along any axis."""
-    if part.feed is None:
-        return
-    limits = case.need_machine("the check of a program")[2].motion
-    lowest = float(limits.rate[:3].min())
-    name = "velocity (feed to home)"
-    yield LimitCheck(name, part.feed / MM, lowest / MM, "mm/s", part.feed / lowest, clock, Status.PROVEN)
-
-
-def _relabelled(checks: Iterable[LimitCheck], case: Case) -> Iterable[LimitCheck]:
-    """Kinetic limits of moves that the controller times, under names of their own: they must not hide proven ones."""
-    headroom = case.need_controller("the check of a program").linuxcnc.acceleration_headroom
-    for check in checks:
-        kind = check.name.split(" (")[0]
-        if kind in BY_NOBODY:
-            yield replace(check, name=f"{kind}, untimed moves", ratio=0.0, status=Status.NOT_ENFORCED)
-        elif kind in BY_CONTROLLER:
-            struts = kind.startswith("strut")
-            status = Status.ENFORCED if headroom <= 1.0 and not struts else Status.NOT_ENFORCED
-            yield replace(check, name=f"{kind}, untimed moves", ratio=0.0, status=status)
-        else:
-            yield check

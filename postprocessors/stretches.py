@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import ProgramError
-from cases.schema import Case
 from identification.motion import TimedPoints
-from postprocessors.reading.words import Move, Pause, Reading, Switch, Timing
+from identification.polynomial import Piece, PolynomialMotion
+from postprocessors.reading.words import Move, Pause, Polynomial, Reading, Switch, Timing, Turn
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ class Timed:
     """
 
     lines: tuple[int, ...]
-    points: TimedPoints
+    points: TimedPoints | PolynomialMotion
     trigger: bool
 
     def line_at(self, time: float) -> int:
@@ -38,23 +38,41 @@ class Timed:
 
 @dataclass(frozen=True, slots=True)
 class Untimed:
-    """A straight move from standstill to standstill whose time law is the controller's.
+    """A straight move or an arc from standstill to standstill whose time law is the controller's.
 
     Args:
         line: of the program.
         start: shape (6,) [m, rad], or None where the program cannot know it.
         end: shape (6,) [m, rad].
-        duration: at constant feed; None where the start is not known [s].
         feed: along XYZ [m/s] or ABC [rad/s]; None for a rapid.
+        linear: whether the feed counts XYZ.
+        turn: the arc; None for a straight move.
         trigger: whether the trigger is on.
     """
 
     line: int
     start: Array | None
     end: Array
-    duration: float | None
     feed: float | None
+    linear: bool
+    turn: Turn | None
     trigger: bool
+
+    @property
+    def length(self) -> float:
+        """Way that the feed counts, from a known start [m], or [rad] where only angles move."""
+        assert self.start is not None
+        way = self.end - self.start
+        if self.turn is not None:
+            first, second, _ = self.turn.plane.axes
+            arm = self.start[[first, second]] - self.turn.centre
+            return abs(self.turn.angle) * float(np.hypot(arm[0], arm[1]))
+        return float(np.linalg.norm(way[:3] if self.linear else way[3:]))
+
+    @property
+    def moves(self) -> bool:
+        """Whether it moves at all, as far as is known."""
+        return self.turn is not None or self.start is None or bool(np.any(np.abs(self.end - self.start) > STILL))
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,36 +93,30 @@ class Still:
 Stretch = Timed | Untimed | Still
 
 
-def stretches(reading: Reading, case: Case) -> tuple[Stretch, ...]:
+def stretches(reading: Reading) -> tuple[Stretch, ...]:
     """Groups moves into stretches that begin and end at rest.
-
-    Args:
-        reading: the program.
-        case: gives the speed of rapids.
 
     Raises:
         ProgramError: a program whose motion is not defined: timed blocks from an unknown pose, blocks of the
-        controller's
-            own timing that run into each other, a trigger that waits for a motion which never comes.
+            controller's own timing that run into each other, a trigger that waits for a motion which never comes.
     """
-    return tuple(_Grouping(reading, case).run())
+    return tuple(_Grouping(reading).run())
 
 
 class _Grouping:
-    def __init__(self, reading: Reading, case: Case) -> None:
+    def __init__(self, reading: Reading) -> None:
         self.reading = reading
-        self.rate = case.need_machine("the check of a program")[2].motion.rate
         self.pose: Array | None = None
         self.trigger = False
         self.waiting: Switch | None = None
-        self.timed: list[Move] = []
+        self.timed: list[Move | Polynomial] = []
 
     def error(self, line: int, problem: str) -> ProgramError:
         return ProgramError(self.reading.file, line, 0, problem)
 
     def run(self) -> Iterator[Stretch]:
         for event in self.reading.events:
-            if isinstance(event, Move) and event.timing is Timing.DURATION:
+            if isinstance(event, Polynomial) or (isinstance(event, Move) and event.timing is Timing.DURATION):
                 if self.timed and self.waiting is not None:
                     raise self.error(self.waiting.line, "the trigger switches in the middle of a path; switch at rest")
                 self._settle_trigger()
@@ -114,7 +126,7 @@ class _Grouping:
                 self.waiting = event  # no reason for the controller to stop
                 continue
             yield from self._finish_timed()
-            if isinstance(event, Move):
+            if isinstance(event, Move | Turn):
                 self._settle_trigger()
                 yield self._untimed(event)
             elif isinstance(event, Pause):
@@ -137,28 +149,38 @@ class _Grouping:
             raise self.error(
                 moves[0].line, "a timed block starts from an unknown pose; first move home at a feed (G94)"
             )
-        stopping = next((m for m in moves if m.exact_stop), None)
+        stopping = next((m for m in moves if isinstance(m, Move) and m.exact_stop), None)
         if stopping is not None:
             raise self.error(
                 stopping.line,
                 "a timed block under G61: the controller stops at its end and does not keep the time; use G64",
             )
-        times = np.concatenate([[0.0], np.cumsum([m.value for m in moves])])
-        poses = np.vstack([self.pose, *(m.end for m in moves)])
+        yield Timed(tuple(m.line for m in moves), self._through(moves, self.pose), self.trigger)
         self.pose = moves[-1].end
-        yield Timed(tuple(m.line for m in moves), TimedPoints.through(times, poses), self.trigger)
 
-    def _untimed(self, move: Move) -> Untimed:
+    def _through(self, moves: list[Move | Polynomial], start: Array) -> TimedPoints | PolynomialMotion:
+        points = [m for m in moves if isinstance(m, Move)]
+        if len(points) == len(moves):
+            times = np.concatenate([[0.0], np.cumsum([m.value for m in points])])
+            return TimedPoints.through(times, np.vstack([start, *(m.end for m in points)]))
+        if points:
+            raise self.error(points[0].line, "a timed straight block among polynomials; write a path in one form")
+        pieces = []
+        for move in moves:
+            assert isinstance(move, Polynomial)
+            powers = move.duration ** np.arange(len(move.coefficients))
+            pieces.append(Piece(move.coefficients / powers[:, None], move.duration))
+        return PolynomialMotion(tuple(pieces))
+
+    def _untimed(self, move: Move | Turn) -> Untimed:
         if not move.exact_stop:
             raise self.error(
                 move.line, "a move at a feed is blended into the next (G64), its path is not known; use G61"
             )
         start, self.pose = self.pose, move.end
-        rapid = move.timing is Timing.RAPID
-        duration = None
-        if start is not None:
-            way = np.abs(move.end - start)
-            linear, angular = float(np.linalg.norm(way[:3])), float(np.linalg.norm(way[3:]))
-            length = linear if move.linear else angular
-            duration = float(np.max(way / self.rate)) if rapid else length / move.value
-        return Untimed(move.line, start, move.end, duration, None if rapid else move.value, self.trigger)
+        if isinstance(move, Turn):
+            if start is None:
+                raise self.error(move.line, "an arc starts from an unknown pose; first move home at a feed")
+            return Untimed(move.line, start, move.end, move.value, True, move, self.trigger)
+        feed = None if move.timing is Timing.RAPID else move.value
+        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger)

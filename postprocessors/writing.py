@@ -1,102 +1,134 @@
 """From a planned motion to a program's text that has been read back and proven; nothing else leaves this module."""
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Collection
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from cases.errors import HexciteError, ProgramError
+from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Trajectory
-from postprocessors.linuxcnc import write_linuxcnc
-from postprocessors.program import Program, excitation_program
+from postprocessors.dialects import Language
+from postprocessors.program import Arc, PointToPoint, Program, SplinePath, TimedPath, excitation_program
 from postprocessors.proof import ProgramProof, prove_program
-from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.reading.words import Reading
-from postprocessors.stretches import Timed, stretches
+from postprocessors.reading.words import Event, Reading
+from postprocessors.stretches import Timed, Untimed, stretches
 
 # The last decimal of the words, doubled: what is read back must be what was planned, up to rounding.
 ROUNDING = np.r_[np.full(3, 1e-5 * MM), np.full(3, 1e-6 * DEG)]
 
 
-class Dialect(NamedTuple):
-    """A controller's language: suffix of its files, its writer, and a reader that shares nothing with the writer."""
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A program that may be written.
 
-    suffix: str
-    write: Callable[[Program], str]
-    read: Callable[[str, str], Reading]
-
-
-DIALECTS = {"linuxcnc": Dialect(".ngc", write_linuxcnc, read_linuxcnc)}
-
-
-def dialect(name: str) -> Dialect:
-    """The dialect of a name.
-
-    Raises:
-        HexciteError: unknown; the message lists the known ones.
+    Args:
+        content: of the file.
+        proof: of that content; it holds.
+        reading: that content as read back.
     """
-    if name not in DIALECTS:
-        raise HexciteError(f"dialect {name!r} is unknown; choose {', '.join(DIALECTS)}")
-    return DIALECTS[name]
+
+    content: bytes
+    proof: ProgramProof
+    reading: Reading
 
 
-def dialect_of_file(file: str) -> Dialect:
-    """The dialect that a program's file name says.
-
-    Raises:
-        ProgramError: no dialect has this suffix.
-    """
-    for known in DIALECTS.values():
-        if file.endswith(known.suffix):
-            return known
-    suffixes = ", ".join(d.suffix for d in DIALECTS.values())
-    raise ProgramError(file, 0, 0, f"the suffix names no controller; programs end in {suffixes}")
-
-
-def proven_text(
-    trajectory: Trajectory, case: Case, language: Dialect, file: str, header: tuple[str, ...], speed: float = 1.0
-) -> tuple[str, ProgramProof]:
-    """Writes a program and proves its text.
+def proven_program(
+    trajectory: Trajectory,
+    case: Case,
+    language: Language,
+    file: str,
+    header: tuple[str, ...],
+    speed: float = 1.0,
+    accepted: Collection[str] = (),
+) -> Written:
+    """Writes a program and proves what it wrote.
 
     Args:
         trajectory: the excitation, from rest to rest.
         case: machine, limits, controller.
         language: the controller's.
         file: name of the program, for messages.
-        header: comment lines.
+        header: comment lines; what was proven is added to them.
         speed: share of the planned speed, above 0 and at most 1.
-
-    Returns:
-        The text and its proof, which holds.
+        accepted: families of limits that may stay without anybody who enforces them.
 
     Raises:
-        ProgramError: the text, as read back, is not the planned motion or passes a limit.
+        ProgramError: the text, as read back, is not the planned motion, passes a limit, or relies on one that nobody
+            enforces and that is not accepted.
         CaseError: the case has no machine or no controller.
     """
     program = excitation_program(trajectory, case, header, speed)
-    text = language.write(program)
-    reading = language.read(text, file)
-    proof = prove_program(reading, case)
-    proof.require()
-    _require_same(program, reading, case)
-    return text, proof
+    reading = language.read(language.write(program, case), file, case)
+    proof = prove_program(reading, case, language.guarantees(reading, case))
+    proof.require_accepted(accepted)
+    _require_same(program, reading)
+    said = replace(program, header=(*header, *_findings(proof)))
+    content = language.write(said, case)
+    again = language.read(content, file, case)
+    if not _same_events(again, reading):
+        raise ProgramError(file, 0, 0, "the header changes how the program reads; report this")
+    return Written(content, proof, again)
 
 
-def _require_same(program: Program, reading: Reading, case: Case) -> None:
-    """The timed paths of the text are those of the program, point by point and instant by instant."""
-    read = [s for s in stretches(reading, case) if isinstance(s, Timed)]
-    if len(read) != len(program.paths):
-        raise ProgramError(
-            reading.file, 0, 0, f"{len(read)} paths where {len(program.paths)} were written; report this"
-        )
-    for path, stretch in zip(program.paths, read, strict=True):
-        same = len(path.times) == len(stretch.points.times)
-        same = same and bool(np.all(np.abs(path.poses - stretch.points.poses) <= ROUNDING))
-        # F has 6 decimals: 1e-10 of 10 ms a block
-        same = same and bool(np.allclose(path.times, stretch.points.times, rtol=1e-7, atol=1e-9))
+def _findings(proof: ProgramProof) -> tuple[str, ...]:
+    """What the header says of the proof: never more than it holds."""
+    lines = [f"duration {proof.duration:.3f} s, excitation {proof.excitation:.3f} s", f"limits: {proof.verdict}"]
+    for check in proof.limits.checks:
+        used = f"{100 * check.ratio:.1f} % of {check.limit:.5g} {check.unit}"
+        lines.append(f"{check.name}: {used}, {check.status}{'' if check.binding else ' (predicted)'}")
+    return tuple(lines)
+
+
+def _same_events(one: Reading, other: Reading) -> bool:
+    """Whether two readings say the same to the last bit, but for the lines at which they say it."""
+
+    def values(event: Event) -> list[object]:
+        found = [getattr(event, f.name) for f in fields(event) if f.name != "line"]
+        return [type(event), *(v.tobytes() if isinstance(v, np.ndarray) else repr(v) for v in found)]
+
+    pairs = zip(one.events, other.events, strict=False)
+    return len(one.events) == len(other.events) and all(values(a) == values(b) for a, b in pairs)
+
+
+def _require_same(program: Program, reading: Reading) -> None:
+    """The motion of the text is that of the program, block by block, point by point and instant by instant."""
+    written = [b for b in program.blocks if isinstance(b, TimedPath | SplinePath | PointToPoint | Arc)]
+    # The first move of all goes home; it has no counterpart with a known start.
+    read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
+    if len(read) != len(written):
+        raise ProgramError(reading.file, 0, 0, f"{len(read)} moves where {len(written)} were written; report this")
+    for block, stretch in zip(written, read, strict=True):
+        match block:
+            case TimedPath():
+                name, same = f"path {block.name!r}", isinstance(stretch, Timed) and _same_path(block, stretch)
+            case SplinePath():
+                name, same = f"spline {block.name!r}", isinstance(stretch, Timed) and _same_spline(block, stretch)
+            case PointToPoint() | Arc():
+                name = "a move"
+                same = isinstance(stretch, Untimed) and _same_move(block, stretch)
         if not same:
-            raise ProgramError(
-                reading.file, stretch.lines[0], 0, f"path {path.name!r} reads back differently; report this"
-            )
+            line = stretch.lines[0] if isinstance(stretch, Timed) else stretch.line
+            raise ProgramError(reading.file, line, 0, f"{name} reads back differently; report this")
+
+
+def _same_move(block: PointToPoint | Arc, stretch: Untimed) -> bool:
+    near = bool(np.all(np.abs(stretch.end - block.move.end) <= ROUNDING))
+    return near and (stretch.turn is not None) == isinstance(block, Arc)
+
+
+def _same_path(path: TimedPath, stretch: Timed) -> bool:
+    times = stretch.points.times
+    if len(path.times) != len(times) or not np.allclose(path.times, times, rtol=1e-7, atol=1e-9):
+        return False  # F has 6 decimals: 1e-10 of 10 ms a block
+    return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING))
+
+
+def _same_spline(path: SplinePath, stretch: Timed) -> bool:
+    """In time, and at the points that the text holds; between points the proof judges what a controller makes of it."""
+    times = stretch.points.times
+    if not np.isclose(path.motion.duration, stretch.points.duration, rtol=1e-7):
+        return False
+    exact = path.motion.at(np.minimum(times, path.motion.duration)).pose
+    return bool(np.all(np.abs(exact - stretch.points.at(times).pose) <= 2 * ROUNDING))

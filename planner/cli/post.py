@@ -1,36 +1,58 @@
 """`hexcite post` and `hexcite check`: programs out, and programs back in."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table
+from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status
 
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
 
+Accept = Annotated[
+    list[str] | None,
+    typer.Option(help="A limit that the controller does not enforce and that you answer for, as in: --accept jerk."),
+]
+
+
 def post(
-    plan: Annotated[Path, typer.Argument(help="Plan folder.")],
-    dialect: Annotated[str, typer.Option(help="The controller's language: linuxcnc.")] = "linuxcnc",
+    plan: Annotated[Path | None, typer.Argument(help="Plan folder.")] = None,
+    dialect: Annotated[
+        str | None, typer.Option(help="The controller's language; without a plan, all are listed.")
+    ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
+    accept: Accept = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Program to write.")] = None,
     json: Json = False,
 ) -> None:
     """Write a plan as a program for the machine's controller, proven before it is written."""
-    answer = make_program(plan, dialect, speed, output, quiet=json)
+    from postprocessors.dialects import DIALECTS
+
+    if plan is None:
+        rows = [[d.name, " ".join(d.suffixes), d.description] for d in DIALECTS.values()]
+        if json:
+            print_json({"dialects": [d.name for d in DIALECTS.values()]})
+        else:
+            print_table("Dialects", ("name", "files", "controller"), rows, right=False)
+        return
+    answer = make_program(plan, dialect or "linuxcnc", speed, accept or (), output, quiet=json)
     if json:
         print_json(answer)
 
 
-def make_program(plan: Path, dialect_name: str, speed: float, output: Path | None, quiet: bool) -> dict[str, Any]:
+def make_program(
+    plan: Path, dialect_name: str, speed: float, accepted: Collection[str], output: Path | None, quiet: bool
+) -> dict[str, Any]:
     """Writes, prints unless `quiet`; returns the JSON answer."""
     from importlib.metadata import version
 
     from cases.errors import HexciteError
-    from cases.files import write_text
+    from cases.files import atomic_file
     from planner.plan import load_plan
-    from postprocessors.writing import dialect, proven_text
+    from postprocessors.dialects import dialect
+    from postprocessors.writing import proven_program
 
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
@@ -41,21 +63,26 @@ def make_program(plan: Path, dialect_name: str, speed: float, output: Path | Non
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
         f"case {saved.case.name}, hash {saved.case.hash}",
         f"plan {plan.resolve().name}: {saved.data['family']}, {saved.motion.duration:g} s at speed {speed:g}",
-        "proven at 10 kHz against every limit of the case: pose, rates, accelerations, jerks, struts, joints",
         "first to home at a safe feed from wherever the machine stands: keep that way clear",
     )
-    text, proof = proven_text(saved.motion, saved.case, language, str(file), header, speed)
-    write_text(file, text)
+    with status(f"writing and proving {file.name}", quiet):
+        written = proven_program(saved.motion, saved.case, language.load(), str(file), header, speed, accepted)
+    with atomic_file(file) as part:
+        part.write_bytes(written.content)
+    proof = written.proof
     answer = {
         "program": str(file),
         "dialect": dialect_name,
-        "blocks": proof.blocks,
+        "blocks": written.reading.blocks,
         "duration_s": proof.duration,
         "excitation_s": proof.excitation,
+        "verdict": proof.verdict,
+        "relies_on": list(proof.relies_on),
         "limits": proof.limits.to_json(),
     }
     if not quiet:
-        print(f"program written: {file} ({proof.blocks} blocks, {proof.duration:.2f} s, read back and proven)")
+        print(f"program written: {file} ({written.reading.blocks} blocks, {proof.duration:.2f} s, read back)")
+        print(f"limits: {proof.verdict}{' (accepted)' if proof.relies_on else ''}")
     return answer
 
 
@@ -82,7 +109,8 @@ def check_program(program: Path, case: str) -> tuple[dict[str, Any], Exception |
     from postprocessors.proof import prove_program
 
     loaded = load_case(case)
-    proof = prove_program(read_program(program), loaded)
+    read = read_program(program, loaded)
+    proof = prove_program(read.reading, loaded, read.guarantees)
     reason = None
     try:
         proof.require()
@@ -90,6 +118,8 @@ def check_program(program: Path, case: str) -> tuple[dict[str, Any], Exception |
         reason = error
     answer = {
         "ok": proof.ok,
+        "verdict": proof.verdict,
+        "relies_on": list(proof.relies_on),
         "violations": [{"line": v.line, "sentence": v.check.sentence()} for v in proof.violations],
         "duration_s": proof.duration,
         "limits": proof.limits.to_json(),
@@ -102,4 +132,4 @@ def show_check(answer: dict[str, Any]) -> None:
     print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(answer["limits"]))
     for violation in answer["violations"]:
         print(f"line {violation['line']}: {violation['sentence']}")
-    print("proven" if answer["ok"] else "NOT proven", f"({answer['duration_s']:.2f} s)")
+    print(f"{answer['verdict']} ({answer['duration_s']:.2f} s)")

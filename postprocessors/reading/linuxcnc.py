@@ -14,14 +14,18 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.errors import ProgramError
+from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.reading.words import Array, Event, Move, Pause, Reading, Switch, Timing
+from identification.circle import Plane
+from postprocessors.reading.words import Array, Event, Move, Pause, Reading, Switch, Timing, Turn
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
 STILL = 1e-7  # a coordinate moves if it changes by more, in mm or degrees (the interpreter's own threshold)
 
 _WORD = re.compile(r"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)))")
 _AXES = "XYZABC"
+ROUND = 2e-3  # [mm] between the radii at both ends; the controller itself lets pass 5e-3
+NO_ANGLE = 1e-9  # [rad]
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
 LOOSEST = 1.0  # [mm] of a corner that G64 may cut: on 10 ms blocks the corners themselves keep it far below
 LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
@@ -37,20 +41,24 @@ _GROUPS = (
     ("G40",),
     ("G49",),
     ("G54",),
+    ("G92.1",),
     ("G4",),
     ("M62", "M63", "M64", "M65"),
     ("M2", "M30"),
 )
-# Words that change nothing that a hexapod program here relies on: plane, no compensation, no offset, no cycle, arc
-# mode.
-_NEUTRAL = {"G17", "G40", "G49", "G54", "G80", "G91.1"}
+# Words that change nothing that a hexapod program here relies on: no compensation, offset, cycle; relative centres.
+_NEUTRAL = {"G40", "G49", "G54", "G80", "G91.1", "G92.1"}
+_PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
+_CENTRES = "IJK"
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
 _REMEDY = {
     "G20": "inches are not used here; write G21",
     "G91": "incremental coordinates are not used here; write G90",
-    "G18": "arcs are not read yet; write G1",
-    "G2": "arcs are not read; write G1",
-    "G3": "arcs are not read; write G1",
+    "G92": "shifts the coordinates, what follows is not known; write G92.1",
+    "G60": "not known to LinuxCNC; write G61",
+    "G70": "a finishing cycle here; write G21 for millimetres",
+    "G71": "a turning cycle here; write G21 for millimetres",
+    "G90.1": "absolute arc centres are not used here; write G91.1",
 }
 
 
@@ -77,6 +85,7 @@ class _Interpreter:
         self.loose: ProgramError | None = None
         self.feed: float | None = None
         self.motion: str | None = None
+        self.plane: Plane | None = None
 
     def error(self, line: int, word: _Word | None, problem: str) -> ProgramError:
         return ProgramError(self.file, line, word.column if word else 0, problem)
@@ -89,7 +98,7 @@ class _Interpreter:
         for word in words:
             if word.letter in "GM":
                 codes.append(word)
-            elif word.letter in "XYZABCFPQ":
+            elif word.letter in "XYZABCFPQIJK":
                 if abs(word.value) > (LARGEST_FEED if word.letter == "F" else LARGEST):
                     raise self.error(line, word, f"{word.letter}{word.value:g} is no machine's number; correct it")
                 if word.letter in seen:
@@ -104,11 +113,14 @@ class _Interpreter:
         for letter, owners in (("P", {"G4", "G64", *_SWITCHES}), ("Q", {"G64"})):
             if letter in seen and not written & owners:
                 raise self.error(line, seen[letter], f"{letter} without {' or '.join(sorted(owners))}; remove it")
+        for letter in _CENTRES:
+            if letter in seen and self.motion not in ("G2", "G3"):
+                raise self.error(line, seen[letter], f"{letter} without G2 or G3; remove it")
         if "F" in seen:
             if not seen["F"].value > 0.0:
                 raise self.error(line, seen["F"], f"feed F{seen['F'].value:g} is not positive; correct it")
             self.feed = seen["F"].value
-        if any(letter in seen for letter in _AXES):
+        if any(letter in seen for letter in _AXES + _CENTRES):
             self._move(line, seen)
         elif self.inverse_time:
             self.feed = None
@@ -130,7 +142,9 @@ class _Interpreter:
             self.units = True
         elif code == "G90":
             self.absolute = True
-        elif code in ("G0", "G1"):
+        elif code in _PLANES:
+            self.plane = _PLANES[code]
+        elif code in ("G0", "G1", "G2", "G3"):
             self.motion = code
         elif code in ("G93", "G94"):
             self.inverse_time = code == "G93"
@@ -172,11 +186,60 @@ class _Interpreter:
         if np.isnan(end).any():
             missing = _AXES[int(np.flatnonzero(np.isnan(end))[0])]
             raise self.error(line, None, f"the first move leaves {missing} open; name all six axes")
+        if self.motion in ("G2", "G3"):
+            self._turn(line, seen, end)
+            return
         timing, value = self._timing(line, seen, end)
         if timing is Timing.DURATION and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
         self.events.append(Move(line, _to_si(end), timing, value, self.exact, self._linear(end)))
         self.pose = end
+
+    def _turn(self, line: int, seen: dict[str, _Word], end: Array) -> None:
+        """An arc with relative centre words; without end words it is a full circle."""
+        if np.isnan(self.pose).any():
+            raise self.error(line, None, "an arc starts from an unknown pose; first move home at a feed (G94)")
+        if self.plane is None:
+            raise self.error(line, None, f"{self.motion} before a plane was chosen; write G17, G18 or G19")
+        if self.inverse_time or self.feed is None:
+            raise self.error(line, None, f"{self.motion} needs a feed per minute; write G94 and F")
+        first, second, normal = self.plane.axes
+        if _CENTRES[normal] in seen:
+            word = seen[_CENTRES[normal]]
+            raise self.error(
+                line, word, f"{word.letter} is no centre in this plane; remove it, or choose another plane"
+            )
+        if not {_CENTRES[first], _CENTRES[second]} & set(seen):
+            raise self.error(
+                line, None, f"{self.motion} without a centre; add {_CENTRES[first]} and {_CENTRES[second]}"
+            )
+        if abs(end[normal] - self.pose[normal]) > STILL:
+            raise self.error(line, seen[_AXES[normal]], "helices are not used here; write an arc in its plane")
+        offset = np.array([seen[_CENTRES[k]].value if _CENTRES[k] in seen else 0.0 for k in (first, second)])
+        centre = self.pose[[first, second]] + offset
+        radius, reached = float(np.hypot(*offset)), float(np.hypot(*(end[[first, second]] - centre)))
+        if radius <= 0.0:
+            raise self.error(line, None, "the arc has no radius; correct its centre")
+        if abs(reached - radius) > ROUND:
+            raise self.error(
+                line,
+                None,
+                f"radius {radius:g} mm at the start and {reached:g} mm at the end of the arc; correct its centre",
+            )
+        full = not {_AXES[first], _AXES[second]} & set(seen)
+        angle = self._angle(-offset, end[[first, second]] - centre, full)
+        si = _to_si(end)
+        value = self.feed * MM / MINUTE
+        self.events.append(Turn(line, si, self.plane, centre * MM, angle, value, self.exact))
+        self.pose = end
+
+    def _angle(self, arm: Array, target: Array, full: bool) -> float:
+        """Turned counter-clockwise (G3, positive) or clockwise (G2); to where it starts it is a full circle."""
+        angle = math.atan2(arm[0] * target[1] - arm[1] * target[0], float(arm @ target)) % (2 * math.pi)
+        if full or angle < NO_ANGLE or 2 * math.pi - angle < NO_ANGLE:
+            angle = 2 * math.pi
+            return angle if self.motion == "G3" else -angle
+        return angle if self.motion == "G3" else angle - 2 * math.pi
 
     def _timing(self, line: int, seen: dict[str, _Word], end: Array) -> tuple[Timing, float]:
         if self.motion == "G0":
@@ -216,6 +279,20 @@ def _words(file: str, number: int, text: str) -> Iterator[_Word]:
         if match["letter"]:
             yield _Word(match["letter"].upper(), float(match["number"]), match.start("letter") + 1)
         position = match.end()
+
+
+def read_linuxcnc_bytes(content: bytes, file: str, case: Case) -> Reading:
+    """Reads a file as it is, byte by byte: no notion of lines but the controller's own (line feed).
+
+    Args:
+        content: of the file.
+        file: its name, for messages.
+        case: not needed for this dialect.
+
+    Raises:
+        ProgramError: see `read_linuxcnc`.
+    """
+    return read_linuxcnc(content.decode("latin-1"), file)  # one character a byte; what is not ASCII is refused there
 
 
 def read_linuxcnc(text: str, file: str) -> Reading:

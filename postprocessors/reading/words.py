@@ -6,6 +6,8 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from identification.circle import Plane
+
 Array = NDArray[np.float64]
 
 
@@ -42,6 +44,49 @@ class Move:
 
 
 @dataclass(frozen=True, slots=True)
+class Turn:
+    """A circular move of the origin in a coordinate plane; the other coordinates change in proportion.
+
+    Args:
+        line: of the program.
+        end: pose at its end, shape (6,) [m, rad].
+        plane: in which it lies.
+        centre: along the plane's first and second axis, absolute in {B}, shape (2,) [m].
+        angle: turned about the plane's normal, positive counter-clockwise, at most a full circle [rad].
+        value: feed along the arc [m/s].
+        exact_stop: whether the controller comes to rest at the end.
+    """
+
+    line: int
+    end: Array
+    plane: Plane
+    centre: Array
+    angle: float
+    value: float
+    exact_stop: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Polynomial:
+    """A polynomial piece in the six coordinates: sum_i c_i p^i for p from 0 to 1.
+
+    Args:
+        line: of the program.
+        coefficients: c_0 (where the machine stands) to c_d, shape (d + 1, 6) [m, rad].
+        duration: if p is passed evenly over it [s].
+    """
+
+    line: int
+    coefficients: Array
+    duration: float
+
+    @property
+    def end(self) -> Array:
+        """Pose at its end, shape (6,) [m, rad]."""
+        return np.asarray(self.coefficients.sum(axis=0))
+
+
+@dataclass(frozen=True, slots=True)
 class Pause:
     """Standing still for `duration` [s]."""
 
@@ -64,7 +109,7 @@ class Switch:
     at_once: bool
 
 
-Event = Move | Pause | Switch
+Event = Move | Turn | Polynomial | Pause | Switch
 
 
 @dataclass(frozen=True, slots=True)

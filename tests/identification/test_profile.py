@@ -44,7 +44,8 @@ def test_a_profile_ends_at_rest_where_it_should_inside_its_limits(limits: tuple[
     assert s[0] == v[0] == a[0] == 0.0
     assert s[-1] == pytest.approx(distance, rel=1e-9)
     assert abs(v[-1]) <= 1e-9 * v.max()
-    assert abs(a[-1]) <= 1e-9 * profile.jerk * profile.jerk_time
+    clock = np.spacing(profile.duration)  # after a cruise of days the end is known to this alone
+    assert abs(a[-1]) <= profile.jerk * (1e-9 * profile.jerk_time + 4 * clock)
     assert v.max() <= velocity * (1 + 1e-9)
     assert np.abs(a).max() <= acceleration * (1 + 1e-9)
     assert np.abs(j).max() <= jerk * (1 + 1e-9)

@@ -11,7 +11,7 @@ import pytest
 
 from cases.loading import built_in_cases
 from planner.plan import SavedPlan, load_plan
-from tests.planner.command_line import hexcite
+from tests.planner.command_line import ACCEPT, hexcite
 
 
 @pytest.fixture(scope="session")
@@ -69,7 +69,7 @@ def chain(
 ) -> dict[str, dict[str, Any]]:
     """The answers of plan, post, check, run and identify, each fed with what the one before it wrote."""
     steps = {
-        "post": ("post", "plan", "-o", "excitation.ngc"),
+        "post": ("post", "plan", *ACCEPT, "-o", "excitation.ngc"),
         "check": ("check", "excitation.ngc", "--case", "hexapod"),
         "run": ("run", "excitation.ngc", "--case", "hexapod", "-o", "recording"),
         "identify": ("identify", "recording", "-o", "result"),

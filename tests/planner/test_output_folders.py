@@ -9,7 +9,7 @@ import pytest
 
 from cases.errors import HexciteError
 from planner import planning
-from tests.planner.command_line import call, refused
+from tests.planner.command_line import ACCEPT, call, refused
 
 QUICK = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "1", "--json")
 
@@ -20,7 +20,7 @@ def sources(chain: dict[str, Any], shared: Path) -> dict[str, tuple[object, ...]
         "plan": QUICK,
         "run": ("run", shared / "excitation.ngc", "--case", "hexapod", "--json"),
         "identify": ("identify", shared / "recording", "--json"),
-        "post": ("post", shared / "plan", "--json"),
+        "post": ("post", shared / "plan", *ACCEPT, "--json"),
     }
 
 

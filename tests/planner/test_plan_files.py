@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from planner.plan import HEADER, SavedPlan
-from tests.planner.command_line import call, refused
+from tests.planner.command_line import ACCEPT, call, refused
 from tests.planner.json_answer import one_json_object
 
 
@@ -114,7 +114,7 @@ def test_a_plan_whose_case_was_edited_since_is_refused(copy: Path, hexapod_file:
     """Another limit is another plan; another comment is not."""
     rewrite(copy, "case_file", to=str(hexapod_file))
     hexapod_file.write_text(hexapod_file.read_text() + "\n# a comment\n")
-    call("post", copy, "-o", copy.parent / "p.ngc", "--json").json()
+    call("post", copy, *ACCEPT, "-o", copy.parent / "p.ngc", "--json").json()
     edited = hexapod_file.read_text().replace("velocity_mm_s = [600.0", "velocity_mm_s = [500.0")
     hexapod_file.write_text(edited)
     line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")

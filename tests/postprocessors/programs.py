@@ -6,10 +6,12 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from cases.loading import load_case
 from cases.schema import Case
 from identification.limits import prove
 from identification.profile import StraightMove
 from planner.fourier import FourierFamily
+from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger, timed_path
 from postprocessors.proof import ProgramProof, prove_program
@@ -42,12 +44,18 @@ def timed(lines: list[str]) -> str:
 
 def parts(text: str, case: Case) -> tuple[Stretch, ...]:
     """Stretches of a program's text."""
-    return stretches(read_linuxcnc(text, "p.ngc"), case)
+    return stretches(read_linuxcnc(text, "p.ngc"))
 
 
 def proof(text: str, case: Case) -> ProgramProof:
     """Proof of a program's text."""
-    return prove_program(read_linuxcnc(text, "p.ngc"), case)
+    reading = read_linuxcnc(text, "p.ngc")
+    return prove_program(reading, case, linuxcnc_guarantees(reading, case))
+
+
+def linuxcnc_text(program: Program) -> str:
+    """A program for the built-in hexapod."""
+    return write_linuxcnc(program, load_case("hexapod"))
 
 
 def small_excitation(case: Case, seed: int = 1, share: float = 0.85, period: float = 1.2) -> str:
@@ -58,7 +66,8 @@ def small_excitation(case: Case, seed: int = 1, share: float = 0.85, period: flo
     for _ in range(6):
         unknowns *= share / prove(family.motion(unknowns), case, 2000.0).worst_ratio
     path = timed_path("excitation", family.motion(unknowns), case.controller.block, 1.0)
-    return write_linuxcnc(Program(("small",), (ToHome(path.poses[0], 0.05), Trigger(True), path, Trigger(False))))
+    program = Program(("small",), (ToHome(path.poses[0], 0.05), Trigger(True), path, Trigger(False)))
+    return write_linuxcnc(program, case)
 
 
 poses = st.tuples(*(st.floats(-r, r) for r in RANGE)).map(lambda p: np.round(HOME + np.array(p), 9))

@@ -6,10 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Program, ToHome
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
-from tests.postprocessors.programs import HOME
+from tests.postprocessors.programs import HOME, linuxcnc_text
 
 MOVE = (ToHome(HOME, 0.05),)
 ESCAPES = [
@@ -34,8 +33,8 @@ def header_of(text: str) -> Program:
 
 @given(text=st.text(max_size=400))
 def test_any_header_becomes_comment_lines_of_printable_ascii_and_nothing_else(text: str):
-    lines = write_linuxcnc(header_of(text)).split("\n")
-    program = write_linuxcnc(Program((), MOVE)).split("\n")
+    lines = linuxcnc_text(header_of(text)).split("\n")
+    program = linuxcnc_text(Program((), MOVE)).split("\n")
     comments = lines[: len(lines) - len(program)]
     assert lines[len(comments) :] == program
     for line in comments:
@@ -46,21 +45,21 @@ def test_any_header_becomes_comment_lines_of_printable_ascii_and_nothing_else(te
 
 @given(text=st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=240, max_size=2000))
 def test_a_long_header_does_not_make_a_line_that_the_controller_refuses(text: str):
-    assert max(map(len, write_linuxcnc(header_of(text)).splitlines())) <= LONGEST_LINE
+    assert max(map(len, linuxcnc_text(header_of(text)).splitlines())) <= LONGEST_LINE
 
 
 @pytest.mark.parametrize("text", ESCAPES)
 def test_a_header_cannot_break_out_of_its_comment(text: str):
-    assert len(read_linuxcnc(write_linuxcnc(header_of(text)), "p.ngc").events) == 1
+    assert len(read_linuxcnc(linuxcnc_text(header_of(text)), "p.ngc").events) == 1
 
 
 @pytest.mark.linuxcnc
 @pytest.mark.parametrize("text", [*COMMANDS, *ESCAPES])
 def test_linuxcnc_takes_a_header_as_a_comment_and_not_as_a_command(text: str, rs274: Callable):
     """Comments that begin with MSG, LOGOPEN and the like are commands, blanks before the word notwithstanding."""
-    text = write_linuxcnc(header_of(text))
+    text = linuxcnc_text(header_of(text))
     commands = [name for name, _ in rs274(text)]
-    program = [name for name, _ in rs274(write_linuxcnc(Program((), MOVE)))]
+    program = [name for name, _ in rs274(linuxcnc_text(Program((), MOVE)))]
     assert [c for c in commands if c != "COMMENT"] == [c for c in program if c != "COMMENT"]
-    extra = text.count("(") - write_linuxcnc(Program((), MOVE)).count("(")
+    extra = text.count("(") - linuxcnc_text(Program((), MOVE)).count("(")
     assert commands.count("COMMENT") == program.count("COMMENT") + extra

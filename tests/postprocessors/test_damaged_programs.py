@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from cases.errors import ProgramError
 from cases.loading import load_case
+from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proof import prove_program
 from postprocessors.reading.linuxcnc import read_linuxcnc
@@ -35,7 +36,7 @@ def test_the_program_before_the_damage_is_proven():
 @given(edits=st.lists(EDITS, min_size=1, max_size=4))
 def test_a_damaged_program_ends_in_a_proof_or_in_one_line(edits: list[tuple[str, int, str]]):
     try:
-        result = prove_program(read_linuxcnc(damaged(edits), "p.ngc"), CASE)
+        result = proof(damaged(edits), CASE)
     except ProgramError as error:
         assert one_line(error).startswith("p.ngc")
         return
@@ -51,7 +52,7 @@ def test_a_damaged_program_ends_in_a_proof_or_in_one_line(edits: list[tuple[str,
 def test_what_is_proven_can_be_run(edits: list[tuple[str, int, str]]):
     try:
         reading = read_linuxcnc(damaged(edits), "p.ngc")
-        if not prove_program(reading, CASE).ok:
+        if not prove_program(reading, CASE, linuxcnc_guarantees(reading, CASE)).ok:
             return
     except ProgramError:
         return

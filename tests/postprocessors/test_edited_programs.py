@@ -84,7 +84,7 @@ def test_an_edit_of_the_last_decimal_changes_nothing(letter: str):
     assert proof(with_digit(middle, position, digit), CASE).ok
 
 
-@pytest.mark.parametrize("factor", [1.5, 3.0, 1000.0])
+@pytest.mark.parametrize("factor", [1.5, 3.0, 9.0])
 def test_a_faster_feed_in_one_line_is_caught(factor: float):
     middle = (FIRST + LAST) // 2
     line = re.sub(r"F([\d.]+)", lambda m: f"F{float(m[1]) * factor:.6f}", LINES[middle - 1])

@@ -11,7 +11,7 @@ from cases.units import DEG, MM
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.reading.words import Move, Timing
 from postprocessors.stretches import Timed, Untimed
-from tests.postprocessors.programs import HEAD, parts, there_and_back, timed, typed
+from tests.postprocessors.programs import HEAD, parts, proof, there_and_back, timed, typed
 
 CASE = load_case("hexapod")
 
@@ -22,7 +22,7 @@ def last_move(body: str) -> Move:
 
 def duration(body: str) -> float:
     last = parts(typed(body), CASE)[-1]
-    return last.points.duration if isinstance(last, Timed) else last.duration
+    return last.points.duration if isinstance(last, Timed) else last.length / last.feed
 
 
 @given(seconds=st.floats(1e-3, 100.0))
@@ -50,7 +50,7 @@ def test_reader_and_judge_agree_from_where_on_x_y_z_count_as_moving(x: str, hexa
     assert isinstance(move, Untimed)
     moves = float(x) > 1e-7
     seconds = float(x) / 3000 * 60 if moves else 10 / 3000 * 60
-    assert move.duration == pytest.approx(seconds, rel=1e-6)
+    assert move.length / move.feed == pytest.approx(seconds, rel=1e-6)
 
 
 def test_another_feed_is_another_time():
@@ -68,7 +68,10 @@ def test_a_feed_per_minute_stays_until_it_is_changed_and_is_gone_after_a_timed_p
 def test_a_rapid_ignores_the_feed_and_runs_at_the_limits(hexapod_case: Case):
     rapid = last_move("G0 X100 F1")
     assert rapid.timing is Timing.RAPID
-    assert duration("G0 X100 F1") == pytest.approx(0.1 / hexapod_case.limits.motion.rate[0])
+    v, a = hexapod_case.limits.motion.rate[0], hexapod_case.limits.motion.acceleration[0]
+    went = proof(typed("G0 X100 F1"), hexapod_case)
+    assert went.duration == pytest.approx(0.1 / v + v / a)
+    assert went.limits.to_json()["velocity"]["status"] == "enforced by controller"
 
 
 def test_the_first_feed_counts_in_millimetres_whatever_moves():

@@ -12,10 +12,9 @@ import pytest
 from cases.loading import load_case
 from cases.units import DEG, MM
 from planner.fourier import FourierMotion
-from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger, excitation_program
 from tests.postprocessors.changed_case import changed
-from tests.postprocessors.programs import HOME, proof
+from tests.postprocessors.programs import HOME, linuxcnc_text, proof
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 UNITS = np.r_[np.full(3, MM), np.full(3, DEG)]
@@ -43,7 +42,7 @@ PROGRAMS: dict[str, Callable[[], Program]] = {"one_of_each.ngc": one_of_each, "e
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_program_is_written_as_in_the_golden_file(name: str):
-    assert write_linuxcnc(PROGRAMS[name]()) == (GOLDEN / name).read_text(encoding="ascii")
+    assert linuxcnc_text(PROGRAMS[name]()) == (GOLDEN / name).read_text(encoding="ascii")
 
 
 def test_every_golden_file_is_compared():
@@ -63,4 +62,4 @@ def test_linuxcnc_accepts_the_golden_file(name: str, rs274: Callable):
 
 if __name__ == "__main__":
     for name, program in PROGRAMS.items():
-        (GOLDEN / name).write_text(write_linuxcnc(program()), encoding="ascii")
+        (GOLDEN / name).write_text(linuxcnc_text(program()), encoding="ascii")

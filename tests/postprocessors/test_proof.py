@@ -2,8 +2,10 @@
 
 import pytest
 
+from cases.errors import ProgramError
 from cases.schema import Case
 from postprocessors.proof import ProgramProof
+from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import proof, small_excitation, there_and_back, timed, typed
 
@@ -65,41 +67,80 @@ def test_a_value_just_above_its_limit_is_not_printed_as_if_it_were_the_limit(fee
     assert float(value) > 600
 
 
-def test_limits_of_timed_paths_are_proven(hexapod_case: Case):
+def test_geometry_and_rates_of_timed_paths_are_proven_but_not_what_linuxcnc_makes_of_their_time(hexapod_case: Case):
+    """With the headroom that keeps their time its planner accelerates between the blocks as hard as it may."""
     limits = proof(typed(PATH), hexapod_case).limits.to_json()
-    for name in (
-        "position",
-        "velocity",
-        "acceleration",
-        "jerk",
-        "strut length",
-        "strut velocity",
-        "strut acceleration",
-    ):
+    for name in ("position", "velocity", "strut length", "strut velocity"):
         assert limits[name]["status"] == "proven"
         assert 0.0 < limits[name]["ratio"] < 1.0
+    for name in ("acceleration", "jerk", "strut acceleration"):
+        assert limits[name]["status"] == "NOT enforced"
+        assert 0.0 < limits[name]["ratio"] < 1.0
+
+
+def test_what_nobody_enforces_has_to_be_accepted_by_name(hexapod_case: Case):
+    result = proof(typed(PATH), hexapod_case)
+    assert result.ok
+    assert result.relies_on == ("acceleration", "jerk", "strut acceleration")
+    assert result.verdict == "proven, but nobody enforces: acceleration, jerk, strut acceleration"
+    result.require_accepted(["jerk", "Strut-Acceleration", "acceleration"])
+    with pytest.raises(
+        ProgramError, match=r"LinuxCNC does not enforce jerk, strut acceleration.*--accept jerk,strut-acceleration if"
+    ):
+        result.require_accepted(["acceleration"])
+    with pytest.raises(ProgramError) as caught:
+        result.require_accepted([])
+    one_line(caught.value)
+
+
+def test_accepting_what_nobody_enforces_does_not_accept_what_the_text_itself_passes(hexapod_case: Case):
+    fast = proof(typed(timed(there_and_back(size=60.0))), hexapod_case)
+    with pytest.raises(ProgramError, match=r"(acceleration|jerk) .*reaches"):
+        fast.require_accepted(["acceleration", "jerk", "strut acceleration"])
 
 
 @pytest.mark.parametrize("body", ["G1 X5 F3000", "G0 X5"])
 def test_what_the_controller_times_itself_is_not_called_proven(body: str, hexapod_case: Case):
-    """LinuxCNC limits accelerations of axes, here far above the case; jerk and struts it does not know."""
-    result = proof(typed(body), hexapod_case)
+    """LinuxCNC limits accelerations of axes, beside timed paths far above the case; jerk and struts not."""
+    result = proof(typed(f"{body}\nG1 X0 F3000\n{PATH}"), hexapod_case)
     for name in ("acceleration", "angular acceleration", "jerk", "angular jerk", "strut acceleration"):
         assert status(result, f"{name}, untimed moves") == "NOT enforced"
-        assert name not in result.limits.to_json()
-    assert status(result, "velocity") == "proven"
+    assert result.limits.to_json()["acceleration, untimed moves"]["ratio"] > 10
+    assert result.ok
 
 
-def test_a_controller_without_headroom_enforces_the_accelerations_of_its_axes(hexapod_case: Case):
-    result = proof(typed(""), changed(hexapod_case, controller__linuxcnc__acceleration_headroom=1.0))
+@pytest.mark.parametrize("body", ["G1 X5 F3000", "G0 X5"])
+def test_without_timed_blocks_linuxcnc_gets_the_limits_of_the_case_and_keeps_accelerations(
+    body: str, hexapod_case: Case
+):
+    result = proof(typed(body), hexapod_case)
     assert status(result, "acceleration, untimed moves") == "enforced by controller"
     assert status(result, "strut acceleration, untimed moves") == "NOT enforced"
     assert status(result, "jerk, untimed moves") == "NOT enforced"
+    assert result.limits.to_json()["acceleration, untimed moves"]["ratio"] == pytest.approx(1.0)
+    assert "acceleration" not in result.limits.to_json()
+    assert result.relies_on == ("jerk", "strut acceleration")
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (
+            timed([*there_and_back(), "G1 X0 F62000"]),
+            "line 26: the block takes 0.9677 ms, less than a cycle of LinuxCNC .1 m",
+        ),
+        (timed([*there_and_back(), "G1 X0 F239"]), "line 26: the timed block takes 0.251 s; how LinuxCNC moves"),
+    ],
+)
+def test_a_timed_block_that_the_controller_cannot_time_is_refused(body: str, words: str, hexapod_case: Case):
+    with pytest.raises(ProgramError, match=words) as caught:
+        proof(typed(body), hexapod_case)
+    one_line(caught.value)
 
 
 def test_the_untimed_way_home_does_not_hide_what_a_timed_path_reaches(hexapod_case: Case):
     alone = proof(typed(PATH), hexapod_case).limits.to_json()
-    assert alone["acceleration"]["status"] == "proven"
+    assert alone["acceleration"]["worst"] == pytest.approx(0.04, rel=0.5)
     assert alone["acceleration, untimed moves"]["status"] == "NOT enforced"
 
 

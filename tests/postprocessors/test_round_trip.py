@@ -6,12 +6,11 @@ from hypothesis import given
 from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Dwell, Program, ToHome, Trigger, excitation_program
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
 from postprocessors.reading.words import Move, Pause, Switch, Timing
 from postprocessors.stretches import Still, Timed, stretches
-from tests.postprocessors.programs import HOME, programs
+from tests.postprocessors.programs import HOME, linuxcnc_text, programs
 
 HALF_A_STEP = np.r_[np.full(3, 0.5e-5 * MM), np.full(3, 0.5e-6 * DEG)] * (1 + 1e-6)
 CASE = load_case("hexapod")
@@ -19,7 +18,7 @@ CASE = load_case("hexapod")
 
 @given(program=programs())
 def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(program: Program):
-    read = [s for s in stretches(read_linuxcnc(write_linuxcnc(program), "p.ngc"), CASE) if isinstance(s, Timed)]
+    read = [s for s in stretches(read_linuxcnc(linuxcnc_text(program), "p.ngc")) if isinstance(s, Timed)]
     assert len(read) == len(program.paths)
     for path, stretch in zip(program.paths, read, strict=True):
         assert np.all(np.abs(stretch.points.poses - path.poses) <= HALF_A_STEP)
@@ -30,7 +29,7 @@ def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(progr
 
 @given(program=programs())
 def test_dwells_and_trigger_read_back_in_their_order(program: Program):
-    events = read_linuxcnc(write_linuxcnc(program), "p.ngc").events
+    events = read_linuxcnc(linuxcnc_text(program), "p.ngc").events
     others = [b for b in program.blocks if isinstance(b, Dwell | Trigger)]
     read = [e for e in events if isinstance(e, Pause | Switch)]
     assert len(read) == len(others)
@@ -43,7 +42,7 @@ def test_dwells_and_trigger_read_back_in_their_order(program: Program):
 
 @given(program=programs())
 def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: Program):
-    first = read_linuxcnc(write_linuxcnc(program), "p.ngc").events[0]
+    first = read_linuxcnc(linuxcnc_text(program), "p.ngc").events[0]
     home = program.blocks[0]
     assert isinstance(first, Move)
     assert isinstance(home, ToHome)
@@ -54,15 +53,15 @@ def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: Pro
 
 @given(program=programs())
 def test_lines_keep_the_length_that_the_controller_reads(program: Program):
-    assert max(map(len, write_linuxcnc(program).splitlines())) <= LONGEST_LINE
+    assert max(map(len, linuxcnc_text(program).splitlines())) <= LONGEST_LINE
 
 
 def test_an_excitation_begins_and_ends_at_home_and_has_the_trigger_on_just_while_it_runs(hexapod_case: Case):
     from planner.fourier import FourierFamily
 
     motion = FourierFamily(2, 3.0, 1, HOME, np.full(6, 0.05), 12).motion(np.random.default_rng(0).normal(size=18) / 9)
-    text = write_linuxcnc(excitation_program(motion, hexapod_case, ()))
-    read = stretches(read_linuxcnc(text, "p.ngc"), hexapod_case)
+    text = linuxcnc_text(excitation_program(motion, hexapod_case, ()))
+    read = stretches(read_linuxcnc(text, "p.ngc"))
     approach, excitation, back = (s for s in read if isinstance(s, Timed))
     assert [approach.trigger, excitation.trigger, back.trigger] == [False, True, False]
     assert np.allclose(approach.points.poses[0], HOME)

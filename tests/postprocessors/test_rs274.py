@@ -10,11 +10,10 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Program
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.reading.words import Move, Pause, Switch, Timing
-from tests.postprocessors.programs import HEAD, programs, small_excitation, typed
+from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, small_excitation, typed
 
 pytestmark = pytest.mark.linuxcnc
 SAME_FOLDER = settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -77,7 +76,7 @@ def require_same(text: str, commands: list[tuple[str, list[float]]] | str) -> No
 @SAME_FOLDER
 @given(program=programs())
 def test_every_program_that_is_written_is_accepted_and_means_what_the_reader_says(program: Program, rs274: Callable):
-    text = write_linuxcnc(program)
+    text = linuxcnc_text(program)
     require_same(text, rs274(text))
 
 

@@ -9,14 +9,21 @@ from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.limits import prove
 from planner.fourier import FourierFamily, FourierMotion
+from postprocessors.dialects import dialect, dialect_of_file
 from postprocessors.program import TimedPath
-from postprocessors.proof import prove_program
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.stretches import Timed, stretches
-from postprocessors.writing import dialect, dialect_of_file, proven_text
+from postprocessors.writing import proven_program
 from tests.helpers import one_line
+from tests.postprocessors.programs import proof as reproof
 
-LINUXCNC = dialect("linuxcnc")
+LINUXCNC = dialect("linuxcnc").load()
+ACCEPTED = ("acceleration", "jerk", "strut-acceleration")
+
+
+def proven_text(motion, case, language, file, header, speed=1.0):
+    written = proven_program(motion, case, language, file, header, speed, ACCEPTED)
+    return written.content.decode("ascii"), written.proof
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +40,7 @@ def motion(hexapod_case: Case) -> FourierMotion:
 def test_the_text_of_a_motion_within_the_limits_comes_with_its_proof(motion: FourierMotion, hexapod_case: Case):
     text, proof = proven_text(motion, hexapod_case, LINUXCNC, "p.ngc", ("a",))
     assert proof.ok
-    again = prove_program(read_linuxcnc(text, "p.ngc"), hexapod_case)
+    again = reproof(text, hexapod_case)
     assert again.limits == proof.limits
     assert proof.excitation == pytest.approx(1.0)
 
@@ -50,7 +57,7 @@ def test_at_a_tenth_of_the_speed_the_same_way_takes_ten_times_as_long(motion: Fo
     paths = []
     for speed in (1.0, 0.1):
         text, _ = proven_text(motion, hexapod_case, LINUXCNC, "p.ngc", (), speed)
-        read = stretches(read_linuxcnc(text, "p.ngc"), hexapod_case)
+        read = stretches(read_linuxcnc(text, "p.ngc"))
         paths.append([s.points for s in read if isinstance(s, Timed)])
     for fast, slow in zip(*paths, strict=True):
         assert np.array_equal(fast.poses, slow.poses)
@@ -66,7 +73,7 @@ def test_a_slow_start_keeps_the_limits_with_room_to_spare(motion: FourierMotion,
 
 @pytest.mark.parametrize("change", ["pose", "time", "missing"])
 def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: FourierMotion, hexapod_case: Case):
-    def wrong(program):
+    def wrong(program, case):
         blocks = list(program.blocks)
         k = next(k for k, b in enumerate(blocks) if isinstance(b, TimedPath) and b.name == "excitation")
         path = blocks[k]
@@ -78,10 +85,10 @@ def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: F
         else:
             poses, times = poses[[*range(0, len(poses) - 1, 2), -1]], times[[*range(0, len(times) - 1, 2), -1]]
         blocks[k] = TimedPath(path.name, times, poses)
-        return LINUXCNC.write(replace(program, blocks=tuple(blocks)))
+        return LINUXCNC.write(replace(program, blocks=tuple(blocks)), case)
 
     with pytest.raises(ProgramError, match="'excitation' reads back differently; report this"):
-        proven_text(motion, hexapod_case, LINUXCNC._replace(write=wrong), "p.ngc", ())
+        proven_text(motion, hexapod_case, replace(LINUXCNC, write=wrong), "p.ngc", ())
 
 
 def test_an_unknown_dialect_or_suffix_lists_the_known_ones():
@@ -89,4 +96,4 @@ def test_an_unknown_dialect_or_suffix_lists_the_known_ones():
         dialect("fanuc")
     with pytest.raises(ProgramError, match=r"a/b\.mpf: the suffix names no controller; programs end in \.ngc"):
         dialect_of_file("a/b.mpf")
-    assert dialect_of_file("a/b.ngc") is LINUXCNC
+    assert dialect_of_file("a/b.ngc") is dialect("linuxcnc")

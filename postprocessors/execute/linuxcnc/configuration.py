@@ -55,22 +55,22 @@ def sampler_format() -> str:
     return "".join(kind for kind, _ in CHANNELS)
 
 
-def ini_text(case: Case, home_lengths: Array) -> str:
+def ini_text(case: Case, home_lengths: Array, headroom: float) -> str:
     """The INI file.
 
     Position limits of the axes are home plus `[limits.motion]`, those of the struts `[workspace]`. Velocity limits of
-    the axes are `[limits.motion]`, acceleration limits its multiple by `acceleration_headroom`. The limits of the path
+    the axes are `[limits.motion]`, acceleration limits its multiple by `headroom`. The limits of the path
     as a whole are the diagonals of these boxes, so that they never bind before an axis does.
 
     Args:
         case: a case with machine, workspace, limits and controller.
         home_lengths: strut lengths at home, shape (6,) [m].
+        headroom: acceleration limits as a multiple of the case's.
 
     Raises:
         CaseError: the case lacks one of these parts.
     """
     machine, workspace, limits = case.need_machine(PURPOSE)
-    headroom = case.need_controller(PURPOSE).linuxcnc.acceleration_headroom
     home = machine.home.vector / UNITS
     low, high = home + limits.motion.pose / UNITS + ROUNDING * np.array([[-1.0], [1.0]])
     velocity = limits.motion.rate / UNITS
@@ -152,18 +152,19 @@ def hal_text(case: Case) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_configuration(folder: Path, case: Case, home_lengths: Array) -> None:
+def write_configuration(folder: Path, case: Case, home_lengths: Array, headroom: float) -> None:
     """Writes everything that LinuxCNC reads, except its program and its display, into a folder of its own.
 
     Args:
         folder: an existing folder.
         case: a case with machine, workspace, limits and controller.
         home_lengths: strut lengths at home, shape (6,) [m].
+        headroom: acceleration limits as a multiple of the case's.
 
     Raises:
         CaseError: the case lacks one of these parts.
     """
-    (folder / INI_FILE).write_text(ini_text(case, home_lengths), encoding="ascii")
+    (folder / INI_FILE).write_text(ini_text(case, home_lengths, headroom), encoding="ascii")
     (folder / HAL_FILE).write_text(hal_text(case), encoding="ascii")
     (folder / TOOL_FILE).write_text("T1 P1 Z0 D1\n", encoding="ascii")
     (folder / VARIABLE_FILE).write_text("", encoding="ascii")  # no offsets left over from another program

@@ -51,7 +51,15 @@ def linuxcnc_missing() -> str | None:
     return None
 
 
-def run_linuxcnc(program: Path, case: Case, *, speedup: float = 20.0, time_limit: float | None = None) -> ControllerLog:
+def run_linuxcnc(
+    program: Path,
+    case: Case,
+    content: bytes | None = None,
+    *,
+    headroom: float | None = None,
+    speedup: float = 20.0,
+    time_limit: float | None = None,
+) -> ControllerLog:
     """Runs a program on a LinuxCNC that is configured for the case, without hardware.
 
     The log starts just before the program does and ends just after it. Commanded struts are the cubic B-spline
@@ -60,6 +68,9 @@ def run_linuxcnc(program: Path, case: Case, *, speedup: float = 20.0, time_limit
     Args:
         program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
         case: a case with machine, workspace, limits and controller.
+        content: of the program, where it was read before; exactly this is run.
+        headroom: the axes' acceleration limits as a multiple of the case's; by default the case's own limits for a
+            program without timed blocks (G93), else `acceleration_headroom`.
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
             depend on it, but for some cycles before the first blocks of a path on a busy computer. One that is too slow
             for it loses cycles or stretches dwells, which is an error.
@@ -76,7 +87,10 @@ def run_linuxcnc(program: Path, case: Case, *, speedup: float = 20.0, time_limit
         raise ExecutionError(f"{program}: cannot be run: {missing}")
     if not 0.0 < speedup < math.inf:
         raise ValueError(f"speedup is {speedup}, must be positive and finite")
-    lines = _read(program)
+    lines = _lines(program, content)
+    if headroom is None:
+        timed = any(timing.is_inverse_time(line) for line in lines)
+        headroom = case.need_controller(configuration.PURPOSE).linuxcnc.acceleration_headroom if timed else 1.0
     durations = timing.dwells(program, lines)
     speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
     if time_limit is None:
@@ -85,7 +99,7 @@ def run_linuxcnc(program: Path, case: Case, *, speedup: float = 20.0, time_limit
         check_syntax(program, lines, Path(name), START_LIMIT)
     for reserve in timing.RESERVES:
         copy = timing.with_dwells(lines, durations, speedup, reserve)
-        log, window = _session(program, copy, case, speedup, time_limit)
+        log, window = _session(program, copy, case, headroom, speedup, time_limit)
         if not durations:
             return log
         timing.check_order(program, log)
@@ -97,15 +111,15 @@ def run_linuxcnc(program: Path, case: Case, *, speedup: float = 20.0, time_limit
 
 
 def _session(
-    program: Path, lines: list[str], case: Case, speedup: float, time_limit: float
+    program: Path, lines: list[str], case: Case, headroom: float, speedup: float, time_limit: float
 ) -> tuple[ControllerLog, tuple[int, int]]:
     """Runs the lines once; returns the log, and the rows between which the program ran."""
     machine, _, _ = case.need_machine(configuration.PURPOSE)
     home_lengths = Hexapod.of(case).strut_lengths(machine.home.vector[None])[0]
     with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
         folder = Path(name)
-        configuration.write_configuration(folder, case, home_lengths)
-        (folder / PROGRAM_FILE).write_text("\n".join(lines), encoding="utf-8")
+        configuration.write_configuration(folder, case, home_lengths, headroom)
+        (folder / PROGRAM_FILE).write_bytes("\n".join(lines).encode("ascii"))
         (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
         (folder / configuration.DISPLAY_FILE).chmod(0o755)
         _compile_clock(folder)
@@ -120,16 +134,20 @@ def _session(
         return outcome.read_log(program, folder, report, speedup), (report["started"], report["ended"])
 
 
-def _read(program: Path) -> list[str]:
+def _lines(program: Path, content: bytes | None) -> list[str]:
+    """Lines as the controller sees them: bytes between line feeds."""
+    if content is None:
+        try:
+            content = program.read_bytes()
+        except OSError as error:
+            raise FileProblem(
+                f"{program}: cannot be read ({error.strerror}); hexcite post --dialect linuxcnc writes programs"
+            ) from error
     try:
-        return program.read_text(encoding="utf-8").split("\n")
-    except OSError as error:
-        raise FileProblem(
-            f"{program}: cannot be read ({error.strerror}); hexcite post --dialect linuxcnc writes programs"
-        ) from error
+        return content.decode("ascii").split("\n")
     except UnicodeDecodeError as error:
         raise ExecutionError(
-            f"{program}: is not text ({error.reason} at byte {error.start}); give a LinuxCNC program"
+            f"{program}: is not plain ASCII text (byte {error.start}); give a LinuxCNC program"
         ) from error
 
 

@@ -64,6 +64,11 @@ def with_dwells(lines: list[str], durations: dict[int, float], speedup: float, r
     ]
 
 
+def is_inverse_time(line: str) -> bool:
+    """Whether a line turns inverse time (G93) on."""
+    return any(mode == "93" for mode in _FEED_MODE.findall(words(line)))
+
+
 def fastest(lines: list[str]) -> float:
     """The largest speed-up at which blocks timed by G93 arrive in time; infinite for a program without them."""
     shortest, inverse_time = np.inf, False

@@ -344,7 +344,7 @@ def settings(text: str) -> configparser.ConfigParser:
 
 
 def test_axes_have_the_limits_of_the_case_in_millimetres_and_degrees(case: Case) -> None:
-    ini = settings(configuration.ini_text(changed(case, machine__home__x_mm=7.0), np.full(6, 1.0)))
+    ini = settings(configuration.ini_text(changed(case, machine__home__x_mm=7.0), np.full(6, 1.0), 1.0))
     assert ini.getfloat("AXIS_X", "MIN_LIMIT") == pytest.approx(-243.0, abs=2e-6)
     assert ini.getfloat("AXIS_X", "MAX_LIMIT") == pytest.approx(257.0, abs=2e-6)
     assert ini.getfloat("AXIS_X", "MAX_LIMIT") >= 257.0
@@ -357,9 +357,7 @@ def test_axes_have_the_limits_of_the_case_in_millimetres_and_degrees(case: Case)
 
 @pytest.mark.parametrize("headroom", [1.0, 35.0])
 def test_acceleration_limits_are_multiplied_by_the_headroom(headroom: float, case: Case) -> None:
-    ini = settings(
-        configuration.ini_text(changed(case, controller__linuxcnc__acceleration_headroom=headroom), np.full(6, 1.0))
-    )
+    ini = settings(configuration.ini_text(case, np.full(6, 1.0), headroom))
     assert ini.getfloat("AXIS_Z", "MAX_ACCELERATION") == pytest.approx(6000.0 * headroom)
     assert ini.getfloat("AXIS_A", "MAX_ACCELERATION") == pytest.approx(np.degrees(10.0) * headroom)
 
@@ -369,13 +367,13 @@ def test_acceleration_limits_are_multiplied_by_the_headroom(headroom: float, cas
 def test_limits_of_the_path_bind_after_those_of_all_axes_together(
     kind: str, axes: str, quantity: str, case: Case
 ) -> None:
-    ini = settings(configuration.ini_text(case, np.full(6, 1.0)))
+    ini = settings(configuration.ini_text(case, np.full(6, 1.0), 1.0))
     together = np.linalg.norm([ini.getfloat(f"AXIS_{axis}", f"MAX_{quantity}") for axis in axes])
     assert ini.getfloat("TRAJ", f"MAX_{kind}_{quantity}") >= together - 1e-9
 
 
 def test_struts_have_the_range_of_the_workspace_and_start_at_home(case: Case) -> None:
-    ini = settings(configuration.ini_text(case, np.linspace(1.0, 1.05, 6)))
+    ini = settings(configuration.ini_text(case, np.linspace(1.0, 1.05, 6), 1.0))
     assert [ini.getfloat(f"JOINT_{k}", "HOME") for k in range(6)] == pytest.approx(np.linspace(1000.0, 1050.0, 6))
     for k in range(6):
         assert ini.getfloat(f"JOINT_{k}", "MIN_LIMIT") == 650.0
@@ -398,12 +396,12 @@ def test_every_channel_is_logged(case: Case) -> None:
         (k, pin, k) for k, (_, pin) in enumerate(configuration.CHANNELS)
     ]
     assert f"cfg={configuration.sampler_format()}" in configuration.hal_text(case)
-    assert f"SAMPLER = {configuration.sampler_format()}\n" in configuration.ini_text(case, np.full(6, 1.0))
+    assert f"SAMPLER = {configuration.sampler_format()}\n" in configuration.ini_text(case, np.full(6, 1.0), 1.0)
 
 
 def test_a_case_without_a_machine_cannot_be_configured(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="running a program on LinuxCNC needs it"):
-        configuration.write_configuration(tmp_path, load_case("ft_wrist"), np.full(6, 1.0))
+        configuration.write_configuration(tmp_path, load_case("ft_wrist"), np.full(6, 1.0), 1.0)
 
 
 # Dwells and blocks
@@ -489,7 +487,7 @@ def test_a_program_that_cannot_be_read_is_named(tmp_path: Path, case: Case) -> N
     with pytest.raises(FileProblem, match=r"none\.ngc: cannot be read"):
         run_linuxcnc(tmp_path / "none.ngc", case)
     (tmp_path / "binary.ngc").write_bytes(b"\xff\xfe")
-    with pytest.raises(ExecutionError, match=r"binary\.ngc: is not text"):
+    with pytest.raises(ExecutionError, match=r"binary\.ngc: is not plain ASCII text"):
         run_linuxcnc(tmp_path / "binary.ngc", case)
 
 

@@ -1,0 +1,87 @@
+"""A motion of polynomial pieces, each with its duration: what splines are made of."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from identification.motion import Motion
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """sum_i c_i t^i over 0 <= t <= duration in each of the six coordinates.
+
+    Args:
+        coefficients: c_0 to c_d, shape (d + 1, 6) [m, rad over powers of seconds].
+        duration: [s].
+    """
+
+    coefficients: Array
+    duration: float
+
+    @property
+    def start(self) -> Array:
+        """Pose at its start, shape (6,) [m, rad]."""
+        return np.asarray(self.coefficients[0])
+
+    @property
+    def end(self) -> Array:
+        """Pose at its end, shape (6,) [m, rad]."""
+        return np.asarray(np.polynomial.polynomial.polyval(self.duration, self.coefficients))
+
+
+@dataclass(frozen=True, slots=True)
+class PolynomialMotion:
+    """Pieces one after the other.
+
+    Args:
+        pieces: each begins where the one before it ends.
+
+    Raises:
+        ValueError: no pieces, a duration that is not positive, or a gap between two of them.
+    """
+
+    pieces: tuple[Piece, ...]
+
+    def __post_init__(self) -> None:
+        if not self.pieces or any(not p.duration > 0.0 for p in self.pieces):
+            raise ValueError("a motion of polynomials needs pieces of positive duration")
+        for before, after in zip(self.pieces, self.pieces[1:], strict=False):
+            if np.max(np.abs(before.end - after.start)) > 1e-9:
+                raise ValueError("a polynomial piece does not begin where the one before it ends")
+
+    @property
+    def times(self) -> Array:
+        """Start of each piece and end of the last, shape (pieces + 1,) [s]."""
+        return np.concatenate([[0.0], np.cumsum([p.duration for p in self.pieces])])
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return float(self.times[-1])
+
+    def slowed(self, speed: float) -> "PolynomialMotion":
+        """The same path at a share of the speed."""
+        pieces = []
+        for piece in self.pieces:
+            powers = speed ** np.arange(len(piece.coefficients))
+            pieces.append(Piece(piece.coefficients * powers[:, None], piece.duration / speed))
+        return PolynomialMotion(tuple(pieces))
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        starts = self.times
+        which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.pieces) - 1)
+        values = np.zeros((4, len(time), 6))
+        for k in np.unique(which):
+            rows, piece = which == k, self.pieces[k]
+            local = np.clip(time[rows] - starts[k], 0.0, piece.duration)
+            coefficients = piece.coefficients
+            for order in range(4):
+                values[order, rows] = np.polynomial.polynomial.polyval(local, coefficients).T
+                coefficients = np.polynomial.polynomial.polyder(coefficients)
+        return Motion(time, *values)

@@ -1,0 +1,57 @@
+"""What a controller answers for, beyond what a program's text fixes: limits of its own, its time law, its accuracy."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from identification.profile import TimeLaw
+
+
+class Law(Protocol):
+    """How a controller covers a straight way from rest to rest."""
+
+    def __call__(self, velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+        """Time law of the share of the way, from 0 to 1, within limits on that share [1/s, 1/s^2, 1/s^3]."""
+        ...
+
+
+class ArcLaw(Protocol):
+    """How a controller covers an arc from rest to rest."""
+
+    def __call__(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+        """The same for an arc that turns by `angle` [rad], where turning needs a part of the acceleration."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Guarantees:
+    """A controller as set up for one case and one program.
+
+    Args:
+        controller: its name, for messages.
+        shortest_block: a timed block must not be shorter: the controller's cycle [s].
+        longest_block: a timed block must not be longer: beyond it nothing is known of its time law [s].
+        follows_paths: whether it passes timed points at their times along the assumed curve between them; then what a
+            timed path reaches is proven from the text, else only its geometry and rates are.
+        enforced: families of limits that it keeps by itself, whatever the program asks for; see `family`.
+        law: its time law in straight moves that it times itself, under the limits of the case.
+        arc_law: the same in arcs.
+        jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
+    """
+
+    controller: str
+    shortest_block: float
+    longest_block: float
+    follows_paths: bool
+    enforced: frozenset[str]
+    law: Law
+    arc_law: ArcLaw
+    jerk_time: float
+
+
+def family(name: str) -> str:
+    """The family of a limit by its name in a report: `angular jerk, untimed moves (b)` is of `jerk`."""
+    return name.split(" (")[0].split(",")[0].removeprefix("angular ")
+
+
+KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration")
+"""Families of limits that depend on a controller's time law; those of geometry do not."""

@@ -1,0 +1,49 @@
+"""The motion that a controller makes of a move which it times itself: its own law under the limits of the case."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.machine import MotionLimits
+from identification.circle import CircularMove
+from identification.profile import StraightMove
+from postprocessors.guarantees import Guarantees
+from postprocessors.stretches import Untimed
+
+Array = NDArray[np.float64]
+
+
+def predicted(part: Untimed, limits: MotionLimits, guarantees: Guarantees) -> StraightMove | CircularMove | None:
+    """How a move will run; None where its start is not known or nothing moves.
+
+    Args:
+        part: the move.
+        limits: that the controller is set up with.
+        guarantees: give its time law.
+    """
+    if part.start is None or not part.moves:
+        return None
+    way = np.abs(part.end - part.start)
+    if part.turn is not None:
+        return _arc(part, part.start, limits, guarantees)
+    feed = np.inf if part.feed is None else part.feed / part.length
+    moves = way > 0.0
+    velocity, acceleration, jerk = (
+        float(np.min(limit[moves] / way[moves])) for limit in (limits.rate, limits.acceleration, limits.jerk)
+    )
+    return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
+
+
+def _arc(part: Untimed, start: Array, limits: MotionLimits, guarantees: Guarantees) -> CircularMove:
+    turn = part.turn
+    assert turn is not None
+    assert part.feed is not None
+    first, second, _ = turn.plane.axes
+    length = part.length
+    way = np.abs(part.end - start)
+    way[[first, second]] = length  # either axis may carry all of it
+    moves = way > 0.0
+    velocity, acceleration, jerk = (
+        float(np.min(limit[moves] / way[moves])) for limit in (limits.rate, limits.acceleration, limits.jerk)
+    )
+    law = guarantees.arc_law(min(part.feed / length, velocity), acceleration, jerk, abs(turn.angle))
+    return CircularMove(start, part.end[3:], turn.plane, turn.centre, turn.angle, law)
