@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from cases.errors import IdentificationError
-from identification.estimator import UNFILTERED, Filtered, Fit, long_run_covariance
+from identification.fit import UNFILTERED, Filtered, Fit, long_run_covariance
 
 Array = NDArray[np.float64]
 

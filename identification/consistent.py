@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from cases.errors import IdentificationError
-from identification.estimator import Fit
+from identification.fit import Fit
 from identification.model import FIRST_MOMENT, INERTIA, MASS
 
 Array = NDArray[np.float64]

@@ -1,60 +1,21 @@
-"""Gauss-Markov estimation of the linear parameters: (23) to (28), with column scaling, weights and rank said aloud."""
+"""Gauss-Markov estimation of the linear parameters: (23) to (28), with weights and rank said aloud."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from cases.errors import IdentificationError
+from identification.compressed import Compressed, compress, determined, fit_along, inverse_root
+from identification.fit import UNFILTERED, Filtered, Fit, long_run_covariance
+
+__all__ = ["UNFILTERED", "Filtered", "Fit", "gauss_markov", "long_run_covariance", "per_channel", "require_alive"]
 
 Array = NDArray[np.float64]
 
-
-class Filtered(NamedTuple):
-    """What a low-pass did to white noise before the fit, and how many samples of it were kept.
-
-    Args:
-        gain: variance of filtered noise over that of recorded noise, the sum of the squared kernel.
-        stride: recorded samples for each one that is kept.
-    """
-
-    gain: float
-    stride: int
-
-
-UNFILTERED = Filtered(1.0, 1)
 WEIGHT_ROUNDS = 20
 WEIGHT_TOLERANCE = 1e-6
-
-
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """An estimate of u.
-
-    Args:
-        values: u, shape (u,).
-        covariance: s0^2 F^-1, (28), shape (u, u): right where the recorded noise is white.
-        covariance_robust: autocorrelation-robust, shape (u, u): right also where they are not.
-        s0: (27), of the recorded forces; dimensionless where weights are given, else [N].
-        freedom: degrees of freedom of s0.
-        residuals: f - A u, shape (n, 6) [N, or N and N m].
-        weights: diagonal of W for one sample, shape (6,).
-        rank: of the scaled regressor.
-        condition: mu_1 / mu_u of the scaled regressor (26).
-    """
-
-    values: Array
-    covariance: Array
-    covariance_robust: Array
-    s0: float
-    freedom: float
-    residuals: Array
-    weights: Array
-    rank: int
-    condition: float
+LEAST_FREEDOM = 2.0  # forces of a channel beyond what the parameters take, to judge its variance by
 
 
 def gauss_markov(
@@ -84,70 +45,26 @@ def gauss_markov(
     Raises:
         IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
     """
-    samples, sensors, unknowns = regressors.shape
-    if samples * sensors <= unknowns:
-        raise IdentificationError(
-            f"{samples} samples give {samples * sensors} forces for {unknowns} unknowns; record more or choose a model "
-            "with fewer parameters"
-        )
-    root = np.sqrt(weights)
-    matrix = (regressors * root[:, None]).reshape(-1, unknowns)
-    right = (forces * root).ravel()
-    norms = np.linalg.norm(matrix, axis=0)
-    scale = np.where(norms > 0.0, 1.0 / np.where(norms > 0.0, norms, 1.0), 1.0)  # (26)
-    q, r = np.linalg.qr(matrix * scale)
-    singular, directions = np.linalg.svd(r[: unknowns - nuisance, : unknowns - nuisance])[1:]
-    # The paper's numerical zero (Fig. 3), m n eps max|R_ii|; mu_1 bounds max|R_ii| from above.
-    zero = samples * sensors * np.finfo(float).eps * singular[0]
-    rank = int(np.sum(singular > zero))
-    if rank < len(singular):
-        share = np.abs(directions[rank:]).max(axis=0)
-        hidden = [name for name, s in zip(names, share, strict=False) if s > 1e-3]
-        raise IdentificationError(
-            f"rank {rank} of {len(singular)}: {', '.join(hidden)} not determined by this run; excite them (plan a "
-            "motion or more poses) or choose a model without them"
-        )
-    unseen = np.flatnonzero(np.abs(np.diag(r)) <= zero)
+    compressed = compress(regressors, forces, weights)
+    values = best_values(compressed, names, nuisance)
+    tangent = np.eye(len(values))
+    return fit_along(regressors, forces, names, weights, compressed, values, tangent, nuisance, filtered)
+
+
+def best_values(compressed: Compressed, names: Sequence[str], nuisance: int = 0) -> Array:
+    """The u of least chi^2 (24), shape (u,).
+
+    Raises:
+        IdentificationError: parameters that the data do not determine, by name.
+    """
+    determined(compressed.root, names, compressed.rows, nuisance)
+    norms = np.linalg.norm(compressed.root, axis=0)
+    left = np.abs(np.diag(compressed.root))  # of each column, what the columns before it do not explain
+    unseen = np.flatnonzero(left <= compressed.rows * np.finfo(float).eps * norms)
     if len(unseen):
         raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
-    scaled = solve_triangular(r, q.T @ right)
-    values = scale * scaled
-    residuals = forces - regressors @ values
-    chi_squared = float(np.sum(weights * residuals**2))  # (27)
-    freedom = samples * sensors * filtered.gain * filtered.stride - unknowns
-    if freedom <= 0.0:
-        raise IdentificationError(
-            f"{samples * filtered.stride} samples hold {freedom + unknowns:.0f} independent forces behind the filter "
-            f"for {unknowns} unknowns; record longer or raise filter_cutoff_Hz"
-        )
-    s0 = float(np.sqrt(chi_squared * filtered.stride / freedom))
-    inverse_root = scale[:, None] * solve_triangular(r, np.eye(unknowns))
-    inverse = inverse_root @ inverse_root.T  # F^-1
-    scores = np.einsum("nku,nk->nu", regressors, weights * residuals)
-    robust = inverse @ long_run_covariance(scores) @ inverse
-    condition = float(singular[0] / singular[-1])
-    covariance = s0**2 / filtered.stride * inverse
-    return Fit(values, covariance, robust, s0, freedom, residuals, weights, rank, condition)
-
-
-def long_run_covariance(scores: Array) -> Array:
-    """Sum over all lags of the autocovariance of a series times its length, by Bartlett's kernel (Newey and West 1987).
-
-    The bandwidth follows Andrews (1991) from the lag-one autocorrelation of each column.
-
-    Args:
-        scores: shape (n, u).
-    """
-    count = len(scores)
-    variance = np.maximum(np.sum(scores[1:] ** 2, axis=0), np.finfo(float).tiny)
-    rho = np.clip(np.sum(scores[1:] * scores[:-1], axis=0) / variance, -0.97, 0.97)
-    alpha = float(np.mean(4 * rho**2 / ((1 - rho) ** 2 * (1 + rho) ** 2)))
-    width = int(np.clip(np.ceil(1.1447 * (alpha * count) ** (1 / 3)), 1, max(1, count // 4)))
-    # A Bartlett-weighted sum of lagged products is the mean product of moving sums over the bandwidth.
-    padded = np.vstack([np.zeros((1, scores.shape[1])), np.cumsum(np.pad(scores, ((0, width - 1), (0, 0))), axis=0)])
-    upper = np.arange(1, count + width)
-    moving = padded[upper] - padded[np.maximum(upper - width, 0)]
-    return np.asarray(moving.T @ moving / width)
+    half = inverse_root(compressed.root)
+    return np.asarray(half @ ((compressed.root @ half).T @ compressed.right))
 
 
 def require_alive(forces: Array) -> None:
@@ -166,13 +83,19 @@ def require_alive(forces: Array) -> None:
         )
 
 
-def per_channel(regressors: Array, forces: Array, names: Sequence[str]) -> Fit:
+def per_channel(
+    regressors: Array, forces: Array, names: Sequence[str], nuisance: int = 0, filtered: Filtered = UNFILTERED
+) -> Fit:
     """Gauss-Markov with W from the residual variance of each channel, estimated in turns with the parameters.
+
+    Each channel pays for the unknowns by its own leverage, the trace of its block of the hat matrix: the fixed point is
+    the restricted maximum likelihood (Patterson & Thompson 1971, Biometrika 58:545). Equal shares instead would let
+    a channel that the parameters follow become ever more certain.
 
     Args: see `gauss_markov`.
 
     Raises:
-        IdentificationError: as `gauss_markov`.
+        IdentificationError: as `gauss_markov`; or too few samples to judge a channel's variance by.
     """
     if len(forces) < 2:
         raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
@@ -180,16 +103,51 @@ def per_channel(regressors: Array, forces: Array, names: Sequence[str]) -> Fit:
     # Start from each channel's own spread: N and N m are not comparable.
     spread = forces.std(axis=0)
     weights = 1.0 / np.maximum(spread, 1e-12 * max(spread.max(), 1e-300)) ** 2
-    fit = gauss_markov(regressors, forces, names, weights)
-    freedom = 1.0 - regressors.shape[2] / forces.size  # each channel pays its share of the unknowns
+    fit = gauss_markov(regressors, forces, names, weights, nuisance, filtered)
+    independent = len(forces) * filtered.gain * filtered.stride
     for _ in range(WEIGHT_ROUNDS):
-        variance = np.mean(fit.residuals**2, axis=0) / freedom
-        if variance.min() <= 0.0:
+        leverage = channel_leverage(regressors, weights)
+        freedom = independent - leverage
+        if freedom.min() < LEAST_FREEDOM:
+            worst = int(np.argmin(freedom))
+            raise IdentificationError(
+                f"channel {worst + 1} has {independent:.0f} independent samples, of which the parameters take "
+                f"{leverage[worst]:.1f}; at least {LEAST_FREEDOM:g} more are needed to tell its noise: record more, "
+                "or choose a model with fewer parameters"
+            )
+        variance = np.sum(fit.residuals**2, axis=0) * filtered.stride / freedom
+        if variance.min() <= (1e-12 * np.abs(forces).max()) ** 2 * np.finfo(float).eps:
             raise IdentificationError("a channel fits without any residual; its variance cannot be estimated: check it")
         new = 1.0 / variance
         settled = bool(np.all(np.abs(new / weights - 1.0) < WEIGHT_TOLERANCE))
         weights = new
-        fit = gauss_markov(regressors, forces, names, weights)
+        fit = gauss_markov(regressors, forces, names, weights, nuisance, filtered)
         if settled:
             break
     return fit
+
+
+def channel_leverage(regressors: Array, weights: Array) -> Array:
+    """How many unknowns each channel determines, shape (6,); they sum to u."""
+    weighted = regressors * np.sqrt(weights)[:, None]
+    half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, regressors.shape[2]), mode="r")))
+    return np.asarray(np.sum((weighted @ half) ** 2, axis=(0, 2)))
+
+
+def independent_poses(regressors: Array, fit: Fit) -> Array:
+    """Covariance of u where poses are independent of each other, channels of a pose not, shape (u, u).
+
+    The cluster form of HC3 (CR3; MacKinnon & White 1985, Bell & McCaffrey 2002): residuals of a pose are replaced by
+    what they would be had the pose not been part of the fit, so that a few poses do not praise themselves.
+
+    Args:
+        regressors: A_j, shape (n, 6, u).
+        fit: of these.
+    """
+    root_weights = np.sqrt(fit.weights)
+    weighted = regressors * root_weights[:, None]
+    half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, regressors.shape[2]), mode="r")))
+    q = weighted @ half
+    left_out = np.linalg.pinv(np.eye(6) - q @ q.transpose(0, 2, 1), rcond=1e-9, hermitian=True)
+    scores = np.einsum("nku,nkl,nl->nu", q, left_out, root_weights * fit.residuals)
+    return np.asarray(half @ (scores.T @ scores) @ half.T)

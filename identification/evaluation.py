@@ -5,25 +5,27 @@ differentiates the struts: what a controller's blocks and the encoders' steps ad
 neither side. What is left is kept at the rate that it still needs.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from identification.estimator import Filtered
+from identification.fit import Filtered
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
-from identification.model import Model
+from identification.model import Model, regressors
+from identification.plausibility import Scan, bridged
 from identification.recording import Recording
 from identification.signals import Filter
-from identification.simulate import regressors
 
 Array = NDArray[np.float64]
 
 LEAST_TRAVEL = 1e-4  # [m] of the struts; below, the pose counts as constant
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 MOVING = 1e-3  # [m/s] strut speed from which the machine counts as moving, where there is no trigger
+DELAY_STEP = 1e-4  # [s] for the derivative with respect to the delay: far below what the filter lets pass
+MOST_BRIDGED = 3  # bad samples in a row that a straight line replaces; the filter makes nothing of the difference
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,7 @@ class Run:
         filter: for both sides.
         rows: samples that are evaluated, counted after the filter's margin, shape (n,).
         samples: recorded samples of the window that they stand for.
+        warnings: sentences about the window.
     """
 
     recording: Recording
@@ -63,6 +66,7 @@ class Run:
     filter: Filter
     rows: NDArray[np.int64]
     samples: int
+    warnings: tuple[str, ...] = ()
 
     @property
     def t(self) -> Array:
@@ -96,28 +100,58 @@ class Run:
         strut_motion = [self.filter.apply(self.recording.struts, order, delay)[self.rows] for order in range(3)]
         try:
             return regressors(self.model, self.hexapod.kinematics(*strut_motion))
-        except StrutsDoNotClose as error:  # say which sample of the recording it is
-            raise StrutsDoNotClose(int(self.filter.margin + self.rows[error.sample]), error.lengths) from error
+        except StrutsDoNotClose as error:  # say where in the file it is
+            row = int(self.filter.margin + self.rows[error.sample])
+            raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
+
+    def effect_of_delay(self, delay: float, values: Array) -> Array:
+        """How the expected forces A u change with the delay, shape (n, 6) [N/s, or N/s and N m/s].
+
+        By shifting the filter, not by differences of neighbouring samples, between which the window may have a gap.
+
+        Args:
+            delay: where [s].
+            values: u, shape (u,).
+        """
+        ends = np.clip([delay - DELAY_STEP, delay + DELAY_STEP], -MOST_DELAY, MOST_DELAY)
+        before, after = (self.regressors(float(end)) @ values for end in ends)
+        return np.asarray((after - before) / (ends[1] - ends[0]))
+
+    def without(self, left_out: NDArray[np.bool_]) -> "Run":
+        """The run without some of its evaluated samples, shape (n,)."""
+        share = 1.0 - float(left_out.mean())
+        return replace(self, rows=self.rows[~left_out], samples=round(self.samples * share))
 
 
-def standstills(recording: Recording, case: Case, model: Model) -> Standstills:
+def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:
     """Regressors of averaged standstills.
+
+    Args:
+        recording: one row a standstill.
+        case: machine.
+        model: gives A.
+        found: rows to leave out.
 
     Raises:
         IdentificationError: the model needs what the recording does not have, or the struts cannot close.
     """
     _require_position(recording, model)
-    count = len(recording.forces)
-    still = np.zeros((count, 6))
+    used = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
+    still = np.zeros((int(used.sum()), 6))
+    count, forces = len(still), recording.forces[used]
     if recording.struts is not None:
-        poses = Hexapod.of(case).poses(recording.struts)
-        return Standstills(recording.forces, regressors(model, Kinematics(poses, still, still)))
+        try:
+            poses = Hexapod.of(case).poses(recording.struts[used])
+        except StrutsDoNotClose as error:
+            row = int(np.flatnonzero(used)[error.sample])
+            raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
+        return Standstills(forces, regressors(model, Kinematics(poses, still, still)))
     assert recording.rotations is not None  # the reader admits no recording without a pose
-    matrices = model.matrices(np.zeros((count, 3)), recording.rotations, still, still)
-    return Standstills(recording.forces, matrices)
+    matrices = model.matrices(np.zeros((count, 3)), recording.rotations[used], still, still)
+    return Standstills(forces, matrices)
 
 
-def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False) -> Run:
+def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False, found: Scan | None = None) -> Run:
     """A moving run with its window found.
 
     Args:
@@ -125,6 +159,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         case: machine and filter.
         model: gives A.
         whole: evaluate all samples, not only the excitation.
+        found: samples that may not be used; what their values did to the filter is left out with them.
 
     Raises:
         RecordingError: no struts, no filter in the case, a filter that does not fit the rate, a trigger that is never
@@ -152,15 +187,39 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         )
     low_pass = Filter(cutoff, step, MOST_DELAY)
     count = len(recording.struts) - 2 * low_pass.margin
-    window = np.arange(max(count, 0)) if whole else _window(recording, low_pass)
-    low_pass.apply(recording.struts)  # raises where the run is shorter than the filter
+    warnings: tuple[str, ...] = ()
+    spoilt = np.zeros(max(count, 0), dtype=bool)
+    if found is not None and found.bad.any():
+        spoilt = _spoilt(found.bad, low_pass)
+        recording = replace(
+            recording, struts=bridged(recording.struts, found.bad), forces=bridged(recording.forces, found.bad)
+        )
+    assert recording.struts is not None
+    if whole:
+        low_pass.apply(recording.struts)  # raises where the run is shorter than the filter
+        window = np.arange(max(count, 0))
+    else:
+        window, warnings = _window(recording, low_pass)
+    window = window[~spoilt[window]]
     rows = window[:: low_pass.stride]
     if len(rows) < 2:
         raise IdentificationError(
             f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a {cutoff:g} "
             "Hz filter; record longer"
         )
-    return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window))
+    return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window), warnings)
+
+
+def _spoilt(bad: NDArray[np.bool_], low_pass: Filter) -> NDArray[np.bool_]:
+    """Filtered samples that feel more than a short bridge of bad ones, shape (n - 2 margin,)."""
+    edges = np.flatnonzero(np.diff(np.r_[False, bad, False].astype(np.int8)))
+    change = np.zeros(len(bad) + 1, dtype=np.int64)
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        if end - first > MOST_BRIDGED:
+            change[max(first - low_pass.margin, 0)] += 1
+            change[min(end + low_pass.margin, len(bad))] -= 1
+    spoilt = np.cumsum(change)[:-1] > 0
+    return np.asarray(spoilt[low_pass.margin : len(bad) - low_pass.margin])
 
 
 def _require_position(recording: Recording, model: Model) -> None:
@@ -171,22 +230,28 @@ def _require_position(recording: Recording, model: Model) -> None:
         )
 
 
-def _window(recording: Recording, low_pass: Filter) -> NDArray[np.int64]:
+def _window(recording: Recording, low_pass: Filter) -> tuple[NDArray[np.int64], tuple[str, ...]]:
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
     assert recording.struts is not None
     margin = low_pass.margin
     speed = low_pass.apply(recording.struts, 1)  # raises where the run is shorter than the filter
+    warnings: tuple[str, ...] = ()
     if recording.trigger is not None:
         rows = np.flatnonzero(recording.trigger[margin:-margin])
         if not len(rows):
             raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
     else:
         moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)
-        rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else moving
-    travel = np.ptp(recording.struts[margin + rows], axis=0).max() if len(rows) else 0.0
+        rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
+        if not len(moving):
+            warnings = (
+                f"the struts are never faster than {MOVING * 1e3:g} mm/s, so that all of the recording is evaluated; "
+                "record a trigger where only a part is meant",
+            )
+    travel = np.ptp(recording.struts[margin + rows], axis=0).max()
     if travel < LEAST_TRAVEL:
         raise IdentificationError(
             f"{recording.source}: the pose is constant (struts move by {travel * 1e3:.3g} mm, at least "
             f"{LEAST_TRAVEL * 1e3:g} mm are needed); record the excitation, or remove t_s from averaged standstills"
         )
-    return rows
+    return rows, warnings

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.estimator import UNFILTERED, WEIGHT_ROUNDS, WEIGHT_TOLERANCE, Filtered, Fit, gauss_markov
+from identification.estimator import WEIGHT_ROUNDS, WEIGHT_TOLERANCE, gauss_markov
+from identification.fit import UNFILTERED, Filtered, Fit
 
 Array = NDArray[np.float64]
 
@@ -73,7 +74,7 @@ def full_weights(
     fit, rounds, converged = _weighted(regressors, forces, names, channels, nuisance, filtered), 0, False
     while not converged and rounds < WEIGHT_ROUNDS:
         new = fit.residuals.T @ fit.residuals * filtered.stride / freedom  # s0^2 of `gauss_markov`, for each pair
-        std = _independent(new, spread)
+        std = _independent(new, np.abs(forces).max(axis=0))
         converged = bool(np.abs((new - channels) / np.outer(std, std)).max() < WEIGHT_TOLERANCE)
         channels, rounds = new, rounds + 1
         fit = _weighted(regressors, forces, names, channels, nuisance, filtered)
@@ -92,10 +93,10 @@ def _weighted(
     return replace(fit, residuals=residuals, weights=np.sum(whiten**2, axis=0))
 
 
-def _independent(channels: Array, spread: Array) -> Array:
+def _independent(channels: Array, size: Array) -> Array:
     """Standard deviation of each channel, shape (6,), where no channel is silent or follows from the others."""
     std = np.sqrt(np.diag(channels))
-    silent = std <= 1e-12 * spread
+    silent = std <= 1e-12 * size
     if silent.any():
         raise IdentificationError(f"channel {int(np.argmax(silent)) + 1} fits without any residual; check the sensor")
     least, directions = np.linalg.eigh(channels / np.outer(std, std))

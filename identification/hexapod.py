@@ -46,18 +46,19 @@ class StrutsDoNotClose(IdentificationError):
     Args:
         sample: index of the first such sample, from 0.
         lengths: its struts, shape (6,) [m].
+        place: of the sample in its file, where there is one.
     """
 
-    def __init__(self, sample: int, lengths: Array) -> None:
-        self.sample, self.lengths = sample, lengths
+    def __init__(self, sample: int, lengths: Array, place: str | None = None) -> None:
+        self.sample, self.lengths, self.place = sample, lengths, place or f"sample {sample + 1}"
         words = ", ".join(f"{v * 1e3:.3f}" for v in lengths)
         super().__init__(
-            f"sample {sample + 1}: no pose has the strut lengths {words} mm; check unit, order and offset of the struts"
+            f"{self.place}: no pose has the strut lengths {words} mm; check unit, order and offset of the struts"
         )
 
-    def __reduce__(self) -> tuple[type["StrutsDoNotClose"], tuple[int, Array]]:
+    def __reduce__(self) -> tuple[type["StrutsDoNotClose"], tuple[int, Array, str]]:
         """Rebuilt from its parts on its way out of a worker process."""
-        return type(self), (self.sample, self.lengths)
+        return type(self), (self.sample, self.lengths, self.place)
 
 
 class Hexapod:

@@ -1,25 +1,40 @@
-"""From a recording to parameters: kinematics (7)-(9), regressor (17)-(22), Gauss-Markov (23)-(28), physical form.
+"""From a recording to parameters: kinematics (7)-(9), regressor (17)-(22), an estimator, physical form.
 
-The delay between forces and motion of a moving run is estimated together with the parameters.
+The delay between forces and motion of a moving run is estimated together with the parameters. What speaks against a
+run is looked for before the estimate (`plausibility`) and in what the estimate leaves (`swapped`, `contact`).
 """
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from identification.estimator import Fit, gauss_markov, per_channel, require_alive
+from identification.contact import Contact, find_contacts, touched
+from identification.estimator import independent_poses, require_alive
+from identification.estimators import Method, Problem, gauss_markov_of, method
 from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
+from identification.fit import Fit
 from identification.identifiability import Identifiability, analyse
 from identification.model import Model, identification_model
+from identification.plausibility import places, scan
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
+from identification.swapped import other_wiring
 
 Array = NDArray[np.float64]
 
 DELAY_STEPS = 8
 DELAY_TOLERANCE = 1e-6  # [s]; the step that is left is in the fit's own nuisance
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
+SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
+MOST_TOUCHED = 0.3  # of the samples in contact; more is no identification run
+LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
+SANDWICHED = ("gauss-markov", "consistent")  # their robust covariance is that of a series in time, which poses are not
+GAUSS_MARKOV = method()
 
 
 def default_model(recording: Recording) -> int:
@@ -29,26 +44,33 @@ def default_model(recording: Recording) -> int:
     return 5 if recording.t is None else 9
 
 
-def identify(recording: Recording, case: Case, number: int | None = None) -> Estimate:
+def identify(
+    recording: Recording,
+    case: Case,
+    number: int | None = None,
+    how: Method = GAUSS_MARKOV,
+    terms: Sequence[str] = (),
+) -> Estimate:
     """Identifies the parameters of a model from one recording.
 
     Args:
         recording: the run.
         case: machine, sensor frame and gravity.
         number: of the model in Table 2; by default what the recording can carry.
+        how: estimator, and what is known beforehand.
+        terms: other forms of the error compensation than the model's: K1 to K5.
 
     Raises:
         IdentificationError: the run does not determine the parameters; the message names them.
         RecordingError: the run cannot be evaluated.
         CaseError: the case lacks what the evaluation needs.
     """
-    model = identification_model(case, default_model(recording) if number is None else number)
+    model = identification_model(case, default_model(recording) if number is None else number, terms)
     try:
         if len(recording.forces) > 1:
             require_alive(recording.forces)
-        if recording.t is None:
-            return _from_standstills(recording, case, model)
-        return _from_motion(recording, case, model)
+        evaluate = _from_standstills if recording.t is None else _from_motion
+        return evaluate(recording, case, model, how)
     except IdentificationError as error:
         raise IdentificationError(_placed(recording.source, error)) from error
     except RecordingError as error:
@@ -61,69 +83,164 @@ def _placed(source: str, error: Exception) -> str:
 
 
 def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Identifiability:
-    """What the run determines, alone and together, of the parameters of an estimate (section 5).
+    """What the run determines, alone and together, of the parameters that were estimated (section 5).
 
     Args:
         recording: the run of the estimate.
         case: its case.
-        estimate: gives model and delay.
+        estimate: gives model, selection and delay.
     """
-    model = identification_model(case, estimate.model)
+    model = identification_model(case, estimate.model, estimate.terms)
+    selection = estimate.how.selection(model)
     if recording.t is None:
-        return analyse(standstills(recording, case, model).regressors, model.names)
-    run = moving_run(recording, case, model)
-    return analyse(run.regressors(estimate.delay.value if estimate.delay else 0.0), model.names)
+        matrices = standstills(recording, case, model).regressors
+    else:
+        run = moving_run(recording, case, model)
+        matrices = run.regressors(estimate.delay.value if estimate.delay else 0.0)
+    return analyse(matrices @ selection.basis, selection.names)
 
 
-def _from_standstills(recording: Recording, case: Case, model: Model) -> Estimate:
-    if model.needs_motion:
+def _from_standstills(recording: Recording, case: Case, model: Model, how: Method) -> Estimate:
+    if model.needs_motion and not set(how.known) >= _inertia(model) | set(how.dropped):
         raise IdentificationError(
             f"{recording.source}: model {model.number} contains inertia, which standstills cannot excite; choose a "
             "model from 0 to 5, or record a motion"
         )
-    data = standstills(recording, case, model)
-    if case.sensors.weights == "per_channel":
-        fit = per_channel(data.regressors, data.forces, model.names)
-    else:
-        fit = gauss_markov(data.regressors, data.forces, model.names, np.ones(6))
-    return estimate_of(model, fit, recording.source, case, Evaluation(data.samples, fit.residuals, None), ())
+    found = scan(recording, case)
+    data = standstills(recording, case, model, found)
+    problem = Problem(model, case.sensors.weights == "equal")
+    fit = how.estimator(problem)(data.regressors, data.forces, model.names)
+    if how.name in SANDWICHED and not how.priors:
+        selection = how.selection(model)
+        reduced = independent_poses(data.regressors @ selection.basis, fit)
+        fit = replace(fit, covariance_robust=selection.basis @ reduced @ selection.basis.T)
+    _require_sense(model, fit)
+    _require_wiring(data.regressors, data.forces, fit)
+    evaluation = Evaluation(data.samples, fit.residuals, None)
+    warnings = (*found.warnings, *_doubts(fit, data.forces))
+    return estimate_of(model, fit, recording.source, case, evaluation, how, warnings)
 
 
-def _from_motion(recording: Recording, case: Case, model: Model) -> Estimate:
-    run = moving_run(recording, case, model)
-    if case.sensors.weights == "per_channel":
-        raise IdentificationError("a moving run with channel weights is not evaluated yet; set sensors.weights = equal")
-    fit, delay, residuals = _with_delay(run)
-    warnings = (
-        () if abs(delay.value) < SUSPICIOUS_DELAY else (f"delay of {delay.value * 1e3:.1f} ms: do the streams match?",)
+def _inertia(model: Model) -> set[str]:
+    return {name for name in model.names if name[0] == "I"}
+
+
+class _Moving(NamedTuple):
+    """A run with its fit: residuals are those of the forces as recorded."""
+
+    run: Run
+    fit: Fit
+    delay: Delay
+    residuals: Array
+
+
+def _from_motion(recording: Recording, case: Case, model: Model, how: Method) -> Estimate:
+    found = scan(recording, case)
+    run = moving_run(recording, case, model, found=found)
+    pooled = case.sensors.weights == "equal"
+    moving = _with_delay(run, how, pooled)
+    contacts: tuple[Contact, ...] = find_contacts(run.t, moving.fit.residuals, model.structure)
+    if contacts:
+        rows = touched(run.t, contacts)
+        if rows.mean() > MOST_TOUCHED:
+            raise IdentificationError(
+                f"the forces leave the model in {100 * rows.mean():.0f} % of the samples, as in contact; an "
+                "identification run must be free: check columns, struts and model, or record again"
+            )
+        moving = _with_delay(run.without(rows), how, pooled)
+        # A contact biases the first fit, and so the search for it: look again with the better one.
+        residuals = run.forces - run.regressors(moving.delay.value) @ moving.fit.values[: len(model.names)]
+        contacts = find_contacts(run.t, residuals, model.structure)
+        moving = _with_delay(run.without(touched(run.t, contacts)), how, pooled)
+    warnings = [*found.warnings, *run.warnings]
+    warnings += [_told(recording, contact) for contact in contacts]
+    if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
+        warnings.append(f"delay of {moving.delay.value * 1e3:.1f} ms: do the streams match?")
+    warnings += _doubts(moving.fit, moving.run.forces)
+    evaluation = Evaluation(moving.run.samples, moving.residuals, moving.delay)
+    return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
+
+
+def _told(recording: Recording, contact: Contact) -> str:
+    assert recording.t is not None
+    rows = (recording.t >= contact.start) & (recording.t <= contact.end)
+    return (
+        f"{places(recording.lines, rows)}: external contact from {contact.start:.3f} to {contact.end:.3f} s, up to "
+        f"{contact.peak:.3g} N; left out"
     )
-    return estimate_of(model, fit, recording.source, case, Evaluation(run.samples, residuals, delay), warnings)
 
 
-def _with_delay(run: Run) -> tuple[Fit, Delay, Array]:
-    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
-
-    Returns the fit, the delay and the residuals of the forces as recorded.
-    """
-    forces, names = run.forces, [*run.model.names, "delay"]
+def _with_delay(run: Run, how: Method, pooled: bool) -> _Moving:
+    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts."""
+    model = run.model
+    problem = Problem(model, pooled, nuisance=1, filtered=run.filtered)
+    search = gauss_markov_of(problem)
+    forces, names = run.forces, [*model.names, "delay"]
+    matrices = run.regressors(0.0)
+    channels = forces.std(axis=0)
+    scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not pooled else np.ones(6)
+    selection = how.selection(model)
     delay = 0.0
     for _ in range(DELAY_STEPS):
-        matrices = run.regressors(delay)
-        augmented = np.dstack([matrices, _effect_of_delay(matrices, forces, run.step)])
-        fit = gauss_markov(augmented, forces, names, np.ones(6), nuisance=1, filtered=run.filtered)
+        # The effect of the delay is that of the best forces of the moment, whatever parameters make them.
+        left = (forces - matrices @ selection.offset) * scale
+        reduced = matrices @ selection.basis * scale[:, None]
+        free = np.linalg.lstsq(reduced.reshape(-1, reduced.shape[2]), left.ravel(), rcond=None)[0]
+        effect = run.effect_of_delay(delay, selection.offset + selection.basis @ free)
+        augmented = np.dstack([matrices, effect])
+        first = np.dstack([matrices @ selection.basis, effect])
+        fit = search(first, forces - matrices @ selection.offset, [*selection.names, "delay"])
+        if delay == 0.0:
+            _require_wiring(first, forces - matrices @ selection.offset, fit)
         step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
-        delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
         if abs(step) < DELAY_TOLERANCE:
             break
+        delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
+        matrices = run.regressors(delay)
     if abs(delay) >= MOST_DELAY:
         raise IdentificationError(
             f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they of one run?"
         )
+    fit = how.estimator(problem)(augmented, forces, names)
+    _require_sense(model, fit)
     residuals = run.recorded_forces - matrices @ fit.values[:-1]
-    return fit, Delay(delay, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals
+    value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < DELAY_TOLERANCE else 0.0)
+    return _Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals)
 
 
-def _effect_of_delay(matrices: Array, forces: Array, step: float) -> Array:
-    """How forces change with the delay: -d(A u)/dt, u by plain least squares, shape (n, 6)."""
-    u = np.linalg.lstsq(matrices.reshape(-1, matrices.shape[2]), forces.ravel(), rcond=None)[0]
-    return np.asarray(-np.gradient(matrices @ u, step, axis=0))
+def _require_sense(model: Model, fit: Fit) -> None:
+    """Raises IdentificationError where the mass is negative for certain."""
+    mass = model.names.index("m")
+    value, std = float(fit.values[mass]), float(np.sqrt(fit.covariance[mass, mass]))
+    if std > 0.0 and value < -3.0 * std:
+        raise IdentificationError(
+            f"the mass comes out as {value:.4g} +- {std:.2g} kg; check the sign of the forces, "
+            "sensor_frame.transducer.sense and gravity_m_s2 of the case"
+        )
+
+
+def _require_wiring(regressors: Array, forces: Array, fit: Fit) -> None:
+    """Raises IdentificationError where the forces fit far better in other places than in those they have."""
+    wiring = other_wiring(regressors, forces, fit.weights)
+    if wiring is not None:
+        raise IdentificationError(wiring)
+
+
+def _doubts(fit: Fit, forces: Array) -> list[str]:
+    """What an estimate itself says against its standard deviations, or against its model."""
+    warnings = list(fit.doubts)
+    white, robust = (np.diag(c) for c in (fit.covariance, fit.covariance_robust))
+    ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
+    if ratio > SUSPICIOUS_RATIO:
+        warnings.append(
+            f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
+            "the evaluation leaves something systematic; trust the robust ones at most"
+        )
+    spread = np.sum(fit.weights * forces.var(axis=0))
+    left = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
+    if len(forces) > len(fit.values) and left > (1.0 - LEAST_EXPLAINED) * spread:
+        warnings.append(
+            f"the model explains only {100 * max(0.0, 1.0 - left / spread):.0f} % of the forces' variance; check "
+            "order, sign and unit of forces and struts"
+        )
+    return warnings

@@ -4,19 +4,21 @@ The regressor is written once, as CasADi expressions, block by block; a model is
 and simulation share it. Units of the compensation factors: CONVENTIONS (the paper's "N/mm" must read N/m).
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.frame import structure_matrix
+from identification.hexapod import Kinematics
 from identification.pose import gibbs, rotation, skew, twist, twist_rate
 
 Array = NDArray[np.float64]
@@ -152,6 +154,9 @@ MODELS: dict[
     9: (*_DYNAMIC, K2, K5),
 }
 
+ERROR_TERMS: dict[str, Block] = {"K1": K1, "K2": K2, "K3": K3, "K4": K4, "K5": K5}
+"""Forms of the error compensation, (10) to (15), that may be combined freely."""
+
 
 @dataclass(frozen=True)
 class Model:
@@ -256,15 +261,33 @@ class Model:
         return over_samples(self.regressor, positions, columns, twists, rates)[0]
 
 
-def identification_model(case: Case, number: int) -> Model:
+def regressors(model: Model, kinematics: Kinematics) -> Array:
+    """A for every sample of a motion, shape (n, 6, u)."""
+    rotations = Rotation.from_euler("xyz", kinematics.pose[:, 3:]).as_matrix()
+    return model.matrices(kinematics.pose[:, :3], rotations, kinematics.twist, kinematics.twist_rate)
+
+
+def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> Model:
     """The model of Table 2 for the sensor frame of a case.
 
+    Args:
+        case: gives sensor frame and gravity.
+        number: in Table 2.
+        terms: names of other forms of the error compensation than the model's, `ERROR_TERMS`.
+
     Raises:
-        IdentificationError: no such model; the message lists the numbers.
+        IdentificationError: no such model or form; the message lists what there is.
     """
     if number not in MODELS:
         raise IdentificationError(f"model {number} is not one of Table 2; choose {', '.join(map(str, MODELS))}")
     blocks = MODELS[number]
     if case.sensor_frame.transducer is not None:
         blocks = tuple(_WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
-    return Model(number, blocks, structure_matrix(case.sensor_frame), case.gravity)
+    model = Model(number, blocks, structure_matrix(case.sensor_frame), case.gravity)
+    for name in terms:
+        if name not in ERROR_TERMS:
+            raise IdentificationError(f"error term {name!r} is unknown; choose among {', '.join(ERROR_TERMS)}")
+    if not terms:
+        return model
+    body = tuple(b for b in model.blocks if b not in ERROR_TERMS.values())
+    return replace(model, blocks=(*body, *(block for name, block in ERROR_TERMS.items() if name in terms)))

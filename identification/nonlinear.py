@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from identification.compressed import compress, fit_along
-from identification.estimator import UNFILTERED, Filtered, Fit
+from identification.fit import UNFILTERED, Filtered, Fit
 from identification.gauss_newton import gauss_newton
 from identification.model import FIRST_MOMENT, INERTIA, MASS, Model
 from identification.parameters import physical_form

@@ -6,10 +6,9 @@ from scipy.spatial import cKDTree
 
 from cases.schema import Case
 from identification.executed import Execution
-from identification.model import Model
+from identification.model import Model, regressors
 from identification.motion import Trajectory, sample
 from identification.signals import Filter
-from identification.simulate import regressors
 
 Array = NDArray[np.float64]
 

@@ -50,7 +50,8 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
     new = [model_after.names.index(name) for name in body.names]
     difference = after.values[new] - before.values[old]
     covariance = after.covariance[np.ix_(new, new)] + before.covariance[np.ix_(old, old)]
-    std = float(np.sqrt(covariance[0, 0]))
+    robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
+    std = float(np.sqrt(max(covariance[0, 0], robust[0, 0])))
     if not abs(difference[0]) > 3.0 * std:
         raise IdentificationError(
             f"{after.source}: mass differs from {before.source} by {difference[0]:.4g} +- {std:.2g} kg, not by a "
@@ -65,9 +66,9 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
         warnings.append("the mass became smaller: this is what was taken off, as a negative payload")
     form = physical_form(body)
     values, physical = form.of(difference, covariance)
-    deviations = np.sqrt(np.diag(physical))
+    white, long_run = np.sqrt(np.diag(physical)), np.sqrt(np.diag(form.of(difference, robust)[1]))
     parameters = {
-        p.name: Value(float(v), float(s), float(s), p.unit)
-        for p, v, s in zip(form.parameters, values, deviations, strict=True)
+        p.name: Value(float(v), float(s), float(r), p.unit)
+        for p, v, s, r in zip(form.parameters, values, white, long_run, strict=True)
     }
     return Payload(parameters, tuple(warnings))

@@ -18,7 +18,7 @@ from identification.compressed import (
     inverse_root,
     scores,
 )
-from identification.estimator import UNFILTERED, Filtered, Fit, long_run_covariance
+from identification.fit import UNFILTERED, Filtered, Fit, long_run_covariance
 from identification.gauss_newton import gauss_newton
 from identification.model import Model
 from identification.priors import Prior, PseudoMeasurements

@@ -16,11 +16,11 @@ from cases.recording_columns import BAR_FORCES, ROTATION, STRUTS, WRENCH
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.assembly import forces_of as force_columns
-from identification.formats.run import read_batches, read_recording, read_run
+from identification.formats.run import files_of, read_batches, read_recording, read_run
 from identification.formats.stream import Recording, Stream
 
 __all__ = [
-    "BAR_FORCES", "ROTATION", "STRUTS", "WRENCH", "Recording", "Stream", "force_columns", "read_batches",
+    "BAR_FORCES", "ROTATION", "STRUTS", "WRENCH", "Recording", "Stream", "files_of", "force_columns", "read_batches",
     "read_recording", "read_run", "write_recording",
 ]  # fmt: skip
 

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from cases.schema import Case
-from identification.estimator import Fit
-from identification.model import Model
+from identification.estimators import Method
+from identification.fit import Fit
+from identification.model import ERROR_TERMS, Model, identification_model
 from identification.parameters import physical_form
 
 Array = NDArray[np.float64]
@@ -46,6 +47,11 @@ class Value(NamedTuple):
     std_robust: float
     unit: str
 
+    @property
+    def reported(self) -> float:
+        """The larger of the two standard deviations, which is what people are shown."""
+        return max(self.std, self.std_robust)
+
     def interval(self, freedom: float, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval from the standard deviation of (28)."""
         half = float(stats.t.ppf(0.5 + level / 2, freedom)) * self.std
@@ -64,6 +70,7 @@ class Estimate:
         names: of the linear parameters u.
         values: u, shape (u,).
         covariance: of u by (28), shape (u, u).
+        covariance_robust: of u, autocorrelation-robust, shape (u, u).
         physical: physical parameters by name.
         s0: (27); dimensionless with per-channel weights, else [N]. Of a moving run: of the noise in the pass band, as
             white noise of the recorded forces.
@@ -74,7 +81,11 @@ class Estimate:
         rank: of the scaled regressor.
         condition: of the scaled regressor (26).
         weights: `equal` or `per_channel`.
+        w: diagonal of W for one sample, shape (6,); ones where only ratios were given [1/N^2, 1/(N m)^2].
         delay: of the forces, where it was estimated.
+        how: estimator and what was known beforehand.
+        terms: forms of the error compensation other than the model's.
+        notes: what the estimator did beside.
         warnings: sentences.
         residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
     """
@@ -86,6 +97,7 @@ class Estimate:
     names: tuple[str, ...]
     values: Array
     covariance: Array
+    covariance_robust: Array
     physical: dict[str, Value]
     s0: float
     s0_N: float
@@ -95,7 +107,11 @@ class Estimate:
     rank: int
     condition: float
     weights: str
+    w: Array
     delay: Delay | None
+    how: Method
+    terms: tuple[str, ...]
+    notes: tuple[str, ...]
     warnings: tuple[str, ...]
     residuals: Array
 
@@ -107,6 +123,11 @@ class Estimate:
             "case_hash": self.case_hash,
             "recording": self.source,
             "model": self.model,
+            "error_terms": list(self.terms),
+            "estimator": self.how.name,
+            "known": dict(self.how.known),
+            "dropped": list(self.how.dropped),
+            "priors": {p.name: {"value": p.value, "std": p.std} for p in self.how.priors},
             "s0": self.s0,
             "s0_N": self.s0_N,
             "residual_rms": self.residual_rms.tolist(),
@@ -115,24 +136,36 @@ class Estimate:
             "rank": self.rank,
             "condition": self.condition,
             "weights": self.weights,
+            "w_diagonal": self.w.tolist(),
             "delay_s": None if self.delay is None else {"value": self.delay.value, "std": self.delay.std},
             "parameters": {name: value._asdict() for name, value in self.physical.items()},
             "linear": {"names": list(self.names), "values": self.values.tolist()},
             "covariance": self.covariance.tolist(),
+            "covariance_robust": self.covariance_robust.tolist(),
+            "notes": list(self.notes),
             "warnings": list(self.warnings),
         }
 
 
 def estimate_of(
-    model: Model, fit: Fit, source: str, case: Case, evaluation: Evaluation, warnings: tuple[str, ...]
+    model: Model,
+    fit: Fit,
+    source: str,
+    case: Case,
+    evaluation: Evaluation,
+    how: Method,
+    warnings: tuple[str, ...],
 ) -> Estimate:
     """Puts a fit into words; columns of the fit beyond the model's parameters are nuisances and left out."""
     unknowns = len(model.parameters)
     linear, covariance = fit.values[:unknowns], fit.covariance[:unknowns, :unknowns]
     form = physical_form(model)
     values, physical_covariance = form.of(linear, covariance)
-    _, robust_covariance = form.of(linear, fit.covariance_robust[:unknowns, :unknowns])
-    std, robust = np.sqrt(np.diag(physical_covariance)), np.sqrt(np.diag(robust_covariance))
+    covariance_robust = fit.covariance_robust[:unknowns, :unknowns]
+    _, robust_covariance = form.of(linear, covariance_robust)
+    standard = identification_model(case, model.number).names == model.names
+    terms = () if standard else tuple(n for n, b in ERROR_TERMS.items() if b in model.blocks)
+    std, robust = (np.sqrt(np.maximum(np.diag(c), 0.0)) for c in (physical_covariance, robust_covariance))
     physical = {
         p.name: Value(float(v), float(s), float(r), p.unit)
         for p, v, s, r in zip(form.parameters, values, std, robust, strict=True)
@@ -146,6 +179,7 @@ def estimate_of(
         names=tuple(model.names),
         values=linear,
         covariance=covariance,
+        covariance_robust=covariance_robust,
         physical=physical,
         s0=fit.s0,
         s0_N=float(np.sqrt(np.mean(evaluation.residuals[:, newtons] ** 2))),
@@ -155,7 +189,11 @@ def estimate_of(
         rank=fit.rank,
         condition=fit.condition,
         weights=case.sensors.weights,
+        w=fit.weights,
         delay=evaluation.delay,
+        how=how,
+        terms=terms,
+        notes=fit.notes,
         warnings=warnings,
         residuals=fit.residuals,
     )

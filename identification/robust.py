@@ -13,7 +13,8 @@ from scipy.linalg import solve_triangular
 
 from cases.errors import IdentificationError
 from identification.compressed import column_scale
-from identification.estimator import UNFILTERED, Filtered, Fit, gauss_markov, long_run_covariance
+from identification.estimator import gauss_markov
+from identification.fit import UNFILTERED, Filtered, Fit, long_run_covariance
 
 Array = NDArray[np.float64]
 

@@ -27,7 +27,9 @@ class SavedResult:
         case_hash: fingerprint of that case when they were identified.
         model: number in Table 2.
         values: u, shape (u,).
-        covariance: of u, shape (u, u).
+        covariance: of u by (28), shape (u, u).
+        covariance_robust: of u, autocorrelation-robust, shape (u, u).
+        terms: forms of the error compensation other than the model's.
         delay: of the forces [s]; 0 where none was estimated.
     """
 
@@ -37,6 +39,8 @@ class SavedResult:
     model: int
     values: Array
     covariance: Array
+    covariance_robust: Array
+    terms: tuple[str, ...]
     delay: float
 
     def model_of(self, case: Case) -> Model:
@@ -49,7 +53,7 @@ class SavedResult:
             raise FileProblem(
                 f"{self.source}: parameters of case {self.case_name}, not {case.name}; identify them for {case.name}"
             )
-        return identification_model(case, self.model)
+        return identification_model(case, self.model, self.terms)
 
 
 def load_result(path: Path) -> SavedResult:
@@ -73,13 +77,16 @@ def load_result(path: Path) -> SavedResult:
             model=int(data["model"]),
             values=np.array(data["linear"]["values"], dtype=float),
             covariance=np.array(data["covariance"], dtype=float),
+            covariance_robust=np.array(data.get("covariance_robust", data["covariance"]), dtype=float),
+            terms=tuple(str(t) for t in data.get("error_terms", ())),
             delay=0.0 if delay is None else float(delay["value"]),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error
     count = len(result.values)
-    whole = result.values.ndim == 1 and result.covariance.shape == (count, count)
-    if not whole or not (np.isfinite(result.values).all() and np.isfinite(result.covariance).all()):
+    arrays = (result.values, result.covariance, result.covariance_robust)
+    whole = result.values.ndim == 1 and all(a.shape == (count, count) for a in arrays[1:])
+    if not whole or not all(np.isfinite(a).all() for a in arrays):
         raise FileProblem(f"{file}: values and covariance do not belong together; identify again")
     return result
 
@@ -102,6 +109,10 @@ def with_tare(
     form = physical_form(result.model_of(case))
     physical, spread = form.of(values, covariance)
     std = np.sqrt(np.diag(spread))
+    robust_covariance = result.covariance_robust.copy()
+    offsets = [k for k, name in enumerate(data["linear"]["names"]) if name.startswith("f_q0")]
+    robust_covariance[offsets, :] = robust_covariance[:, offsets] = 0.0
+    robust_covariance[offsets, offsets] = np.diag(covariance)[offsets]
     parameters = dict(data["parameters"])
     for p, value, deviation in zip(form.parameters, physical, std, strict=True):
         robust = float(deviation) if p.name.startswith("f_q0") else parameters[p.name]["std_robust"]
@@ -110,5 +121,6 @@ def with_tare(
         "parameters": parameters,
         "linear": {"names": data["linear"]["names"], "values": values.tolist()},
         "covariance": covariance.tolist(),
+        "covariance_robust": robust_covariance.tolist(),
         "tared_with": source,
     }

@@ -5,20 +5,18 @@ moments by the parallel-axis theorem, so that u = u0 + B v with the parameters v
 linear, and every estimator of stacked data serves it.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.estimator import Fit
+from identification.fit import Estimator, Fit
 from identification.model import Model
 from identification.parameters import PhysicalForm, physical_form
 
 Array = NDArray[np.float64]
-Estimator = Callable[[Array, Array, Sequence[str]], Fit]
-"""Regressors (n, 6, u), forces (n, 6) and names -> Fit; bind weights and the like with functools.partial."""
 
 _FIRST_MOMENTS = ("mxC", "myC", "mzC")
 _CENTRE = ("xC", "yC", "zC")

@@ -6,24 +6,16 @@ default the recording is delayed, sampled between encoder cycles, quantised and 
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
 from identification.executed import Execution
-from identification.hexapod import Kinematics
-from identification.model import Model, identification_model
+from identification.model import identification_model, regressors
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 
 Array = NDArray[np.float64]
 
 TRUE_MODEL = 9  # rigid body with inertia, offsets and the elastic error terms K2 and K5
-
-
-def regressors(model: Model, kinematics: Kinematics) -> Array:
-    """A for every sample of a motion, shape (n, 6, u)."""
-    rotations = Rotation.from_euler("xyz", kinematics.pose[:, 3:]).as_matrix()
-    return model.matrices(kinematics.pose[:, :3], rotations, kinematics.twist, kinematics.twist_rate)
 
 
 def true_forces(case: Case, execution: Execution, t: Array) -> Array:

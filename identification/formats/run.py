@@ -49,7 +49,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         raise RecordingError("no recording is named; give the files of one run")
     tables: list[tuple[Table, RecordingFormat]] = []
     for path in paths:
-        file, form = _file_of(path, case)
+        file, form = _file_of(path, case.recording)
         tables += [(table, form) for table in read_tables(file, form)]
     starts = [start_of(table, form) for table, form in tables if table.stamps is not None]
     origin = min(starts, default=None)
@@ -81,11 +81,16 @@ def read_batches(path: Path, case: Case) -> Iterator[Stream]:
     Raises:
         RecordingError: as `read_recording`, once the place is reached.
     """
-    file, form = _file_of(path, case)
+    file, form = _file_of(path, case.recording)
     return streams_of(read_table_batches(file, form), case, form)
 
 
-def _file_of(path: Path, case: Case) -> tuple[Path, RecordingFormat]:
+def files_of(paths: Sequence[Path]) -> list[Path]:
+    """The files that paths mean: a folder of `hexcite run` means the recording in it."""
+    return [_file_of(path, None)[0] for path in paths]
+
+
+def _file_of(path: Path, form: RecordingFormat | None) -> tuple[Path, RecordingFormat]:
     """The file that a path means, and how it is written: what `hexcite run` wrote has our names and units."""
     try:
         if path.is_dir():
@@ -94,7 +99,7 @@ def _file_of(path: Path, case: Case) -> tuple[Path, RecordingFormat]:
         ours = path.stem == "recording" and path.with_name("recording.json").is_file()
     except OSError:  # a name that the system refuses; the reader explains it
         ours = False
-    return path, RecordingFormat() if ours else case.recording
+    return path, RecordingFormat() if ours or form is None else form
 
 
 def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) -> None:

@@ -105,7 +105,7 @@ def payload(
     from cases.loading import load_case
     from identification.payload import payload_between
     from identification.saved import load_result
-    from planner.cli.identify import parameter_rows
+    from planner.cli.identify import PARAMETER_COLUMNS, parameter_rows
 
     loaded = load_case(case)
     old, new = load_result(before), load_result(after)
@@ -117,6 +117,6 @@ def payload(
     if json:
         print_json(answer)
         return
-    print_table("Payload", ("parameter", "value", "std", "std robust", "unit"), parameter_rows(answer["parameters"]))
+    print_table("Payload", PARAMETER_COLUMNS, parameter_rows(answer["parameters"]))
     for warning in found.warnings:
         print(f"warning: {warning}")

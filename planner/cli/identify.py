@@ -1,7 +1,8 @@
 """`hexcite identify`: parameters with error bars from a recording."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
@@ -9,52 +10,114 @@ from planner.cli.console import Json, print_json, print_table, status
 
 
 def identify(
-    recordings: Annotated[list[Path], typer.Argument(help="The run: a CSV file, or a folder of hexcite run.")],
+    recordings: Annotated[
+        list[Path],
+        typer.Argument(help="One run: a file, several files of it in any order, or a folder of hexcite run."),
+    ],
     case: Annotated[
         str | None, typer.Option(help="Built-in name, folder or file; a recording folder knows its own.")
     ] = None,
     model: Annotated[
         int | None, typer.Option(help="Identification model, 0 to 9; by default what the run can carry.")
     ] = None,
+    estimator: Annotated[
+        str,
+        typer.Option(
+            help="gauss-markov, robust (gross errors), full (covariance of the channels), consistent "
+            "(inertia of a real body) or nonlinear (physical parameters)."
+        ),
+    ] = "gauss-markov",
+    fix: Annotated[
+        list[str] | None, typer.Option(help="A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")
+    ] = None,
+    drop: Annotated[
+        list[str] | None, typer.Option(help="A parameter to leave out, as if it were zero: k3. Repeatable.")
+    ] = None,
+    symmetric: Annotated[
+        bool, typer.Option("--symmetric", help="Symmetric platform: xC, yC and moments of deviation are zero.")
+    ] = False,
+    prior: Annotated[list[str] | None, typer.Option(help="An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
+    terms: Annotated[str | None, typer.Option(help="Error terms instead of the model's, of K1 to K5: K1,K4.")] = None,
     verify: Annotated[
         Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
     ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to write.")] = None,
     json: Json = False,
 ) -> None:
-    """Identify parameters from a recorded run."""
-    from cases.errors import RecordingError
+    """Identify parameters from a recorded run.
 
-    if len(recordings) > 1:
-        raise RecordingError(f"{recordings[1]}: one file of one run is read so far; join the files and name one")
-    answer, _ = make_result(recordings[0], case, model, output, quiet=json)
+    Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
+    larger of the two is what to report.
+    """
+    wanted = Wish(
+        model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
+        tuple(t.strip() for t in terms.split(",")) if terms else (),
+    )  # fmt: skip
+    answer, _ = make_result(recordings, case, wanted, output, quiet=json)
     if verify is not None:
         answer["verify"] = verify_result(verify, case_of(recordings[0], case), Path(answer["result"]), quiet=json)
     if json:
         print_json(answer)
 
 
+class Wish(NamedTuple):
+    """What a user asks of an identification, as typed.
+
+    Args:
+        model: number in Table 2; None: what the run can carry.
+        estimator: its name.
+        fix: known values.
+        drop: names to leave out.
+        symmetric: whether the platform is symmetric.
+        prior: uncertain values.
+        terms: error terms instead of the model's.
+    """
+
+    model: int | None = None
+    estimator: str = "gauss-markov"
+    fix: tuple[str, ...] = ()
+    drop: tuple[str, ...] = ()
+    symmetric: bool = False
+    prior: tuple[str, ...] = ()
+    terms: tuple[str, ...] = ()
+
+
 def make_result(
-    path: Path, case: str | None, model: int | None, output: Path | None, quiet: bool
+    paths: Path | Sequence[Path], case: str | None, wish: "int | Wish | None", output: Path | None, quiet: bool
 ) -> tuple[dict[str, Any], Any]:
-    """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate."""
+    """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.
+
+    Args:
+        paths: one recording, or the files of one run.
+        case: its name, or None where a recording folder knows.
+        wish: a model's number or all that can be asked.
+        output: folder to write.
+        quiet: print nothing.
+    """
     from cases.files import RESULT, atomic_folder, check_folder, json_text
-    from identification.identify import identifiability
+    from identification.identify import default_model, identifiability
     from identification.identify import identify as estimate_parameters
-    from identification.recording import read_recording
+    from identification.model import identification_model
+    from identification.provenance import provenance
+    from identification.recording import files_of, read_run
     from planner.plots import identifiability_figure, residual_figure
 
-    loaded = case_of(path, case)
-    folder = output if output is not None else Path(f"{path.resolve().stem}-result")
-    check_folder(folder, RESULT, [path])
+    paths = [paths] if isinstance(paths, Path) else list(paths)
+    wish = wish if isinstance(wish, Wish) else Wish(wish)
+    loaded = case_of(paths[0], case)
+    folder = output if output is not None else Path(f"{paths[0].resolve().stem}-result")
+    check_folder(folder, RESULT, paths)
     with status("identifying", quiet):
-        recording = read_recording(path, loaded)
-        estimate = estimate_parameters(recording, loaded, model)
+        recording = read_run(paths, loaded)
+        number = default_model(recording) if wish.model is None else wish.model
+        how = method_of(wish, identification_model(loaded, number, wish.terms))
+        estimate = estimate_parameters(recording, loaded, number, how, wish.terms)
         found = identifiability(recording, loaded, estimate)
-        answer = {"result": str(folder)} | estimate.to_json()
+        content = estimate.to_json() | provenance(files_of(paths))
+        answer = {"result": str(folder)} | content
         answer["strongest_correlations"] = [{"pair": [a, b], "value": v} for a, b, v in found.strongest()]
         with atomic_folder(folder, RESULT) as part:
-            (part / "result.json").write_text(json_text(estimate.to_json()), encoding="utf-8")
+            (part / "result.json").write_text(json_text(content), encoding="utf-8")
             (part / "plots").mkdir()
             (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")
             residual_figure(estimate).savefig(part / "plots" / "residuals.svg")
@@ -62,6 +125,26 @@ def make_result(
     if not quiet:
         show_result(answer)
     return answer, estimate
+
+
+def method_of(wish: Wish, model: Any) -> Any:
+    """The method that a user asks for.
+
+    Raises:
+        HexciteError: a value that is not understood, a name that the model does not have, an unknown estimator.
+    """
+    from identification.estimators import method
+    from identification.parameters import physical_form
+    from identification.priors import Prior
+    from identification.selection import symmetric_platform
+    from planner.cli.quantities import read_uncertain, read_values
+
+    units = {p.name: p.unit for p in (*model.parameters, *physical_form(model).parameters)}
+    known = read_values(wish.fix, units, "--fix")
+    if wish.symmetric:
+        known = symmetric_platform(model) | known
+    priors = [Prior(*values) for values in read_uncertain(wish.prior, units, "--prior")]
+    return method(wish.estimator, known, wish.drop, priors)
 
 
 def verify_result(path: Path, case: Any, result: Path, quiet: bool) -> dict[str, Any]:
@@ -110,20 +193,30 @@ def case_of(path: Path, case: str | None) -> Any:
 
 
 def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
-    """Rows of a parameter table, lengths in mm."""
+    """Rows of a parameter table, lengths in mm: value, the larger standard deviation, and both of them."""
     rows = []
     for name, p in parameters.items():
         scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
-        rows.append([name, *(f"{p[key] * scale:.6g}" for key in ("value", "std", "std_robust")), unit])
+        deviations = (max(p["std"], p["std_robust"]), p["std"], p["std_robust"])
+        given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
+        shown = ["given", "-", "-"] if given else [f"{d * scale:.3g}" for d in deviations]
+        rows.append([name, f"{p['value'] * scale:.6g}", *shown, unit])
     return rows
+
+
+PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
 
 
 def show_result(answer: dict[str, Any]) -> None:
     """Prints a result for people."""
     rows = parameter_rows(answer["parameters"])
-    title = f"Model {answer['model']}: {answer['samples']} samples, rank {answer['rank']}"
-    title += f", condition {answer['condition']:.3g}"
-    print_table(title, ("parameter", "value", "std (28)", "std robust", "unit"), rows)
+    terms = f" with {', '.join(answer['error_terms'])}" if answer["error_terms"] else ""
+    title = f"Model {answer['model']}{terms}, {answer['estimator']}: {answer['samples']} samples"
+    print_table(title, PARAMETER_COLUMNS, rows)
+    print(
+        "+- is the larger of std by (28), right for white noise, and of std robust, which allows for noise that is not"
+    )
+    print(f"rank {answer['rank']}, condition {answer['condition']:.3g}")
     print(f"s0 = {answer['s0']:.4g}, force residual {answer['s0_N']:.4g} N rms, weights {answer['weights']}")
     strongest = ", ".join(
         f"{a}~{b} {v:+.2f}" for (a, b), v in ((c["pair"], c["value"]) for c in answer["strongest_correlations"][:3])
@@ -135,6 +228,8 @@ def show_result(answer: dict[str, Any]) -> None:
             f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms "
             "(estimated and compensated)"
         )
+    for note in answer["notes"]:
+        print(note)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"result written: {answer['result']}")

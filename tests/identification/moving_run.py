@@ -9,9 +9,8 @@ from cases.loading import load_case
 from cases.sensors import RigidBody, Truth
 from identification.estimator import Fit
 from identification.hexapod import kinematics_of_coordinates
-from identification.model import identification_model
+from identification.model import identification_model, regressors
 from identification.parameters import linear_parameters, physical_form
-from identification.simulate import regressors
 from tests.helpers import Harmonic
 
 Array = np.ndarray

@@ -5,7 +5,8 @@ import pytest
 
 from cases.errors import IdentificationError
 from identification.compressed import compress, degrees_of_freedom, determined, fit_along, inverse_root
-from identification.estimator import Filtered, gauss_markov
+from identification.estimator import gauss_markov
+from identification.fit import Filtered
 from tests.helpers import one_line
 from tests.identification.moving_run import NAMES, A, U, forces
 

@@ -130,4 +130,5 @@ def test_standstills_give_the_static_parameters(number: int) -> None:
 def test_by_default_the_model_is_what_the_recording_can_carry() -> None:
     recording = run(CASE)
     assert identify(recording, CASE).model == 9
-    assert identify(replace(recording, t=None), CASE).model == 5
+    standing = replace(recording, t=None, struts=recording.struts[::50], forces=recording.forces[::50])
+    assert identify(standing, CASE).model == 5

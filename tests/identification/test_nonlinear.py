@@ -6,7 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from identification import gauss_newton
-from identification.estimator import Filtered, gauss_markov
+from identification.estimator import gauss_markov
+from identification.fit import Filtered
 from identification.model import identification_model
 from identification.nonlinear import linear_map, nonlinear
 from identification.parameters import physical_form

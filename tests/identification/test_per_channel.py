@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimator import gauss_markov, per_channel
+from identification.estimator import channel_leverage, gauss_markov, independent_poses, per_channel
 from tests.helpers import one_line
 
 DRAW = np.random.default_rng(0)
@@ -26,8 +26,51 @@ def test_it_settles_where_weights_and_residuals_agree() -> None:
     fit = per_channel(A, FORCES, NAMES)
     again = gauss_markov(A, FORCES, NAMES, fit.weights)
     np.testing.assert_allclose(again.values, fit.values, rtol=1e-9)
-    variance = np.mean(again.residuals**2, axis=0) / (1 - 4 / FORCES.size)
+    variance = np.sum(again.residuals**2, axis=0) / (len(FORCES) - channel_leverage(A, fit.weights))
     np.testing.assert_allclose(1 / variance, fit.weights, rtol=1e-4)
+
+
+def test_leverages_of_the_channels_share_the_unknowns_and_follow_the_weights() -> None:
+    leverage = channel_leverage(A, NOISE_STD**-2.0)
+    assert leverage.sum() == pytest.approx(4.0)
+    assert leverage[3] > 3.0  # the quietest channel determines nearly everything
+    assert channel_leverage(A, np.ones(6)) == pytest.approx([4 / 6] * 6, abs=0.1)
+
+
+def test_a_few_samples_still_give_each_channel_the_variance_that_it_has() -> None:
+    """Twelve samples of six channels for four unknowns: on average over seeds the variances are right to some percent.
+
+    With equal shares of the unknowns the quiet channels collapse: their variance comes out four times too small.
+    """
+    few = A[:12]
+    ratio = [
+        1 / per_channel(few, few @ U + np.random.default_rng(s).normal(size=(12, 6)) * NOISE_STD, NAMES).weights
+        for s in range(200)
+    ]
+    # A channel whose rivals are a thousand times louder has 8 degrees of freedom of its own.
+    np.testing.assert_allclose(np.mean(ratio, axis=0) / NOISE_STD**2, np.ones(6), rtol=0.25)
+
+
+def test_too_few_samples_for_a_variance_are_refused() -> None:
+    """Two samples of a channel, less its share of the four unknowns, leave too little to judge its noise by."""
+    forces = A[:2] @ U + np.random.default_rng(1).normal(size=(2, 6))
+    with pytest.raises(IdentificationError, match=r"channel \d has 2 independent samples.*record more") as caught:
+        per_channel(A[:2], forces, NAMES)
+    one_line(caught.value)
+
+
+def test_a_few_poses_do_not_praise_themselves() -> None:
+    """Leave-one-out residuals: with poses that are noisier than others the robust intervals are wide enough."""
+    few, spread = A[:8], np.repeat([1.0, 4.0], 4)[:, None]
+    errors, variances = [], []
+    for seed in range(300):
+        forces = few @ U + spread * np.random.default_rng(seed).normal(size=(8, 6))
+        fit = gauss_markov(few, forces, NAMES, np.ones(6))
+        errors.append((fit.values - U) ** 2)
+        variances.append(np.diag(independent_poses(few, fit)))
+    ratio = np.mean(variances, axis=0) / np.mean(errors, axis=0)
+    assert np.all(ratio > 0.9)  # on the safe side, as leave-one-out is
+    assert np.all(ratio < 2.5)
 
 
 def test_it_is_nearer_to_the_truth_than_equal_weights_and_says_so() -> None:

@@ -24,7 +24,8 @@ RUN = simulate_recording(
     CASE, PoseExecution(Hexapod.of(CASE), Harmonic(duration=1.5)), np.array([[0.2, 1.3]]), 0, "run.csv"
 )
 TURNS = paper_poses()[1][:24]
-STILL = replace(RUN, t=None, trigger=None)
+ORDER = np.random.default_rng(0).permutation(len(RUN.forces))  # poses one by one, as nobody moves
+STILL = replace(RUN, t=None, trigger=None, struts=RUN.struts[ORDER], forces=RUN.forces[ORDER])
 ROTATIONS = Recording("run.csv", None, None, TURNS, np.random.default_rng(0).normal(size=(24, 6)), None)
 
 
@@ -93,6 +94,7 @@ REFUSALS: dict[str, tuple[Recording, Case, int | None, type[HexciteError], str]]
     "a standstill with trigger": (standing(True), CASE, None, UNFIT, "the pose is constant"),
     "a standstill without trigger": (standing(False), CASE, None, UNFIT, "the pose is constant"),
     "a machine that trembles": (with_struts(tremble, standing(True)), CASE, None, UNFIT, "constant .*at least 0.1 mm"),
+    "a motion without clock": (replace(RUN, t=None), CASE, None, UNREADABLE, "no t_s column.*smooth like samples"),
     "one pose many times": (with_struts(same_pose, STILL), CASE, None, UNFIT, "rank 6 of 14: m, "),
     "one sample": (first(1), CASE, None, UNREADABLE, "."),
     "two samples": (first(2), CASE, None, UNREADABLE, "2 samples are too few for a 40 Hz filter"),

@@ -7,9 +7,8 @@ from scipy.spatial.transform import Rotation
 from cases.loading import load_case
 from identification.evaluate import over_samples
 from identification.hexapod import kinematics_of_coordinates
-from identification.model import identification_model
+from identification.model import identification_model, regressors
 from identification.motion import Standstill, Trajectory
-from identification.simulate import regressors
 from tests.helpers import HOME, Harmonic
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 

@@ -5,7 +5,8 @@ import pytest
 
 from cases.errors import IdentificationError
 from identification import robust
-from identification.estimator import Filtered, gauss_markov
+from identification.estimator import gauss_markov
+from identification.fit import Filtered
 from identification.robust import huber
 from tests.helpers import one_line
 from tests.identification.moving_run import NAMES, ONES, A, U, coverage, forces

@@ -1,0 +1,88 @@
+"""External contact during an identification run: samples at which the model is left by more than noise.
+
+The squared residual of a sample, in the metric of the channels' own robust covariance, is chi^2 with six degrees of
+freedom where nothing touches; a contact is a stretch of samples that noise does not explain.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+CHANCE = 1e-7  # for a sample by noise alone; two neighbours are asked for, so that a run of an hour stays silent
+CLEAR = 3.0  # times the limit that a contact reaches somewhere; residuals of a wrong model creep over it here and there
+FEWEST = 2  # neighbouring samples above the limit
+NEAR = 0.05  # [s] stretches closer than that are one contact
+MARGIN = 0.03  # [s] beside a contact that may still feel it
+
+
+class Contact(NamedTuple):
+    """A stretch of time in which something pushed.
+
+    Args:
+        start: [s].
+        end: [s].
+        peak: largest external force in it [N]; of a wrench, its force part.
+    """
+
+    start: float
+    end: float
+    peak: float
+
+
+def find_contacts(t: Array, residuals: Array, structure: Array) -> tuple[Contact, ...]:
+    """Looks for contacts.
+
+    Args:
+        t: time of the samples, ascending, shape (n,) [s].
+        residuals: measured less expected, shape (n, 6) [N, or N and N m].
+        structure: J^-T, shape (6, 6), for the external force.
+    """
+    distance = _distance(residuals)
+    above = distance > 1.0
+    edges = np.flatnonzero(np.diff(np.r_[False, above, False].astype(np.int8)))
+    wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)
+    found: list[Contact] = []
+    for first, last in zip(edges[::2], edges[1::2] - 1, strict=True):
+        if last - first + 1 < FEWEST or distance[first : last + 1].max() < CLEAR:
+            continue
+        contact = Contact(float(t[first]), float(t[last]), float(wrench[first : last + 1].max()))
+        if found and contact.start - found[-1].end < NEAR:
+            before = found.pop()
+            contact = Contact(before.start, contact.end, max(before.peak, contact.peak))
+        found.append(contact)
+    return tuple(found)
+
+
+def touched(t: Array, contacts: tuple[Contact, ...]) -> Rows:
+    """Samples that a contact may have moved, shape (n,)."""
+    rows = np.zeros(len(t), dtype=bool)
+    for contact in contacts:
+        rows |= (t >= contact.start - MARGIN) & (t <= contact.end + MARGIN)
+    return rows
+
+
+def _distance(residuals: Array) -> Array:
+    """Squared residuals over what noise exceeds with the probability `CHANCE`, shape (n,).
+
+    The covariance is that of the inner half of the samples, so that up to half of them may be touched; the median of
+    the distances, which noise fixes, removes what trimming took from it.
+    """
+    centred = residuals - np.median(residuals, axis=0)
+    scale = np.maximum(np.median(np.abs(centred), axis=0), np.finfo(float).tiny)
+    size = np.sum((centred / scale) ** 2, axis=1)
+    for _ in range(3):
+        inner = centred[size <= np.median(size)] / scale
+        covariance = inner.T @ inner / max(len(inner), 1)
+        covariance += 1e-9 * np.trace(covariance) * np.eye(6) + np.finfo(float).tiny * np.eye(6)
+        size = np.einsum("ni,ij,nj->n", centred / scale, np.linalg.inv(covariance), centred / scale)
+    usual = float(np.median(size))
+    if usual <= 0.0:
+        return np.zeros(len(residuals))
+    # Residuals of a real run have a spread that changes; the upper quartile keeps calm where the median would not.
+    spread = max(usual / stats.chi2.ppf(0.5, 6), float(np.quantile(size, 0.75)) / float(stats.chi2.ppf(0.75, 6)))
+    return np.asarray(size / spread / stats.chi2.isf(CHANCE, 6))

@@ -1,0 +1,80 @@
+"""What every estimator gives back, and what is said about errors that are not white."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Filtered(NamedTuple):
+    """What a low-pass did to white noise before the fit, and how many samples of it were kept.
+
+    Args:
+        gain: variance of filtered noise over that of recorded noise, the sum of the squared kernel.
+        stride: recorded samples for each one that is kept.
+    """
+
+    gain: float
+    stride: int
+
+
+UNFILTERED = Filtered(1.0, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """An estimate of u.
+
+    Args:
+        values: u, shape (u,).
+        covariance: s0^2 F^-1, (28), shape (u, u): right where the recorded noise is white.
+        covariance_robust: autocorrelation-robust, shape (u, u): right also where they are not.
+        s0: (27), of the recorded forces; dimensionless where weights are given, else [N].
+        freedom: degrees of freedom of s0.
+        residuals: f - A u, shape (n, 6) [N, or N and N m].
+        weights: diagonal of W for one sample, shape (6,).
+        rank: of the scaled regressor.
+        condition: mu_1 / mu_u of the scaled regressor (26).
+        notes: sentences about what the estimator did beside: a constraint that bound, what a prior moved.
+        doubts: sentences about what speaks against it: a prior that disagrees, a search that did not settle.
+    """
+
+    values: Array
+    covariance: Array
+    covariance_robust: Array
+    s0: float
+    freedom: float
+    residuals: Array
+    weights: Array
+    rank: int
+    condition: float
+    notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+
+
+Estimator = Callable[[Array, Array, Sequence[str]], Fit]
+"""Regressors (n, 6, u), forces (n, 6) and names -> Fit; bind weights and the like with functools.partial."""
+
+
+def long_run_covariance(scores: Array) -> Array:
+    """Sum over all lags of the autocovariance of a series times its length, by Bartlett's kernel (Newey and West 1987).
+
+    The bandwidth follows Andrews (1991) from the lag-one autocorrelation of each column.
+
+    Args:
+        scores: shape (n, u).
+    """
+    count = len(scores)
+    variance = np.maximum(np.sum(scores[1:] ** 2, axis=0), np.finfo(float).tiny)
+    rho = np.clip(np.sum(scores[1:] * scores[:-1], axis=0) / variance, -0.97, 0.97)
+    alpha = float(np.mean(4 * rho**2 / ((1 - rho) ** 2 * (1 + rho) ** 2)))
+    width = int(np.clip(np.ceil(1.1447 * (alpha * count) ** (1 / 3)), 1, max(1, count // 4)))
+    # A Bartlett-weighted sum of lagged products is the mean product of moving sums over the bandwidth.
+    padded = np.vstack([np.zeros((1, scores.shape[1])), np.cumsum(np.pad(scores, ((0, width - 1), (0, 0))), axis=0)])
+    upper = np.arange(1, count + width)
+    moving = padded[upper] - padded[np.maximum(upper - width, 0)]
+    return np.asarray(moving.T @ moving / width)

@@ -1,0 +1,197 @@
+"""What is wrong with a recording although every number in it could have been measured: found before any estimate.
+
+Samples that no estimate may use are marked and named with their place; what makes a run useless is an error.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import RecordingError
+from cases.schema import Case
+from cases.units import MM
+from identification.formats.stream import Recording
+from identification.formats.table import Lines
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+MOST_NAMED = 3  # places of one finding that a message lists
+NEVER = 1e-9  # probability below which a silence of a channel is no chance
+OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
+SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
+TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
+MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
+SMOOTH = 0.5  # second over first differences of poses, rms: standstills in any order have 1.7, samples of a motion less
+SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are no samples of a motion
+SMALL_TURN = 0.01  # [rad] the same for orientations
+LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion
+
+
+class Scan(NamedTuple):
+    """What was found in a recording.
+
+    Args:
+        warnings: sentences with places.
+        bad: samples that no estimate may use, shape (n,).
+    """
+
+    warnings: tuple[str, ...]
+    bad: Rows
+
+
+def places(lines: Lines, rows: Rows) -> str:
+    """Where rows stand in the file: `line 12`, `lines 12 to 40 and 77`, and how many more."""
+    edges = np.flatnonzero(np.diff(np.r_[False, rows, False].astype(np.int8)))
+    spans = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    named = []
+    for first, last in spans[:MOST_NAMED]:
+        start, end = (lines.place(k).rsplit(" ", 1)[1] for k in (first, last))
+        named.append(start if first == last else f"{start} to {end}")
+    more = f" and {len(spans) - MOST_NAMED} more places" if len(spans) > MOST_NAMED else ""
+    plural = "s" if int(rows.sum()) > 1 else ""
+    return f"{lines.word}{plural} {', '.join(named)}{more}"
+
+
+def scan(recording: Recording, case: Case) -> Scan:
+    """Looks through a recording.
+
+    Args:
+        recording: any.
+        case: range of the sensors, workspace and limits of the machine.
+
+    Raises:
+        RecordingError: rows without a clock that are samples of a motion, or so much damage that the rest is no run.
+    """
+    if recording.t is None:
+        _require_standstills(recording)
+    count = len(recording.forces)
+    bad, warnings = np.zeros(count, dtype=bool), []
+    for text, rows in (*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)):
+        warnings.append(f"{places(recording.lines, rows)}: {text}; left out")
+        bad |= rows
+    warnings += [f"{places(recording.lines, rows)}: {text}" for text, rows in _outside(recording, case)]
+    if bad.sum() > MOST_BAD * count:
+        raise RecordingError(
+            f"{recording.source}: {100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % "
+            f"may be: {warnings[0]}; mend the sensor and record again"
+        )
+    return Scan(tuple(warnings), bad)
+
+
+def bridged(values: Array, bad: Rows) -> Array:
+    """Values with bad samples replaced by the straight line between good neighbours, shape (n, k)."""
+    if not bad.any():
+        return values
+    index, good = np.arange(len(values)), np.flatnonzero(~bad)
+    result = values.copy()
+    for k in range(values.shape[1]):
+        result[bad, k] = np.interp(index[bad], good, values[good, k])
+    return result
+
+
+def _clipped(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
+    """Forces at the end of the sensors' range."""
+    most = case.sensors.range_N
+    if most is None:
+        return []
+    newtons = range(6 if case.sensor_frame.bars is not None else 3)
+    found = [(k, np.abs(recording.forces[:, k]) >= 0.999 * most) for k in newtons]
+    return [(f"channel {k + 1} is at the end of its range of {most:g} N", rows) for k, rows in found if rows.any()]
+
+
+def _silent(recording: Recording) -> list[tuple[str, Rows]]:
+    """Force channels that stop changing although the machine moves: a saturated amplifier, a bus that repeats."""
+    if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
+        return []
+    step = float(np.median(np.diff(recording.t)))
+    moves = np.abs(np.diff(recording.struts, axis=0)).max(axis=1) > TRAVELLING * step
+    found = []
+    for k in range(6):
+        still = np.diff(recording.forces[:, k]) == 0.0
+        usual = float(np.clip(np.mean(still), 0.01, 0.999))
+        least = int(np.ceil(np.log(NEVER / len(still)) / np.log(usual)))
+        edges = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8)))
+        rows = np.zeros(len(recording.forces), dtype=bool)
+        for first, last in zip(edges[::2], edges[1::2], strict=True):
+            # The other channels tell a sensor that is stuck from forces that are constant.
+            others = np.ptp(np.delete(recording.forces[first : last + 1], k, axis=1), axis=0).max()
+            if last - first >= least and others > 0.0 and moves[first:last].mean() > 0.5:
+                rows[first : last + 1] = True
+        if rows.any():
+            value = recording.forces[np.argmax(rows), k]
+            found.append((f"channel {k + 1} is stuck at {value:g} while the machine moves", rows))
+    return found
+
+
+def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
+    """Single samples that leave their neighbours: forces by chance never, struts by no drive."""
+    if recording.t is None or len(recording.t) < LEAST_ROWS:
+        return []
+    found = []
+    away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
+    usual = 1.4826 * np.median(np.abs(away), axis=0)
+    for k in range(6):
+        rows = _peaks(away[:, k], max(OUTLIER * usual[k], 1e-9 * float(np.abs(recording.forces[:, k]).max())))
+        if usual[k] > 0.0 and rows.any():
+            found.append((f"channel {k + 1} jumps by up to {np.abs(away[:, k]).max():.4g} for single samples", rows))
+    if recording.struts is None or case.limits is None:
+        return found
+    step = float(np.median(np.diff(recording.t)))
+    limits = case.limits.motion
+    most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
+    away = recording.struts[1:-1] - (recording.struts[:-2] + recording.struts[2:]) / 2
+    for k in range(6):
+        rows = _peaks(away[:, k], most)
+        if rows.any():
+            size = np.abs(away[:, k]).max() / MM
+            text = f"strut {k + 1} jumps by up to {size:.4g} mm between samples {step * 1e3:.3g} ms apart, "
+            found.append((text + f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids", rows))
+    return found
+
+
+def _peaks(away: Array, most: float) -> Rows:
+    """Samples that are further away than `most` and than their neighbours, which see half of it."""
+    size = np.r_[0.0, np.abs(away), 0.0]
+    before, after = np.r_[0.0, size[:-1]], np.r_[size[1:], 0.0]
+    return np.asarray((size > most) & (size >= before) & (size >= after))
+
+
+def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
+    """Struts beyond what the machine can reach: a run of another machine, or a wrong offset."""
+    if recording.struts is None or case.workspace is None:
+        return []
+    low, high = case.workspace.strut_length
+    found = []
+    for k in range(6):
+        rows = (recording.struts[:, k] < low) | (recording.struts[:, k] > high)
+        if rows.any():
+            value = recording.struts[np.argmax(rows), k]
+            text = (
+                f"strut {k + 1} of {value / MM:.4g} mm is outside the workspace of {low / MM:g} to {high / MM:g} mm; "
+            )
+            found.append((text + "check offset and order of the struts, or workspace.strut_length_mm", rows))
+    return found
+
+
+def _require_standstills(recording: Recording) -> None:
+    """Raises RecordingError where rows without a clock follow each other as samples of a motion do."""
+    sequences: Sequence[tuple[Array | None, float, str]] = (
+        (recording.struts, SMALL_STEP, "mm"),
+        (None if recording.rotations is None else recording.rotations.reshape(-1, 9), SMALL_TURN, "rad"),
+    )
+    for values, small, unit in sequences:
+        if values is None or len(values) < LEAST_ROWS:
+            continue
+        first, second = np.diff(values, axis=0), np.diff(values, n=2, axis=0)
+        step = float(np.median(np.abs(first).max(axis=1)))
+        rough = float(np.sqrt(np.mean(second**2)))
+        if 0.0 < step < small and rough < SMOOTH * float(np.sqrt(np.mean(first**2))):
+            shown = f"{step / MM:.3g} mm" if unit == "mm" else f"{step:.2g} rad"
+            raise RecordingError(
+                f"{recording.source}: has no t_s column, yet its {len(values)} rows are {shown} apart and smooth like "
+                "samples of a motion, not averaged standstills; add the time, map its name in [recording.columns] or "
+                "give recording.clock.period_ms"
+            )

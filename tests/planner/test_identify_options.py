@@ -1,0 +1,120 @@
+"""`hexcite identify` with everything that can be asked of it: several files, estimators, known values, priors."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from identification.executed import PoseExecution
+from identification.hexapod import Hexapod
+from identification.recording import write_recording
+from identification.simulate import simulate_recording
+from tests.helpers import Harmonic
+from tests.planner.command_line import call, refused
+
+CASE = load_case("hexapod")
+TRUTH = {"m": 31.83, "zC": 0.10505, "IC33": 0.91, "k3": 28.27}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with one run: as CSV, as Parquet, and as two CSV files of struts and forces."""
+    folder = tmp_path_factory.mktemp("run")
+    execution = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=2.0))
+    recording = simulate_recording(CASE, execution, np.array([[0.2, 1.8]]), 0)
+    for name in ("run.csv", "run.parquet"):
+        write_recording(folder / name, recording, CASE)
+    rows = [line.split(",") for line in (folder / "run.csv").read_text().splitlines()]
+    (folder / "struts.csv").write_text("".join(",".join([*r[:7], r[13]]) + "\n" for r in rows))
+    (folder / "forces.csv").write_text("".join(",".join([r[0], *r[7:13]]) + "\n" for r in rows))
+    return folder
+
+
+def answer_of(run: Path, tmp_path: Path, *words: object, files: tuple[str, ...] = ("run.csv",)) -> dict:
+    names = [run / f for f in files]
+    return call("identify", *names, "--case", "hexapod", "-o", tmp_path / "result", "--json", *words).json()
+
+
+@pytest.mark.parametrize("files", [("run.parquet",), ("forces.csv", "struts.csv"), ("struts.csv", "forces.csv")])
+def test_the_same_run_in_other_files_gives_the_same_result(files: tuple[str, ...], run: Path, tmp_path: Path) -> None:
+    one, other = answer_of(run, tmp_path), answer_of(run, tmp_path, files=files)
+    assert other["linear"]["values"] == pytest.approx(one["linear"]["values"], rel=1e-9)
+    assert [Path(i["file"]).name for i in other["inputs"]] == list(files)
+    assert all(len(i["sha256"]) == 64 for i in other["inputs"])
+    assert other["versions"]["numpy"] == np.__version__
+
+
+@pytest.mark.parametrize("estimator", ["robust", "full", "consistent", "nonlinear"])
+def test_each_estimator_can_be_named(estimator: str, run: Path, tmp_path: Path) -> None:
+    answer = answer_of(run, tmp_path, "--estimator", estimator)
+    assert answer["estimator"] == estimator
+    for name, truth in TRUTH.items():
+        p = answer["parameters"][name]
+        assert abs(p["value"] - truth) < 4.5 * max(p["std"], p["std_robust"]), name
+
+
+def test_known_values_are_kept_and_left_out_ones_are_zero(run: Path, tmp_path: Path) -> None:
+    answer = answer_of(run, tmp_path, "--fix", "m=31830g", "--fix", "xC=0.01mm", "--drop", "I12")
+    assert answer["known"] == pytest.approx({"m": 31.83, "xC": 1e-5})
+    assert answer["dropped"] == ["I12"]
+    assert answer["rank"] == 17
+    p = answer["parameters"]
+    assert (p["m"]["value"], p["m"]["std"]) == (pytest.approx(31.83), 0.0)
+    assert p["xC"]["value"] == pytest.approx(1e-5)
+    assert p["k3"]["std"] > 0.0
+
+
+def test_a_symmetric_platform_has_five_parameters_less(run: Path, tmp_path: Path) -> None:
+    assert answer_of(run, tmp_path, "--symmetric")["rank"] == 15
+
+
+def test_priors_are_told_with_what_they_did(run: Path, tmp_path: Path) -> None:
+    answer = answer_of(run, tmp_path, "--prior", "m=33+-0.5kg", "--prior", "zC=0.105+-0.001m")
+    assert answer["priors"]["m"] == {"value": 33.0, "std": 0.5}
+    assert sum("moved the estimate" in note for note in answer["notes"]) == 2
+
+
+def test_error_terms_replace_those_of_the_model_and_serve_other_commands(run: Path, tmp_path: Path) -> None:
+    answer = answer_of(run, tmp_path, "--model", "6", "--terms", "K2,K5")
+    assert answer["error_terms"] == ["K2", "K5"]
+    nine = answer_of(run, tmp_path / "nine", "--model", "9")
+    assert answer["linear"]["values"] == pytest.approx(nine["linear"]["values"], rel=1e-9)  # model 9 by its parts
+    answer_of(run, tmp_path, "--model", "6", "--terms", "K1,K4")
+    out = tmp_path / "force.csv"
+    words = ("force", run / "run.csv", "--case", "hexapod", "--parameters", tmp_path / "result", "-o", out, "--json")
+    assert call(*words).json()["rms"]["fz_N"] < 2.0
+
+
+def test_people_are_told_which_deviation_to_trust(run: Path, tmp_path: Path) -> None:
+    shown = call("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "result", "--fix", "m=31.83kg").out
+    assert "+- is the larger of std by (28)" in shown
+    assert next(line for line in shown.splitlines() if line.strip().startswith("m ")).split()[2] == "given"
+
+
+WRONG = {
+    "no unit": (("--fix", "m=3"), "--fix m=3: has no unit; give kg or g or t"),
+    "a unit of something else": (("--fix", "m=3mm"), "unit mm does not fit m; give kg"),
+    "no number": (("--fix", "m=heavy"), "is not understood; write --fix m=93.1kg"),
+    "an unknown name": (("--fix", "mass=3kg"), "mass is no parameter here; choose from m, mxC"),
+    "twice": (("--fix", "m=3kg", "--fix", "m=4kg"), "given twice"),
+    "uncertain but exact": (("--fix", "m=3+-1kg"), "write an uncertain value as --prior m=3+-1kg"),
+    "a prior without deviation": (("--prior", "m=3kg"), "write it as --prior m=33+-0.5kg"),
+    "a prior that is certain": (("--prior", "m=3+-0kg"), "deviation above 0"),
+    "a dropped name": (("--drop", "k7"), "'k7' is no parameter"),
+    "an estimator": (("--estimator", "best"), "choose gauss-markov, robust"),
+    "a term": (("--terms", "K7"), "error term 'K7' is unknown; choose among K1"),
+    "a central inertia alone": (("--fix", "IC11=1kgm2"), "fixed together with yC and zC"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_cannot_be_asked_is_refused(what: str, run: Path, tmp_path: Path) -> None:
+    words, says = WRONG[what]
+    assert says in refused("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "r", *words)
+    assert not (tmp_path / "r").exists()
+
+
+def test_two_files_of_one_kind_are_refused(run: Path, tmp_path: Path) -> None:
+    line = refused("identify", run / "run.csv", run / "forces.csv", "--case", "hexapod", "-o", tmp_path / "r")
+    assert "give the files of one run" in line
