@@ -213,6 +213,10 @@ class Model:
             omega=turn.T @ motion[3:],
             alpha=turn.T @ motion_rate[3:],
         )
+        return self.at_state(state)
+
+    def at_state(self, state: State) -> ca.SX:
+        """A of (21) from what it depends on, shape (6, u)."""
         to_sensors = ca.DM(np.linalg.inv(self.structure))  # J^T
         columns = [to_sensors @ b.columns(state) if b.cartesian else b.columns(state) for b in self.blocks]
         return ca.densify(ca.horzcat(*columns))

@@ -101,7 +101,12 @@ class Plan:
             "logdet": self.logdet,
             "condition": self.condition,
             "d_efficiency": self.d_efficiency,
-            "bound": {"logdet": self.bound.logdet, "dmax": self.bound.dmax, "method": self.bound.method},
+            "bound": {
+                "logdet": self.bound.logdet,
+                "dmax": self.bound.dmax,
+                "method": self.bound.method,
+                "certified": self.bound.certified,
+            },
             "predicted_std": self.predicted_std,
             "assumed_noise_N": self.assumed_noise,
             "limits": self.limits.to_json(),

@@ -10,7 +10,7 @@ import traceback
 import typer
 
 from cases.errors import HexciteError
-from planner.cli import cases, demo, export, force, identify, plan, post, run
+from planner.cli import bound, cases, demo, export, force, identify, plan, post, run
 
 app = typer.Typer(
     name="hexcite",
@@ -31,6 +31,7 @@ app.command("force")(force.force)
 app.command("tare")(force.tare)
 app.command("payload")(force.payload)
 app.command("export")(export.export)
+app.command("bound")(bound.bound)
 app.command("demo")(demo.demo)
 
 

@@ -65,6 +65,19 @@ def status(text: str, quiet: bool) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def status_text(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """A spinner as `status`, which also shows the remarks given to the function that it yields."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status(text) as spinner:
+        yield lambda remark: spinner.update(f"{text}: {remark}")
+
+
 def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
     """Rows of a limit report as it stands in JSON."""
     rows = []

@@ -1,8 +1,10 @@
 """The bound is computed once for a case and model, and again wherever the cache cannot be trusted."""
 
 import json
+from dataclasses import asdict, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cases.schema import Case
@@ -11,7 +13,13 @@ from planner import bound as bound_module
 from planner.bound import Bound, box_bound
 from tests.postprocessors.changed_case import changed
 
-KNOWN = Bound(1.25, 10.01, 10, "as computed")
+KNOWN = Bound(1.25, 10.01, 10, "as computed", True, 1.24, 1.25)
+HASTY = replace(KNOWN, certified=False, proven_logdet=2.0)
+
+
+def changed_text(**values: object) -> str:
+    """The text of a cache file with other values."""
+    return json.dumps(asdict(KNOWN) | values)
 
 
 @pytest.fixture
@@ -19,7 +27,7 @@ def computed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Replaces the computation; holds one entry for each time it was needed."""
     calls: list[str] = []
 
-    def compute(case: Case, model: object) -> Bound:
+    def compute(case: Case, *_: object) -> Bound:
         calls.append(case.hash)
         return KNOWN
 
@@ -52,11 +60,15 @@ def test_another_model_or_case_is_another_bound(computed: list[str], hexapod_cas
         "[1, 2]",
         "null",
         '{"logdet": 1.25}',
-        '{"logdet": "x", "dmax": 10.0, "parameters": 10, "method": "m"}',
-        '{"logdet": null, "dmax": 10.0, "parameters": 10, "method": "m"}',
-        '{"logdet": NaN, "dmax": 10.0, "parameters": 10, "method": "m"}',
-        '{"logdet": 1.0, "dmax": 10.0, "parameters": 0, "method": "m"}',
-        '{"logdet": 1.0, "dmax": 10.0, "parameters": 10, "method": "m", "more": 1}',
+        changed_text(logdet="x"),
+        changed_text(logdet=None),
+        changed_text(logdet=float("nan")),
+        changed_text(proven_logdet=float("inf")),
+        changed_text(parameters=0),
+        changed_text(certified="yes"),
+        changed_text(certified=1),
+        changed_text(dmax=-1.0),
+        changed_text(more=1),
         "\x00" * 100,
     ],
 )
@@ -92,3 +104,23 @@ def test_the_cache_lies_where_the_system_wants_it(computed: list[str], hexapod_c
     (file,) = cache.rglob(f"{hexapod_case.hash}-model1-*.json")
     assert json.loads(file.read_text())["method"] == KNOWN.method
     file.unlink()
+
+
+def test_weights_are_kept_apart(computed: list[str], hexapod_case: Case, tmp_path: Path):
+    model = identification_model(hexapod_case, 0)
+    for weights in (None, np.ones(6), np.arange(1.0, 7.0), np.arange(1.0, 7.0)):
+        box_bound(hexapod_case, model, tmp_path, weights)
+    assert len(computed) == len(list(tmp_path.iterdir())) == 3
+
+
+def test_an_estimate_is_known_as_one_and_renewed_on_request(
+    monkeypatch: pytest.MonkeyPatch, hexapod_case: Case, tmp_path: Path
+):
+    model = identification_model(hexapod_case, 0)
+    answers = [HASTY, KNOWN]
+    monkeypatch.setattr(bound_module, "compute_bound", lambda *_: answers.pop(0))
+    assert box_bound(hexapod_case, model, tmp_path) == HASTY
+    assert box_bound(hexapod_case, model, tmp_path) == HASTY
+    assert box_bound(hexapod_case, model, tmp_path, renew=True) == KNOWN
+    assert box_bound(hexapod_case, model, tmp_path, renew=True) == KNOWN
+    assert not answers

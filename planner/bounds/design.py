@@ -1,0 +1,109 @@
+"""The D-optimal approximate design over the motion box, with its certificate.
+
+Maximise log det F, F = sum_i w_i A_i^T A_i, over states i of the box and weights w that add up to 1. Multiplicative
+steps find the weights of given states; exchange steps bring in the states where the directional derivative is largest
+and drop those without weight. By the general equivalence theorem (Kiefer and Wolfowitz 1960) every design G has
+log det G <= log det F + u log(dmax / u), dmax being the largest derivative over the box.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import monotonic
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.bounds.branch import Maximum, maximise
+from planner.bounds.certificate import BoxDerivative, first_cells
+from planner.bounds.features import CORNER_COORDINATES, Features
+
+Array = NDArray[np.float64]
+
+SEED = 0
+FIRST_STATES = 1000
+EXCHANGED = 100  # states brought in at once, at most
+STEPS = 2000  # multiplicative steps between two exchanges, at most
+NEGLIGIBLE = 1e-6  # weights below are dropped from the design
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """A design and how far it may be from the best.
+
+    Args:
+        states: as shares of the half widths of the box, shape (n, 18).
+        weights: shape (n,), adding up to 1.
+        logdet: log det F, reference scaling.
+        maximum: of the directional derivative over the box.
+    """
+
+    states: Array
+    weights: Array
+    logdet: float
+    maximum: Maximum
+
+
+def optimal_design(
+    features: Features, gap: float, deadline: float, progress: Callable[[str], None] = lambda _: None
+) -> Design:
+    """Finds the design.
+
+    Args:
+        features: of the case and model.
+        gap: wanted dmax / u - 1.
+        deadline: `time.monotonic()` at which to stop [s].
+        progress: told the state of things now and then.
+    """
+    size = features.coefficients.shape[-1]
+    states = _first_states()
+    weights = np.full(len(states), 1.0 / len(states))
+    levels = size * (1.0 + gap), size * (1.0 + gap / 2)
+    while True:
+        products = _products(features.matrices(states))
+        weights = improved_weights(products, weights, size, gap / 3)
+        used = weights > NEGLIGIBLE
+        states, weights = states[used], weights[used] / weights[used].sum()
+        information = (weights @ products[used]).reshape(size, size)
+        logdet = float(np.linalg.slogdet(information)[1])
+        derivative = BoxDerivative(features, features.form(np.linalg.inv(information)))
+        maximum = maximise(derivative, *first_cells(features), *levels, deadline, progress)
+        room = size * float(np.log(max(maximum.upper, size) / size))
+        progress(f"log det {logdet:.4f}, at most {room:.4f} more; {len(states)} states")
+        if maximum.upper <= levels[0] or monotonic() >= deadline or not len(maximum.points):
+            return Design(states, weights, logdet, maximum)
+        fresh = np.unique(np.round(maximum.points, 12), axis=0)[:EXCHANGED]
+        states = np.vstack([states, fresh])
+        share = min(0.5, len(fresh) / len(states))
+        weights = np.r_[weights * (1.0 - share), np.full(len(fresh), share / len(fresh))]
+
+
+def _first_states() -> Array:
+    """Random states on corners, edges and middles: there the derivative has its maxima."""
+    draw = np.random.default_rng(SEED)
+    states = draw.choice([-1.0, 0.0, 1.0], (FIRST_STATES, 18))
+    states[:, CORNER_COORDINATES] = draw.choice([-1.0, 1.0], (FIRST_STATES, len(CORNER_COORDINATES)))
+    states[:, [2, 6, 7, 8]] = 0.0  # z and the rates of x, y, z do not matter
+    return states
+
+
+def _products(matrices: Array) -> Array:
+    """A_i^T A_i of each state as a row, shape (n, u * u)."""
+    return np.asarray(np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(matrices), -1))
+
+
+def improved_weights(products: Array, weights: Array, size: int, gap: float, steps: int = STEPS) -> Array:
+    """w_i <- w_i d_i / u, which never lowers log det F (Titterington 1976), until max d <= u (1 + gap)."""
+    for step in range(steps):
+        inverse = np.linalg.inv((weights @ products).reshape(size, size))
+        derivative = products @ inverse.ravel()
+        weights = weights * derivative / size
+        if derivative.max() <= size * (1.0 + gap):
+            break
+        if step % 100 == 99:  # what has no weight left costs time only
+            used = weights > NEGLIGIBLE * weights.max()
+            if used.mean() < 0.8:
+                products_used = improved_weights(products[used], weights[used], size, gap, steps - step - 1)
+                weights = np.zeros(len(weights))
+                weights[used] = products_used
+                break
+    return np.asarray(weights / weights.sum())

@@ -1,0 +1,76 @@
+"""`hexcite bound`: how much information any motion inside the limits of a case can carry."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, print_json, status_text
+
+
+def bound(
+    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
+    model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
+    time_limit: Annotated[float, typer.Option(help="Stop after this many seconds; the answer is an estimate.")] = 120.0,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
+    json: Json = False,
+) -> None:
+    """The most information that any motion inside the limits can carry, with its certificate."""
+    answer = information_limit(case, model, time_limit, output, quiet=json)
+    if json:
+        print_json(answer)
+
+
+def information_limit(
+    case: str, model_number: int, time_limit: float, output: Path | None, quiet: bool
+) -> dict[str, Any]:
+    """Computes, prints unless `quiet`; returns the JSON answer."""
+    from math import isfinite
+    from time import perf_counter
+
+    from cases.errors import HexciteError
+    from cases.files import json_text, write_text
+    from cases.loading import load_case
+    from identification.model import identification_model
+    from planner.bound import box_bound
+
+    if not (isfinite(time_limit) and time_limit > 0.0):
+        raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")
+    loaded = load_case(case)
+    loaded.need_machine("the information limit")
+    model = identification_model(loaded, model_number)
+    began = perf_counter()
+    with status_text(f"information limit of {loaded.name}, model {model_number}", quiet) as tell:
+        found = box_bound(loaded, model, time_limit=time_limit, renew=True, progress=tell)
+    answer = {
+        "case": loaded.name,
+        "case_hash": loaded.hash,
+        "model": model_number,
+        "over": "motion box",
+        "weights": "equal",
+        "logdet_bound": found.logdet,
+        "logdet_design": found.design_logdet,
+        "logdet_proven": found.proven_logdet,
+        "certified": found.certified,
+        "certificate": {"dmax": found.dmax, "p": found.parameters, "method": found.method},
+        "solve_s": perf_counter() - began,
+    }
+    if output is not None:
+        write_text(output, json_text(answer))
+    if not quiet:
+        _show(answer)
+    return answer
+
+
+def _show(answer: dict[str, Any]) -> None:
+    certificate = answer["certificate"]
+    kind = "proven" if answer["certified"] else "an ESTIMATE: time ran out before the proof"
+    print(
+        f"{answer['case']}, model {answer['model']}: log det of the mean information is at most "
+        f"{answer['logdet_bound']:.4f} (reference scaling, W = 1), {kind}"
+    )
+    print(f"a design over the {answer['over']} reaches {answer['logdet_design']:.4f}")
+    print(f"largest directional derivative {certificate['dmax']:.4f} for p = {certificate['p']} parameters")
+    if not answer["certified"]:
+        print(f"proven so far: at most {answer['logdet_proven']:.4f}; a longer --time-limit closes the gap")
+    print(f"method: {certificate['method']}; {answer['solve_s']:.1f} s")

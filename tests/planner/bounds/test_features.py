@@ -1,0 +1,93 @@
+"""The features describe the regressor exactly, for every model; the enclosure holds every state of a cell."""
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from identification.evaluate import over_samples
+from identification.model import MODELS, identification_model
+from identification.reference import reference_scaling
+from planner.bounds.enclosure import NODES, enclose
+from planner.bounds.features import COUNT, GIBBS, PAIRS, PRODUCTS, Features, box_features
+
+CASE = load_case("hexapod")
+
+
+def features_of(number: int) -> Features:
+    model = identification_model(CASE, number)
+    return box_features(CASE, model, reference_scaling(CASE, model))
+
+
+@pytest.mark.parametrize("number", MODELS)
+def test_the_features_give_the_regressor(number: int):
+    model = identification_model(CASE, number)
+    scaling = reference_scaling(CASE, model)
+    features = box_features(CASE, model, scaling)
+    shares = np.random.default_rng(number).uniform(-1.0, 1.0, (40, 18))
+    states = features.middle + features.half * shares
+    expected = over_samples(model.coordinate_regressor, states[:, :6], states[:, 6:12], states[:, 12:])[0] * scaling
+    assert np.allclose(features.matrices(shares), expected, rtol=1e-10, atol=1e-12)
+
+
+def test_weights_multiply_the_squares_of_the_rows():
+    model = identification_model(CASE, 0)
+    scaling = reference_scaling(CASE, model)
+    weights = np.arange(1.0, 7.0)
+    shares = np.random.default_rng(0).uniform(-1.0, 1.0, (5, 18))
+    plain = box_features(CASE, model, scaling).matrices(shares)
+    weighted = box_features(CASE, model, scaling, weights).matrices(shares)
+    assert np.allclose(weighted**2, plain**2 * weights[:, None], rtol=1e-12)
+
+
+def test_the_form_gives_the_directional_derivative():
+    features = features_of(9)
+    shares = np.random.default_rng(1).uniform(-1.0, 1.0, (30, 18))
+    root = np.random.default_rng(2).normal(size=(20, 20))
+    inverse = root @ root.T
+    y = features.of(shares)
+    matrices = features.matrices(shares)
+    expected = np.einsum("nki,ij,nkj->n", matrices, inverse, matrices)
+    assert np.allclose(np.einsum("nk,kl,nl->n", y, features.form(inverse), y), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_every_direction_is_largest_at_a_control_point(seed: int):
+    """The hull of the control points, widened by the errors, holds every state: no linear functional tells them apart.
+
+    Cells up to 80 degrees wide and rates up to 3 rad/s, far beyond any machine's box.
+    """
+    draw = np.random.default_rng(seed)
+    features = features_of(9)
+    middle = np.r_[draw.uniform(-0.5, 0.5, 3), draw.uniform(-2.0, 2.0, 3)]
+    half = np.r_[draw.uniform(0.01, 0.7, 3), draw.uniform(0.0, 1.0, 3)]
+    low, high = (middle - half)[None], (middle + half)[None]
+    control = enclose(features, low, high)
+    corner = draw.choice([-1.0, 1.0], 8)
+    fixed = np.concatenate([np.ones((27, 1)), np.tile(corner, (27, 1)), control.products[0]], axis=1)
+    points = np.einsum("aij,rj->ari", control.tables[0], fixed).reshape(-1, COUNT)
+    inside = draw.uniform(low, high, (400, 6))
+    inside[:100] = np.where(draw.random((100, 6)) < 0.5, low, high)
+    products = np.column_stack([inside[:, 3 + i] * inside[:, 3 + j] for i, j in PAIRS])
+    s = np.column_stack([np.ones(400), np.tile(corner, (400, 1)), products])
+    states = np.einsum("nij,nj->ni", features.tables(inside[:, :3]), s)
+    for _ in range(60):
+        direction = draw.normal(size=COUNT) / np.abs(points).max(axis=0)
+        missed = control.gibbs_error[0] * np.linalg.norm(direction[GIBBS])
+        missed += control.product_error[0] * np.abs(direction[PRODUCTS]).sum()
+        assert (states @ direction).max() <= (points @ direction).max() + missed + 1e-9
+
+
+@pytest.mark.parametrize("half", [0.02, 0.1, 0.35])
+def test_what_is_missed_is_small_and_shrinks_with_the_cube_of_the_cell(half: float):
+    features = features_of(9)
+    low, high = np.full((1, 6), -half), np.full((1, 6), half)
+    control = enclose(features, low, high)
+    assert 0.0 < control.gibbs_error[0] < 0.5 * half**3
+    halved = enclose(features, low / 2, high / 2)
+    assert control.gibbs_error[0] / halved.gibbs_error[0] == pytest.approx(8.0, rel=0.25)
+    assert len(NODES) == 27
+
+
+def test_an_angle_that_the_gibbs_vector_cannot_describe_has_no_bound():
+    low, high = np.full((1, 6), 0.0), np.array([[2.0, 2.0, 2.0, 0.1, 0.1, 0.1]])
+    assert np.isinf(enclose(features_of(9), low, high).gibbs_error[0])

@@ -1,0 +1,56 @@
+"""`hexcite bound` as its users call it."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.planner.command_line import call, hexcite, refused
+
+
+def test_it_answers_with_a_certificate(cache: Path, tmp_path: Path):
+    file = tmp_path / "bound.json"
+    answer = call("bound", "hexapod", "--model", 2, "--json", "-o", file).json()
+    assert answer["certified"]
+    assert set(answer["certificate"]) == {"dmax", "p", "method"}
+    p, dmax = answer["certificate"]["p"], answer["certificate"]["dmax"]
+    assert p == 12
+    assert p <= dmax <= p * 1.001 * (1 + 1e-9)
+    assert answer["logdet_design"] < answer["logdet_bound"] == answer["logdet_proven"]
+    assert json.loads(file.read_text()) == answer
+
+
+def test_people_read_that_it_is_proven(cache: Path):
+    told = hexcite("bound", "hexapod", "--model", 2)
+    assert told.code == 0
+    assert "proven" in told.out
+    assert "W = 1" in told.out
+    assert told.err == ""
+
+
+def test_people_read_that_it_is_not(cache: Path):
+    told = call("bound", "hexapod", "--model", 1, "--time-limit", 1e-6)
+    assert told.code == 0
+    assert "ESTIMATE" in told.out
+    assert "--time-limit" in told.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("hexapod", "--model", 10), ("model 10", "0, 1, 2")),
+        (("hexapod", "--time-limit", "nan"), ("--time-limit", "above 0")),
+        (("hexapod", "--time-limit", "0"), ("--time-limit", "above 0")),
+        (("ft_wrist",), ("machine", "information limit")),
+        (("nowhere",), ("nowhere",)),
+    ],
+)
+def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], words: tuple[str, ...]):
+    line = refused("bound", *arguments)
+    for word in words:
+        assert word in line
+
+
+def test_an_answer_that_cannot_be_written_is_refused(tmp_path: Path):
+    (tmp_path / "file").write_text("x")
+    assert "cannot be written" in refused("bound", "hexapod", "--model", 2, "-o", tmp_path / "file" / "bound.json")
