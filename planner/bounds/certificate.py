@@ -90,7 +90,7 @@ class BoxDerivative:
         return Bounded(upper, at_corners[np.arange(count), best], self._states(low, high, best), split)
 
     def _values(self, tables: Array, products: Array) -> Array:
-        """The derivative at all control points and corners: constant, linear and quadratic part in the signs of the corner."""
+        """The derivative at all control points: constant, linear and quadratic part in the signs of the corner."""
         forms = np.swapaxes(tables, -1, -2) @ (self.form @ tables)  # (n, 27, 15, 15)
         fixed = np.concatenate([np.ones((*products.shape[:2], 1)), products], axis=-1)  # (n, 27, 7)
         of_fixed = forms[:, :, _FIXED]
