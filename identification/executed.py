@@ -7,10 +7,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
+from identification.evaluate import over_samples
 from identification.hexapod import Hexapod, Kinematics, kinematics_of_coordinates
 from identification.motion import Trajectory
 
 Array = NDArray[np.float64]
+
+FINE = 2000.0  # [1/s]
 
 
 class Execution(Protocol):
@@ -26,8 +29,13 @@ class Execution(Protocol):
         """Duration [s]."""
         ...
 
-    def struts(self, t: ArrayLike) -> Array:
-        """Strut lengths at times t, shape (n, 6) [m]."""
+    @property
+    def extremes(self) -> Array:
+        """Instants among which the largest accelerations are found, shape (n,) [s]."""
+        ...
+
+    def struts(self, t: ArrayLike, order: int = 0) -> Array:
+        """Strut lengths at times t, or their first or second derivatives, shape (n, 6) [m, m/s, m/s^2]."""
         ...
 
     def kinematics(self, t: ArrayLike) -> Kinematics:
@@ -52,9 +60,17 @@ class PoseExecution:
         """Duration [s]."""
         return self.trajectory.duration
 
-    def struts(self, t: ArrayLike) -> Array:
-        """Strut lengths at times t, shape (n, 6) [m]."""
-        return self.hexapod.strut_lengths(self.trajectory.at(t).pose)
+    @property
+    def extremes(self) -> Array:
+        """A grid of half a millisecond, shape (n,) [s]: the motion is smooth."""
+        return np.linspace(0.0, self.duration, 1 + int(np.ceil(self.duration * FINE)))
+
+    def struts(self, t: ArrayLike, order: int = 0) -> Array:
+        """Strut lengths at times t, or their first or second derivatives, shape (n, 6) [m, m/s, m/s^2]."""
+        motion = self.trajectory.at(t)
+        if order == 0:
+            return self.hexapod.strut_lengths(motion.pose)
+        return over_samples(self.hexapod.strut_motion, motion.pose, motion.rates, motion.accelerations)[order]
 
     def kinematics(self, t: ArrayLike) -> Kinematics:
         """Motion of the platform at times t, shape (n,) [s]."""
@@ -87,9 +103,14 @@ class StrutExecution:
         """Duration [s]."""
         return float(self.spline.t[-1])
 
-    def struts(self, t: ArrayLike) -> Array:
-        """Strut lengths at times t, shape (n, 6) [m]."""
-        return np.asarray(self.spline(t))
+    @property
+    def extremes(self) -> Array:
+        """The spline's knots, shape (n,) [s]: accelerations of the struts are straight lines between them."""
+        return np.unique(self.spline.t)
+
+    def struts(self, t: ArrayLike, order: int = 0) -> Array:
+        """Strut lengths at times t, or their first or second derivatives, shape (n, 6) [m, m/s, m/s^2]."""
+        return np.asarray(self.spline(t, nu=order))
 
     def kinematics(self, t: ArrayLike) -> Kinematics:
         """Motion of the platform at times t, shape (n,) [s]."""

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from cases.schema import Case
 from identification.executed import Execution
 from identification.model import Model, regressors
 from identification.motion import Trajectory, sample
@@ -59,10 +58,3 @@ def executed_information(model: Model, scaling: Array, execution: Execution, win
     motion = [low_pass.apply(struts, order)[rows] for order in range(3)]
     matrices = regressors(model, execution.hexapod.kinematics(*motion)).reshape(-1, len(scaling)) * scaling
     return np.asarray(matrices.T @ matrices / rows.sum())
-
-
-def peak_acceleration_share(execution: Execution, windows: Array, case: Case) -> float:
-    """Largest executed acceleration of the origin along an axis of {B}, as a share of its limit."""
-    limits = case.need_machine("the rating of a run")[2].motion
-    t = np.clip(instants(windows), 0.0, execution.duration)
-    return float(np.max(np.abs(execution.kinematics(t).twist_rate[:, :3]) / limits.acceleration[:3]))

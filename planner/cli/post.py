@@ -49,7 +49,7 @@ def make_program(
     from importlib.metadata import version
 
     from cases.errors import HexciteError
-    from cases.files import atomic_file
+    from cases.files import atomic_file, check_file
     from planner.plan import load_plan
     from postprocessors.dialects import dialect
     from postprocessors.writing import proven_program
@@ -57,8 +57,9 @@ def make_program(
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
     language = dialect(dialect_name)
-    saved = load_plan(plan)
     file = output if output is not None else Path(f"{plan.resolve().name}{language.suffix}")
+    check_file(file, language.suffixes, [plan, *plan.glob("*")] if plan.is_dir() else [plan])
+    saved = load_plan(plan)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
         f"case {saved.case.name}, hash {saved.case.hash}",
@@ -92,7 +93,7 @@ def check(
     json: Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
-    answer, reason = check_program(program, case)
+    answer, reason = check_program(program, case, quiet=json)
     if json:
         print_json(answer)
     else:
@@ -101,7 +102,7 @@ def check(
         raise reason
 
 
-def check_program(program: Path, case: str) -> tuple[dict[str, Any], Exception | None]:
+def check_program(program: Path, case: str, quiet: bool) -> tuple[dict[str, Any], Exception | None]:
     """The JSON answer, and the error where a limit is passed."""
     from cases.errors import ProgramError
     from cases.loading import load_case
@@ -109,8 +110,9 @@ def check_program(program: Path, case: str) -> tuple[dict[str, Any], Exception |
     from postprocessors.proof import prove_program
 
     loaded = load_case(case)
-    read = read_program(program, loaded)
-    proof = prove_program(read.reading, loaded, read.guarantees)
+    with status(f"proving {program.name}", quiet):
+        read = read_program(program, loaded)
+        proof = prove_program(read.reading, loaded, read.guarantees)
     reason = None
     try:
         proof.require()

@@ -27,14 +27,17 @@ def make_recording(
 ) -> tuple[dict[str, Any], Any]:
     """Runs, saves, prints unless `quiet`; returns the JSON answer and the outcome."""
     from cases.errors import HexciteError
+    from cases.files import RUN, check_folder
     from cases.loading import find_case, load_case
-    from planner.running import execute, save_recording
+    from planner.running import execute, require_controller, save_recording
 
     if seed < 0:
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")
-    loaded = load_case(case)
+    require_controller(on)
     case_file = str(find_case(case).resolve()) if Path(case).exists() else case
     folder = output if output is not None else Path(f"{program.stem}-recording")
+    check_folder(folder, RUN, [program, *([Path(case_file)] if Path(case_file).exists() else [])])
+    loaded = load_case(case)
     with status(f"running {program.name} on {on}", quiet):
         outcome = execute(program, loaded, on, seed)
         about = save_recording(folder, outcome, program, loaded, case_file, seed)
@@ -48,6 +51,8 @@ def make_recording(
         "d_efficiency": about["d_efficiency"],
         "d_efficiency_planned": about["d_efficiency_planned"],
         "peak_acceleration_of_limit": about["peak_acceleration_of_limit"],
+        "peaks_of_limit": about["peaks_of_limit"],
+        "remark": about["remark"],
         "simulated": True,
     }
     if not quiet:
@@ -57,11 +62,14 @@ def make_recording(
             f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} "
             f"(planned {answer['d_efficiency_planned']:.3f})"
         )
+        peaks = ", ".join(f"{name} {100 * share:.0f} %" for name, share in answer["peaks_of_limit"].items())
+        print(f"reached of the limits in the whole run: {peaks}")
         if answer["peak_acceleration_of_limit"] > 1.01:
-            times = f"{answer['peak_acceleration_of_limit']:.2f} times"
             print(
-                f"between its blocks the controller accelerates up to {times} the limit (its planner, "
-                "not the program); the evaluation's filter takes that ripple out"
+                "LIMITS PASSED by the controller's own planner, not by the program: no real machine should run this "
+                "before its drives' limits are known; the evaluation's filter takes the ripple out"
             )
+        if answer["remark"]:
+            print(answer["remark"])
         print(f"recording written: {folder} ({answer['samples']} samples)")
     return answer, outcome

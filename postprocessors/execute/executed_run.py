@@ -19,12 +19,14 @@ class ExecutedRun:
         execution: the motion, continuous in time.
         trigger: start and end of each time the trigger was on, shape (k, 2) [s].
         real: whether a real controller ran it (the machine is simulated in any case).
+        remark: what to know about this run; empty where there is nothing.
     """
 
     controller: str
     execution: Execution
     trigger: Array
     real: bool
+    remark: str = ""
 
     @property
     def excitation(self) -> float:

@@ -1,0 +1,53 @@
+"""`post`, `check` and `run` refuse what cannot end well before they work, and list what they can do."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.planner.command_line import call, refused
+from tests.postprocessors.programs import there_and_back, timed, typed
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    """A small program with its trigger on."""
+    file = tmp_path / "small.ngc"
+    file.write_text(typed(f"M64 P0\n{timed(there_and_back())}\nM65 P0"))
+    return file
+
+
+def test_post_without_a_plan_lists_the_dialects():
+    assert "linuxcnc" in call("post", "--json").json()["dialects"]
+    assert ".ngc" in call("post").out
+
+
+def test_a_controller_that_does_not_exist_is_refused_before_anything_is_read(tmp_path: Path):
+    line = refused("run", tmp_path / "none.ngc", "--case", "hexapod", "--on", "fanuc")
+    assert "'fanuc' is unknown; choose virtual, linuxcnc" in line
+
+
+def test_a_run_does_not_replace_the_folder_that_holds_its_program(program: Path):
+    line = refused("run", program, "--case", "hexapod", "-o", program.parent)
+    assert "small.ngc, which is read; choose another place" in line
+    assert program.exists()
+
+
+@pytest.mark.parametrize("name", ["small.txt", "small", "small.ngc.bak"])
+def test_a_program_whose_suffix_names_no_controller_is_refused(name: str, program: Path):
+    other = program.rename(program.with_name(name))
+    assert "names no controller; programs end in .ngc" in refused("check", other, "--case", "hexapod")
+
+
+def test_the_suffix_counts_in_any_case(program: Path):
+    shouted = program.rename(program.with_name("SMALL.NGC"))
+    answer = call("check", shouted, "--case", "hexapod", "--json").json()
+    assert answer["ok"]
+    assert answer["relies_on"] == ["acceleration", "jerk", "strut acceleration"]
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00", "G1 X1 (\N{DEGREE SIGN})\n".encode(), b"G21 G90\rG1 X5\nM2\n"])
+def test_bytes_that_are_no_ascii_line_of_the_controller_are_refused_with_their_place(content: bytes, program: Path):
+    program.write_bytes(content)
+    line = refused("check", program, "--case", "hexapod")
+    assert "small.ngc, line 1, column" in line
+    assert "is not plain ASCII" in line

@@ -1,0 +1,40 @@
+"""A log whose timed paths took longer than the program says is noticed, and which path it was."""
+
+import numpy as np
+import pytest
+
+from postprocessors.execute.linuxcnc.punctuality import slowest_path
+from postprocessors.execute.log import ControllerLog
+from postprocessors.reading.linuxcnc import read_linuxcnc
+from tests.postprocessors.programs import FIRST, there_and_back, timed, typed
+
+READING = read_linuxcnc(typed(f"{timed(there_and_back(20, seconds=0.1))}\nG4 P1\n{timed(there_and_back(10))}"), "p.ngc")
+ONE, OTHER = FIRST + 2, FIRST + 2 + 20 + 2 + 1 + 2  # lines at which the two paths begin
+
+
+def log(cycles_a_block: int, in_the_other: int) -> ControllerLog:
+    """A log of two paths whose blocks take so many cycles each, in lines as the controller reports them."""
+    lines = np.concatenate(
+        [
+            np.zeros(10),
+            np.repeat(np.arange(ONE, ONE + 20), cycles_a_block),
+            np.zeros(1000),
+            np.repeat(np.arange(OTHER, OTHER + 10), in_the_other),
+        ]
+    ).astype(int)
+    still = np.zeros((len(lines), 6))
+    return ControllerLog("test", 1e-3, still, still, np.zeros(len(lines), dtype=bool), lines)
+
+
+def test_paths_that_kept_their_time_are_not_mentioned():
+    assert slowest_path(READING, log(100, 50)) is None
+    assert slowest_path(READING, log(101, 52)) is None
+
+
+def test_the_path_that_was_most_late_is_named_with_both_times():
+    late = slowest_path(READING, log(110, 90))
+    assert late is not None
+    assert (late.line, late.planned) == (OTHER + 9, pytest.approx(0.5))
+    assert late.taken == pytest.approx(0.9)
+    assert "took 0.900 s instead of 0.500 s" in late.sentence()
+    assert slowest_path(READING, log(130, 50)).line == ONE + 19
