@@ -10,7 +10,7 @@ from planner.cli.console import Json, print_json
 
 def export(
     result: Annotated[Path, typer.Argument(help="Result folder of hexcite identify or tare.")],
-    to: Annotated[str, typer.Option("--to", help="c (C99), isg-load (#LIMIT LOAD), json.")],
+    to: Annotated[str, typer.Option("--to", help="c (C99), st (IEC 61131-3), isg-load (#LIMIT LOAD), json.")],
     case: Annotated[
         str | None, typer.Option(help="Built-in name, folder or file; a result names its built-in case.")
     ] = None,

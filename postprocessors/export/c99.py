@@ -8,7 +8,7 @@ import casadi as ca
 from cases.schema import Case
 from postprocessors.export.calibration import Calibration
 from postprocessors.export.functions import coordinates, measurement, mechanics
-from postprocessors.export.instructions import INFIX, Language, number, statements
+from postprocessors.export.instructions import INFIX, Language, number, operand, statements
 from postprocessors.export.rendering import comment_lines, environment
 
 MOST_STEPS = 12
@@ -109,7 +109,7 @@ def _function(function: ca.Function, name: str, parameters: list[str]) -> dict[s
     def element(argument: str, k: int) -> str:
         return f"u->{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
 
-    language = Language(INFIX | _MATH, lambda k, _: f"t{k}", "const double {} = {};", "{} = {};", element)
+    language = Language(INFIX | _MATH, lambda k, _: f"t{k}", "const double {} = {};", "{} = {};", element, operand)
     arguments = [
         f"const {name}_parameters *u" if n == "u" else f"const double {n}[{function.numel_in(k)}]"
         for k, n in enumerate(function.name_in())

@@ -17,7 +17,7 @@ class Mechanics(NamedTuple):
 
     Args:
         struts: pose -> lengths (6,), jacobian (6, 6): J_Hex^-1 of (8).
-        newton: pose, step (6,) -> stepped (6,): the pose after a step of the forward kinematics (7).
+        newton: pose, correction (6,) -> stepped (6,): the pose after a step of the forward kinematics (7).
         drift: pose, twist -> drift (6,): d/dt(J_Hex^-1) twist of (9).
     """
 
@@ -60,12 +60,12 @@ def coordinates() -> ca.Function:
 
 def mechanics(hexapod: Hexapod) -> Mechanics:
     """The kinematics of a hexapod, its joints built in."""
-    pose, motion, step = (ca.SX.sym(name, 6) for name in ("pose", "twist", "step"))
+    pose, motion, step = (ca.SX.sym(name, 6) for name in ("pose", "twist", "correction"))
     lengths, jacobian = hexapod.inverse_jacobian(pose)
     struts = ca.Function(
         "struts", [pose], [lengths, ca.densify(jacobian)], ["pose"], ["lengths", "jacobian"], {"cse": True}
     )
-    newton = ca.Function("newton", [pose, step], [hexapod.newton_step(pose, step)], ["pose", "step"], ["stepped"])
+    newton = ca.Function("newton", [pose, step], [hexapod.newton_step(pose, step)], ["pose", "correction"], ["stepped"])
     drift = ca.Function(
         "drift", [pose, motion], [hexapod.jacobian_drift(pose, motion)], ["pose", "twist"], ["drift"], {"cse": True}
     )

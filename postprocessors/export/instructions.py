@@ -46,6 +46,7 @@ class Language:
         assign: an assignment to an intermediate value, from its name and an expression.
         store: an assignment to an element of an output, from its name and an expression.
         element: element k of the argument called name.
+        literal: a number inside an expression.
     """
 
     operations: dict[str, str]
@@ -53,15 +54,21 @@ class Language:
     assign: str
     store: str
     element: Callable[[str, int], str]
+    literal: Callable[[float], str]
 
 
 def number(value: float) -> str:
-    """A literal that reads back as the same float64, with a decimal point, in brackets if negative."""
+    """A literal that reads back as the same float64, with a decimal point."""
     text = repr(float(value))
     mantissa, _, exponent = text.partition("e")
     if "." not in mantissa:
         mantissa += ".0"
-    text = f"{mantissa}e{exponent}" if exponent else mantissa
+    return f"{mantissa}E{exponent}" if exponent else mantissa
+
+
+def operand(value: float) -> str:
+    """The same inside an expression: in brackets if negative."""
+    text = number(value)
     return f"({text})" if text.startswith("-") else text
 
 
@@ -85,7 +92,7 @@ def statements(function: ca.Function, language: Language) -> Iterator[str]:
         code = function.instruction_id(k)
         read, written = function.instruction_input(k), function.instruction_output(k)
         if code == ca.OP_CONST:
-            values[written[0]] = number(function.instruction_constant(k))
+            values[written[0]] = language.literal(function.instruction_constant(k))
         elif code == ca.OP_INPUT:
             values[written[0]] = language.element(function.name_in(read[0]), read[1])
         elif code == ca.OP_OUTPUT:

@@ -14,6 +14,7 @@ from postprocessors.export.calibration import Calibration
 from postprocessors.export.document import json_document
 from postprocessors.export.isg import isg_load
 from postprocessors.export.rendering import checked_name, default_name
+from postprocessors.export.structured_text import structured_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +35,7 @@ class SingleFile:
 
 
 SINGLE_FILES = {
+    "st": SingleFile(".st", structured_text, named=True),
     "json": SingleFile(".json", lambda calibration, _: json_document(calibration), named=False),
     "isg-load": SingleFile(".nc", lambda calibration, _: isg_load(calibration), named=False),
 }

@@ -66,6 +66,7 @@ def test_a_result_with_warnings_needs_force_and_the_file_tells(target: str, tmp_
         (("--to", "c", "-o", "."), ("folder that you work in",)),
         (("--to", "json", "-o", "model.txt"), ("model.txt", ".json")),
         (("--to", "json", "--build"), ("--build", "json")),
+        (("--to", "st", "-o", "My-Model.st"), ("My-Model", "small letters", "-o")),
         (("--to", "isg-load", "-o", "load.json"), ("load.json", ".nc")),
     ],
 )

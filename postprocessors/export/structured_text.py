@@ -1,0 +1,75 @@
+"""The measurement model as IEC 61131-3 Structured Text, for TwinCAT and other soft PLCs."""
+
+import casadi as ca
+
+from postprocessors.export.c99 import MOST_STEPS
+from postprocessors.export.calibration import Calibration
+from postprocessors.export.functions import coordinates, measurement, mechanics
+from postprocessors.export.instructions import INFIX, Language, number, operand, statements
+from postprocessors.export.rendering import comment_lines, environment
+
+
+def structured_text(calibration: Calibration, name: str) -> str:
+    """The text of a model called `name`: structure, constants, functions and function block."""
+    machine = calibration.case.machine
+    hexapod = calibration.hexapod
+    drives = calibration.case.recording.drives if hexapod is not None else None
+    camel = "".join(part.capitalize() for part in name.split("_"))
+    functions = [measurement(calibration.model), coordinates()]
+    if hexapod is not None:
+        functions += mechanics(hexapod)
+    return (
+        environment()
+        .get_template("model.st.jinja")
+        .render(
+            name=name,
+            Name=camel,
+            origin=comment_lines(calibration),
+            hexapod=hexapod is not None,
+            most_steps=MOST_STEPS,
+            home=["0.0"] * 6 if machine is None else [number(v) for v in machine.home.vector],
+            force_units="N" if calibration.case.sensor_frame.bars is not None else "N, N m",
+            drives=drives
+            and {
+                "index": drives.index,
+                "sign": [number(s) for s in drives.sign],
+                "offset": [number(v) for v in drives.offset],
+            },
+            offsets=[n for n in calibration.model.names if n.startswith("f_q0_")],
+            parameters=[
+                {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"}
+                for p, v, s in zip(
+                    calibration.model.parameters,
+                    calibration.result.values,
+                    calibration.result.covariance.diagonal() ** 0.5,
+                    strict=True,
+                )
+            ],
+            functions=[_function(f, camel, calibration.model.names) for f in functions],
+        )
+    )
+
+
+def _function(function: ca.Function, camel: str, parameters: list[str]) -> dict[str, object]:
+    def element(argument: str, k: int) -> str:
+        return f"u.{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
+
+    operations = INFIX | {
+        "sqrt": "SQRT({0})",
+        "sin": "SIN({0})",
+        "cos": "COS({0})",
+        "atan2": f"F_{camel}Atan2({{0}}, {{1}})",
+    }
+    language = Language(operations, lambda _, slot: f"t[{slot}]", "{} := {};", "{} := {};", element, operand)
+    arguments = [
+        f"u : ST_{camel}Parameters;" if n == "u" else f"{n} : ARRAY[0..{function.numel_in(k) - 1}] OF LREAL;"
+        for k, n in enumerate(function.name_in())
+    ]
+    arguments += [f"{n} : ARRAY[0..{function.numel_out(k) - 1}] OF LREAL;" for k, n in enumerate(function.name_out())]
+    return {
+        "name": function.name(),
+        "comment": f"({', '.join(function.name_in())}) -> {', '.join(function.name_out())}",
+        "arguments": arguments,
+        "slots": function.sz_w(),
+        "statements": statements(function, language),
+    }

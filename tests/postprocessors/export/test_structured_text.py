@@ -1,0 +1,144 @@
+"""The exported Structured Text parses as a third party's parser reads it, and computes what (1)-(15) say."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from identification.executed import PoseExecution
+from identification.force import tare
+from identification.hexapod import Hexapod
+from identification.motion import Standstill
+from identification.simulate import simulate_recording
+from postprocessors.export.c99 import MOST_STEPS
+from postprocessors.export.calibration import Calibration
+from postprocessors.export.structured_text import structured_text
+from tests.helpers import HOME
+from tests.postprocessors.export.calibrations import calibration
+from tests.postprocessors.export.physics import external, states
+from tests.postprocessors.export.plc import Plc, Scope
+
+CASE = load_case("hexapod")
+ROUNDING = 1e-12
+
+
+class Block:
+    """An instance of the exported function block."""
+
+    def __init__(self, plc: Plc, name: str) -> None:
+        self.plc, self.name = plc, name
+        self.scope: Scope = plc.block(name)
+
+    def __call__(self, **inputs: Any) -> np.ndarray:
+        """One cycle; force and moment."""
+        self.plc.cycle(self.name, self.scope, **inputs)
+        return np.array(self.scope["wrench"].value)
+
+    def __getitem__(self, name: str) -> Any:
+        return self.scope[name.lower()].value
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Calibration:
+    return calibration(tmp_path_factory.mktemp("nine"), "hexapod", 9)
+
+
+@pytest.fixture(scope="module")
+def loaded(made: Calibration) -> Plc:
+    return Plc().load(structured_text(made, "hexapod_force"))
+
+
+@pytest.fixture
+def block(loaded: Plc) -> Callable[[], Block]:
+    return lambda: Block(loaded, "FB_HexapodForce")
+
+
+def test_the_function_block_computes_the_papers_model(made: Calibration, block: Callable[[], Block]) -> None:
+    u = dict(zip(made.model.names, made.result.values, strict=True))
+    s = states(CASE, 12, 0)
+    for k in range(len(s.pose)):
+        expected = external(CASE, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
+        scale = max(np.abs(expected).max(), np.abs(s.forces[k]).max())
+        at_home = block()
+        posed = at_home(
+            FromPose=True, Position=s.pose[k], Velocity=s.rates[k], Acceleration=s.accelerations[k], Forces=s.forces[k]
+        )
+        assert at_home["Valid"]
+        assert np.abs(posed - expected).max() <= ROUNDING * scale
+        at_home = block()
+        strutted = at_home(
+            Position=s.lengths[k], Velocity=s.velocities[k], Acceleration=s.strut_accelerations[k], Forces=s.forces[k]
+        )
+        assert at_home["Valid"]
+        assert at_home["Steps"] <= 6
+        assert np.abs(strutted - expected).max() <= ROUNDING * scale
+
+
+@pytest.mark.parametrize("number", [0, 4])
+def test_a_force_torque_sensors_block_needs_no_struts(number: int, tmp_path: Path) -> None:
+    case = load_case("ft_wrist")
+    made = calibration(tmp_path, "ft_wrist", number)
+    block = Block(Plc().load(structured_text(made, "ft_wrist_force")), "FB_FtWristForce")
+    u = dict(zip(made.model.names, made.result.values, strict=True))
+    s = states(case, 10, number)
+    for k in range(len(s.pose)):
+        expected = external(case, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
+        found = block(Position=s.pose[k], Velocity=s.rates[k], Acceleration=s.accelerations[k], Forces=s.forces[k])
+        assert block["Valid"]
+        assert np.abs(found - expected).max() <= ROUNDING * max(np.abs(expected).max(), np.abs(s.forces[k]).max())
+
+
+def test_bad_inputs_and_open_struts_keep_the_outputs(block: Callable[[], Block]) -> None:
+    one = block()
+    home = Hexapod.of(CASE).strut_lengths(HOME[None])[0]
+    before = one(Position=home, Forces=np.full(6, 100.0))
+    assert one["ErrorId"] == 0
+    for inputs, code in (
+        ({"Position": home * [0.2, 1, 1, 1, 1, 3]}, 2),
+        ({"Position": home, "Forces": np.r_[np.nan, np.zeros(5)]}, 1),
+        ({"Position": home, "Forces": np.zeros(6), "Velocity": np.r_[np.zeros(5), 1e300]}, 1),
+    ):
+        np.testing.assert_array_equal(one(**inputs), before)
+        assert not one["Valid"]
+        assert one["ErrorId"] == code
+        assert one["Steps"] <= 2 * MOST_STEPS
+    again = one(Position=home, Velocity=np.zeros(6), Forces=np.full(6, 100.0))
+    np.testing.assert_allclose(again, before, rtol=1e-12)
+    assert one["Valid"]
+
+
+def test_a_tare_does_what_hexcite_tare_does(made: Calibration, block: Callable[[], Block]) -> None:
+    execution = PoseExecution(Hexapod.of(CASE), Standstill(np.add(HOME, [0.05, 0.1, 0.0, 0.1, -0.1, 0.05]), 0.05))
+    recording = simulate_recording(CASE, execution, np.zeros((0, 2)), 3, "still.csv")
+    expected = tare(recording, CASE, made.result)
+    one = block()
+    assert recording.struts is not None
+    for struts, forces in zip(recording.struts, recording.forces, strict=True):
+        one(Position=struts, Forces=forces, Tare=True)
+    one(Tare=False)
+    found = [cell.value for cell in one["parameters"].values()]
+    np.testing.assert_allclose(found, expected.values, rtol=1e-9, atol=1e-9)
+    one()
+    np.testing.assert_array_equal([cell.value for cell in one["parameters"].values()], found)
+
+
+def test_the_text_says_where_the_numbers_are_from(tmp_path: Path) -> None:
+    made = calibration(tmp_path, "hexapod", 9, warnings=["poses cover *) little \N{DEGREE SIGN}"])
+    text = structured_text(made, "hexapod_force")
+    assert text.isascii()
+    head = text[: text.index("(* The linear")]
+    assert head.count("*)") == 1
+    for word in (str(tmp_path), made.result_hash, CASE.hash, "model 9", "hexcite 0", "WARNING: poses cover"):
+        assert word in head
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["hexapod", "ft_wrist"])
+def test_every_line_parses(name: str, tmp_path: Path) -> None:
+    from blark.parse import parse_source_code
+
+    parsed = parse_source_code(structured_text(calibration(tmp_path, name, 9 if name == "hexapod" else 6), "force"))
+    assert parsed.exception is None
