@@ -93,7 +93,7 @@ def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str
             for p, v, s in zip(
                 calibration.model.parameters,
                 calibration.result.values,
-                calibration.result.covariance.diagonal() ** 0.5,
+                calibration.deviations,
                 strict=True,
             )
         ],

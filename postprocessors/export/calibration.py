@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cases.errors import CaseError, FileProblem
 from cases.files import read_json
 from cases.loading import built_in_cases, load_case
@@ -14,6 +17,8 @@ from identification.model import Model
 from identification.parameters import physical_form
 from identification.result import Value
 from identification.saved import SavedResult, load_result
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,16 +50,26 @@ class Calibration:
     warnings: tuple[str, ...]
 
     @property
+    def deviations(self) -> Array:
+        """Standard deviations of u, the larger of (28) and the robust ones, shape (u,)."""
+        both = np.maximum(self.result.covariance.diagonal(), self.result.covariance_robust.diagonal())
+        return np.asarray(np.sqrt(np.maximum(both, 0.0)))
+
+    @property
     def origin(self) -> tuple[str, ...]:
         """Which result, case, model and version made a file, and every warning: one sentence a line."""
         return (
             f"made by hexcite {version('hexcite')}",
             f"result {self.result.source} (sha256 {self.result_hash}), from {self.recording}: {self.samples} samples, "
             f"s0 {self.s0:.4g}",
-            f"case {self.case.name}, hash {self.case.hash}; model {self.model.number} with {len(self.model.names)} "
-            "parameters",
+            f"case {self.case.name}, hash {self.case.hash}; model {self.model.number}{self._terms} with "
+            f"{len(self.model.names)} parameters",
             *(f"WARNING: {warning}" for warning in self.warnings),
         )
+
+    @property
+    def _terms(self) -> str:
+        return f" ({', '.join(self.result.terms)})" if self.result.terms else ""
 
 
 def load_calibration(path: Path, case_name: str | None, force: bool) -> Calibration:
@@ -98,7 +113,7 @@ def load_calibration(path: Path, case_name: str | None, force: bool) -> Calibrat
         )
     values, covariance = form.of(result.values, result.covariance)
     physical = {
-        p.name: Value(float(values[k]), float(max(covariance[k, k], 0.0) ** 0.5), robust[p.name], p.unit)
+        p.name: Value(float(values[k]), float(np.sqrt(max(covariance[k, k], 0.0))), robust[p.name], p.unit)
         for k, p in enumerate(form.parameters)
     }
     return Calibration(

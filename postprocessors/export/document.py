@@ -7,6 +7,7 @@ import json
 from importlib.metadata import version
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from identification.frame import structure_matrix
@@ -42,6 +43,7 @@ class Parameter(_Part):
     unit: str = Field(description="SI")
     value: float
     std: float = Field(description="standard deviation by (28)")
+    std_robust: float = Field(description="standard deviation that allows for noise that is not white")
 
 
 class Drives(_Part):
@@ -72,6 +74,7 @@ class Document(_Part):
     origin: Origin
     warnings: list[str] = Field(description="of the identification; not empty only if the export was forced")
     model: int = Field(ge=0, le=9, description="identification model, Table 2")
+    error_terms: list[str] = Field(description="forms of the error compensation, (12) to (15), in place of the model's")
     gravity_m_s2: Three = Field(description="in {B}")
     structure: Annotated[list[Six], Field(min_length=6, max_length=6)] = Field(
         description="J^-T of (2), row by row: sensor forces to force [N] and moment [N m] on the platform, in {P}"
@@ -79,7 +82,8 @@ class Document(_Part):
     force_delay_s: float = Field(description="how much later than the motion the forces were recorded")
     kinematics: Kinematics | None = Field(description="null for a sensor without a hexapod")
     linear: list[Parameter] = Field(description="u of (17)")
-    covariance: list[list[float]] = Field(description="of u, in the same order")
+    covariance: list[list[float]] = Field(description="of u by (28), in the same order")
+    covariance_robust: list[list[float]] = Field(description="the same, allowing for noise that is not white")
     physical: list[Parameter] = Field(description="mass, centre of gravity in {P}, inertia about it, offsets, factors")
 
 
@@ -95,7 +99,7 @@ def document(calibration: Calibration) -> Document:
             home=case.machine.home.vector.tolist(),
             drives=drives and Drives(drive=list(drives.order), sign=list(drives.sign), offset_m=drives.offset.tolist()),
         )
-    deviations = result.covariance.diagonal() ** 0.5
+    deviations = [np.sqrt(np.maximum(c.diagonal(), 0.0)) for c in (result.covariance, result.covariance_robust)]
     return Document(
         schema_version=1,
         kind="hexcite calibration",
@@ -111,17 +115,20 @@ def document(calibration: Calibration) -> Document:
         ),
         warnings=list(calibration.warnings),
         model=calibration.model.number,
+        error_terms=list(result.terms),
         gravity_m_s2=case.gravity.tolist(),
         structure=structure_matrix(case.sensor_frame).tolist(),
         force_delay_s=result.delay,
         kinematics=kinematics,
         linear=[
-            Parameter(name=p.name, unit=p.unit, value=float(v), std=float(s))
-            for p, v, s in zip(calibration.model.parameters, result.values, deviations, strict=True)
+            Parameter(name=p.name, unit=p.unit, value=float(v), std=float(s), std_robust=float(r))
+            for p, v, s, r in zip(calibration.model.parameters, result.values, *deviations, strict=True)
         ],
         covariance=result.covariance.tolist(),
+        covariance_robust=result.covariance_robust.tolist(),
         physical=[
-            Parameter(name=name, unit=v.unit, value=v.value, std=v.std) for name, v in calibration.physical.items()
+            Parameter(name=name, unit=v.unit, value=v.value, std=v.std, std_robust=v.std_robust)
+            for name, v in calibration.physical.items()
         ],
     )
 

@@ -41,7 +41,7 @@ def structured_text(calibration: Calibration, name: str) -> str:
                 for p, v, s in zip(
                     calibration.model.parameters,
                     calibration.result.values,
-                    calibration.result.covariance.diagonal() ** 0.5,
+                    calibration.deviations,
                     strict=True,
                 )
             ],

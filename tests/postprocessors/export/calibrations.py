@@ -26,7 +26,7 @@ def plausible(case: Case, model: Model, seed: int = 0) -> Array:
 
 def write_result(folder: Path, machine: Case, number: int, values: Array | None = None, **changes: Any) -> Path:
     """A result folder; `changes` replace entries of result.json."""
-    model = identification_model(machine, number)
+    model = identification_model(machine, number, changes.get("error_terms", ()))
     u = plausible(machine, model) if values is None else values
     covariance = np.diag((1e-3 * np.abs(u) + 1e-3) ** 2)
     form = physical_form(model)

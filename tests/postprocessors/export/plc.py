@@ -6,6 +6,7 @@ statement: long runs of single-operation statements are therefore taken out of t
 run stays, and these lines are read by an own, strict grammar.
 """
 
+import contextlib
 import math
 import re
 from dataclasses import dataclass, field
@@ -182,10 +183,8 @@ class Plc:
         self._run(self.units[name.lower()], scope)
 
     def _run(self, unit: Unit, scope: Scope) -> None:
-        try:
+        with contextlib.suppress(_Return):
             self._statements(unit.body, scope, list(unit.runs))
-        except _Return:
-            pass
 
     def _call(self, name: str, arguments: list[Any], scope: Scope) -> Any:
         if name in _MATH:
