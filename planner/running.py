@@ -13,7 +13,7 @@ from cases.schema import Case
 from identification.executed import StrutExecution
 from identification.hexapod import Hexapod
 from identification.model import identification_model
-from identification.motion import Joined, Trajectory
+from identification.motion import Joined, Standstill, Trajectory
 from identification.path import executed_information, path_error
 from identification.peaks import executed_peaks
 from identification.recording import Recording, write_recording
@@ -110,7 +110,7 @@ def execute(program: Path, case: Case, on: str, seed: int) -> Outcome:
     read = read_program(program, case)
     prove_program(read.reading, case, read.guarantees).require()
     planned = _planned(read, case)
-    run = run_virtual(read.reading, case) if on == "virtual" else _on_linuxcnc(read, case)
+    run = run_virtual(read.reading, case, read.guarantees) if on == "virtual" else _on_linuxcnc(read, case)
     if not len(run.trigger):
         raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
     recording = simulate_recording(case, run.execution, run.trigger, seed)
@@ -123,11 +123,17 @@ def _planned(read: ProgramFile, case: Case) -> Trajectory:
     limits = case.need_machine("a run")[2].motion
     excited: list[Trajectory] = []
     for part in stretches(read.reading):
-        if isinstance(part, Timed) and part.trigger:
+        if not part.trigger:
+            continue
+        if isinstance(part, Timed):
             excited.append(part.points)
-        elif isinstance(part, Untimed) and part.trigger:
+        elif isinstance(part, Untimed):
             motion = predicted(part, limits, read.guarantees)
             excited += [] if motion is None else [motion]
+        elif excited and part.duration > 0.0:  # a pause between moves
+            excited.append(Standstill(excited[-1].at([excited[-1].duration]).pose[0], part.duration))
+    while excited and isinstance(excited[-1], Standstill):
+        excited.pop()
     if not excited:
         raise ExecutionError(f"{read.path}: nothing moves with the trigger on; write it with hexcite post")
     return excited[0] if len(excited) == 1 else Joined(tuple(excited))

@@ -13,6 +13,7 @@ from identification.profile import StraightMove
 
 Array = NDArray[np.float64]
 
+SAME = 1e-8  # [m, rad] two poses are one, below the last decimal of any program
 APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: nobody needs that move to be fast
 
 
@@ -240,7 +241,7 @@ def excitation_program(trajectory: Trajectory, case: Case, header: tuple[str, ..
     own_time = not any(isinstance(b, TimedPath | SplinePath) for b in excitation)
 
     def straight(name: str, start: Array, end: Array) -> None:
-        if np.array_equal(start, end):
+        if np.max(np.abs(end - start)) < SAME:
             return
         box = limits.motion
         share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]

@@ -1,4 +1,4 @@
-"""The built-in virtual controller: follows timed paths exactly and times other moves itself, jerk-limited."""
+"""The built-in virtual controller: executes a program's text, with moves that it times itself computed by ruckig."""
 
 from dataclasses import replace
 
@@ -9,39 +9,27 @@ from cases.schema import Case
 from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
-from identification.profile import TimeLaw, fastest_profile
 from postprocessors.execute.executed_run import ExecutedRun
+from postprocessors.execute.ruckig_law import by_ruckig
 from postprocessors.guarantees import Guarantees
 from postprocessors.predicted import predicted
 from postprocessors.reading.words import Reading
 from postprocessors.stretches import Still, Stretch, Timed, stretches
 
-
-def _arc_law(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
-    """Half of the acceleration limit turns, the rest drives; a jerk limit that turning cannot pass either."""
-    turning = min(np.sqrt(acceleration / 2 / angle), np.cbrt(jerk / 2 / angle**2))
-    return fastest_profile(1.0, min(velocity, float(turning)), acceleration / 2, jerk / 4)
-
-
-GUARANTEES = Guarantees(
-    controller="the virtual controller",
-    shortest_block=1e-6,
-    longest_block=np.inf,
-    follows_paths=True,
-    enforced=frozenset({"velocity", "acceleration", "jerk"}),
-    law=lambda velocity, acceleration, jerk: fastest_profile(1.0, velocity, acceleration, jerk),
-    arc_law=_arc_law,
-    jerk_time=0.0,
-)
 NAME = "virtual controller (exact on timed paths, built in)"
 REST = 0.2  # [s] of standstill recorded before and after: filters need it, and so does a user who looks at the plot
 
 
-def run_virtual(reading: Reading, case: Case) -> ExecutedRun:
+def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> ExecutedRun:
     """Executes a program that was read, starting from home.
 
-    Timed paths follow the quintic spline through their points; moves at a feed or in rapid follow the seven-segment
-    profile within the motion limits and that feed.
+    Timed paths follow the curve through their points. Moves at a feed or in rapid are timed by ruckig within the motion
+    limits and that feed; with a jerk limit where the controller that the program is for has one, without where not.
+
+    Args:
+        reading: the program.
+        case: the machine.
+        guarantees: of the controller that the program is for.
 
     Raises:
         ProgramError: the motion is not defined.
@@ -49,15 +37,20 @@ def run_virtual(reading: Reading, case: Case) -> ExecutedRun:
     """
     machine, _, limits = case.need_machine("a run")
     home = machine.home.vector
+    own = replace(guarantees, law=by_ruckig(guarantees.law))
     parts: list[Trajectory] = [Standstill(home, REST)]
     trigger: list[tuple[float, float]] = []
-    clock, pose = REST, home
+    clock, pose, on = REST, home, False
     for stretch in stretches(reading):
-        part = _trajectory(stretch, pose, limits.motion)
+        part = _trajectory(stretch, pose, limits.motion, own)
         if part is None:
             continue
+        on = on and stretch.trigger
         if stretch.trigger and not isinstance(stretch, Still):
-            trigger.append((clock, clock + part.duration))
+            # From the first movement to the last: pauses between them count, those before and after do not.
+            start = trigger.pop()[0] if on else clock
+            trigger.append((start, clock + part.duration))
+            on = True
         parts.append(part)
         clock += part.duration
         pose = part.at([part.duration]).pose[0]
@@ -66,9 +59,9 @@ def run_virtual(reading: Reading, case: Case) -> ExecutedRun:
     return ExecutedRun(NAME, execution, np.array(trigger).reshape(-1, 2), real=False)
 
 
-def _trajectory(stretch: Stretch, pose: np.ndarray, limits: MotionLimits) -> Trajectory | None:
+def _trajectory(stretch: Stretch, pose: np.ndarray, limits: MotionLimits, own: Guarantees) -> Trajectory | None:
     if isinstance(stretch, Timed):
         return stretch.points
     if isinstance(stretch, Still):
         return Standstill(pose, stretch.duration) if stretch.duration > 0.0 else None
-    return predicted(replace(stretch, start=pose), limits, GUARANTEES)
+    return predicted(replace(stretch, start=pose), limits, own)

@@ -56,7 +56,7 @@ def test_what_is_proven_can_be_run(edits: list[tuple[str, int, str]]):
             return
     except ProgramError:
         return
-    run = run_virtual(reading, CASE)
+    run = run_virtual(reading, CASE, linuxcnc_guarantees(reading, CASE))
     assert np.isfinite(run.execution.struts(np.linspace(0.0, run.execution.duration, 50))).all()
 
 

@@ -13,8 +13,8 @@ from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
 from postprocessors.guarantees import Guarantees
 from postprocessors.reading.words import Move, Reading, Timing
 
-ARC_ALONG, ARC_ACROSS = math.sqrt(0.75), 0.5
-"""Shares of the acceleration limit that its planner spends along an arc and on turning (BLEND_ACC_RATIO_*)."""
+ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5
+"""Shares of the acceleration limit that its planner spends along an arc (measured) and on turning."""
 
 LONGEST_BLOCK = 0.25
 """[s] A block is a trapezoid to LinuxCNC, not the smooth curve that the proof assumes; over tens of milliseconds the

@@ -8,6 +8,7 @@ from cases.schema import Case
 from identification.limits import prove
 from identification.motion import Trajectory, sample
 from postprocessors.execute.executed_run import ExecutedRun, windows
+from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.execute.virtual import REST, run_virtual
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.stretches import Timed
@@ -16,7 +17,8 @@ from tests.postprocessors.programs import parts, small_excitation, there_and_bac
 
 
 def run(text: str, case: Case) -> ExecutedRun:
-    return run_virtual(read_linuxcnc(text, "p.ngc"), case)
+    reading = read_linuxcnc(text, "p.ngc")
+    return run_virtual(reading, case, linuxcnc_guarantees(reading, case))
 
 
 def trajectory(executed: ExecutedRun) -> Trajectory:

@@ -1,0 +1,42 @@
+"""The closed forms of both time laws against ruckig, which knows nothing of them."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from identification.profile import fastest_profile, fastest_trapezoid
+from postprocessors.execute.ruckig_law import RuckigLaw, by_ruckig
+
+limits = st.tuples(st.floats(0.05, 20.0), st.floats(0.1, 200.0), st.floats(1.0, 5000.0))
+
+
+def agree(one, other) -> None:
+    assert one.duration == other.duration or abs(one.duration - other.duration) < 1e-9 * other.duration
+    assert abs(one.peak_velocity - other.peak_velocity) < 1e-6 * other.peak_velocity
+    t = np.linspace(0.0, one.duration, 101)
+    for a, b in zip(one.at(t)[:2], other.at(t)[:2], strict=True):
+        assert np.allclose(a, b, rtol=1e-6, atol=1e-7 * np.abs(b).max())
+
+
+@given(limits=limits)
+def test_the_seven_segment_profile_is_the_fastest_that_ruckig_knows(limits: tuple[float, float, float]):
+    agree(RuckigLaw.within(*limits), fastest_profile(1.0, *limits))
+
+
+@given(limits=limits)
+def test_the_trapezoid_is_the_fastest_without_a_jerk_limit(limits: tuple[float, float, float]):
+    velocity, acceleration, jerk = limits
+    law = by_ruckig(lambda v, a, j: fastest_trapezoid(1.0, v, a))
+    agree(law(velocity, acceleration, jerk), fastest_trapezoid(1.0, velocity, acceleration))
+
+
+@given(limits=limits, speed=st.floats(0.05, 1.0))
+def test_a_slowed_law_covers_the_same_way_in_the_inverse_share_of_the_time(
+    limits: tuple[float, float, float], speed: float
+):
+    for law in (RuckigLaw.within(*limits), fastest_profile(1.0, *limits), fastest_trapezoid(1.0, *limits[:2])):
+        slow = law.slowed(speed)
+        t = np.linspace(0.0, law.duration, 51)
+        assert np.allclose(slow.at(t / speed)[0], law.at(t)[0], atol=1e-9)
+        assert np.allclose(slow.at(t / speed)[1], law.at(t)[1] * speed, atol=1e-6 * law.peak_velocity)
+        assert abs(slow.peak_velocity - law.peak_velocity * speed) < 1e-9 * law.peak_velocity
