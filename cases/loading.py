@@ -14,6 +14,7 @@ from cases.errors import CaseError
 from cases.schema import Case
 
 BUILT_IN = Path(__file__).parent
+CASE_FILE = "case.toml"
 
 # Unit suffixes of keys, ours and those that users write instead.
 _OURS: tuple[str, ...] = (
@@ -52,7 +53,7 @@ def find_case(name: str) -> Path:
     known = built_in_cases()
     if name in known:
         return known[name]
-    file = os.path.join(name, "case.toml") if os.path.isdir(name) else name
+    file = os.path.join(name, CASE_FILE) if os.path.isdir(name) else name
     if os.path.isfile(file):  # of os.path, which answers "no" to names that no file system takes
         return Path(file)
     close = difflib.get_close_matches(name, known, n=1)

@@ -16,7 +16,7 @@ GRID = (-1.0, 0.0, 1.0)
 STATIC = ("strut length", "base joint angle", "platform joint angle", "singularity", "position", "angle")
 
 
-class _Poses:
+class StandingPoses:
     """Poses one after the other, each standing still; only limits of position mean anything."""
 
     def __init__(self, poses: np.ndarray) -> None:
@@ -24,6 +24,7 @@ class _Poses:
         self.duration = float(len(poses) - 1)
 
     def at(self, t: Any) -> Motion:
+        """The pose whose turn it is at times t [s], at rest."""
         time = np.asarray(t, dtype=float)
         still = [np.zeros((len(time), 6)) for _ in range(3)]
         return Motion(time, self.poses[np.round(time).astype(int)], *still)
@@ -58,7 +59,7 @@ def _reach(case: Case, file: str) -> dict[str, Any]:
     corners = np.stack(np.meshgrid(*([GRID] * 6), indexing="ij"), axis=-1).reshape(-1, 6)
     middle, half = limits.motion.pose.mean(axis=0), np.ptp(limits.motion.pose, axis=0) / 2
     poses = np.vstack([machine.home.vector, machine.home.vector + middle + corners * half])
-    at_home = prove(_Poses(poses[[0, 0]]), case, 1.0)
+    at_home = prove(StandingPoses(poses[[0, 0]]), case, 1.0)
     if at_home.violations:
         broken = at_home.violations[0]
         raise CaseError(
@@ -67,7 +68,7 @@ def _reach(case: Case, file: str) -> dict[str, Any]:
             f"is out of reach: {broken.name} is {broken.worst:.4g} {broken.unit}, limit {broken.limit:.4g}; move "
             "home or widen that limit",
         )
-    report = prove(_Poses(poses), case, 1.0)
+    report = prove(StandingPoses(poses), case, 1.0)
     return {
         "home_struts_mm": (Hexapod.of(case).strut_lengths(poses[:1])[0] * 1e3).tolist(),
         "poses": len(poses),

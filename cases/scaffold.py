@@ -1,0 +1,70 @@
+"""The beginning of a case file for one's own machine: a built-in one with advice above each table."""
+
+import re
+from pathlib import Path
+
+from cases.errors import CaseError, FileProblem
+from cases.files import write_text
+from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
+
+_NAME = re.compile(r"[a-z][a-z0-9_]*")
+
+_ADVICE = {
+    "machine": "From the drawing: centres of the joints, base joints in {B}, platform joints in {P}, in strut order.\n"
+    "# points_mm = [[x, y, z], ...] lists them one by one. home is where programs begin and end.",
+    "workspace": "What the machine can reach at all: its manual. Joint angles count from the joints' normals.",
+    "limits.motion": "What an excitation may use, each coordinate relative to home: the manual's values or less.",
+    "sensor_frame.bars": "From the drawing of the frame: both ends of each bar in {P}, in the order of the channels.",
+    "sensor_frame": 'How the sensor reads: sense = "load_on_sensor" or "sensor_on_load".',
+    "sensors": "From the sensors' data sheet.",
+    "recording": "Names, units and clock of the recorded columns, where they differ from hexcite's (CONVENTIONS.md).",
+    "controller": "How the controller is set up. Nothing here is guessed: check each with its machine's parameters.",
+    "nominal": "A-priori values of the moving body from CAD: mass, centre of gravity in {P}, inertia about it.",
+    "simulation": "A simulated machine for rehearsals; delete it and its sub-tables where none is wanted.",
+}
+
+
+def new_case(name: str, like: str, folder: Path) -> Path:
+    """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in.
+
+    Args:
+        name: of the new case.
+        like: name of a built-in case.
+        folder: to make; it must not hold a case yet.
+
+    Returns:
+        The case file.
+
+    Raises:
+        CaseError: a name that a case cannot have, or no such built-in case.
+        FileProblem: the folder holds a case, or cannot be written.
+    """
+    if not _NAME.fullmatch(name):
+        raise CaseError(
+            name or "''", "", "is no name of a case; use small letters, digits and underscores, a letter first"
+        )
+    if name in built_in_cases():
+        raise CaseError(name, "", "is the name of a built-in case; choose another one")
+    file = folder / CASE_FILE
+    if file.exists():
+        raise FileProblem(f"{file}: exists; choose another folder with -o, or edit that file")
+    load_case(like)
+    lines: list[str] = [
+        f"# {name}: begun from the case {like}; every number below is that case's until you replace it. Keys carry",
+        "# their units. {B} is the frame of the base, {P} that of the platform. `hexcite case check` tells what cannot be.",
+        "",
+    ]
+    for line in find_case(like).read_text(encoding="utf-8").splitlines():
+        if line.startswith("#"):
+            continue  # the built-in case's own words on its sources
+        table = re.match(r"\[([a-z_.]+)\]", line)
+        if table:
+            if table[1] in _ADVICE:
+                lines.append(f"# {_ADVICE[table[1]]}")
+            line = table[0]  # what follows it is about the built-in case's source
+        line = re.sub(r'^name = ".*"', f'name = "{name}"', line)
+        line = re.sub(r'^title = ".*"', 'title = "what it is, in a line"', line)
+        line = re.sub(r'^source = ".*"', 'source = "where these values come from"', line)
+        lines.append(line)
+    write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
+    return file

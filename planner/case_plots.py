@@ -1,0 +1,102 @@
+"""Figure of a case: the machine at home, and how much of its reach each pose uses."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.axes3d import Axes3D
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from cases.machine import Machine
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.limits import prove
+from planner.case_figures import STATIC, StandingPoses
+
+Array = NDArray[np.float64]
+
+GRID = 25  # poses along each side of a map
+MOST = 1.5  # share of a limit from which the colour stays the same
+
+
+def reach(case: Case, poses: Array) -> Array:
+    """Largest share of any limit of position that each pose uses, above 1 out of reach, shape (n,).
+
+    Counted are strut lengths, joint angles and the way from home to a singularity, not the box of moving excitations.
+
+    Args:
+        case: with machine, workspace and limits.
+        poses: shape (n, 6) [m, rad].
+    """
+    counted = [name for name in STATIC if name not in ("position", "angle")]
+    shares = []
+    for pose in poses:
+        report = prove(StandingPoses(np.stack([pose, pose])), case, 1.0)
+        shares.append(max(check.ratio for check in report.checks if check.name.split(" (")[0] in counted))
+    return np.array(shares)
+
+
+def case_figure(case: Case) -> Figure:
+    """The machine at home in 3-D, and two maps of its reach: over x and y, and over roll and pitch.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    machine, workspace, limits = case.need_machine("the picture of the machine")
+    figure = Figure(figsize=(16, 5), layout="constrained")
+    geometry: Axes3D = figure.add_subplot(1, 3, 1, projection="3d")
+    _draw_machine(geometry, case, machine)
+    box = limits.motion.pose
+    over, tilted = figure.add_subplot(1, 3, 2), figure.add_subplot(1, 3, 3)
+    x, y = (np.linspace(*(np.array(side) * MM), GRID) for side in (workspace.x_mm, workspace.y_mm))
+    colours = _map(over, case, machine, (0, 1), (x, y), MM)
+    a, b = (np.linspace(2 * box[0, k], 2 * box[1, k], GRID) for k in (3, 4))
+    _map(tilted, case, machine, (3, 4), (a, b), DEG)
+    for axes, (i, j), unit in ((over, (0, 1), MM), (tilted, (3, 4), DEG)):
+        sides = box[:, [i, j]] / unit
+        axes.plot(
+            sides[[0, 1, 1, 0, 0], 0], sides[[0, 0, 1, 1, 0], 1], color="white", linewidth=1.5, label="motion box"
+        )
+        axes.legend(loc="lower right")
+    over.set(title="reach at the height of home, level", xlabel="x from home [mm]", ylabel="y from home [mm]")
+    tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
+    figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
+    return figure
+
+
+def _map(
+    axes: Axes, case: Case, machine: Machine, which: tuple[int, int], sides: tuple[Array, Array], unit: float
+) -> object:
+    first, second = np.meshgrid(*sides, indexing="ij")
+    poses = np.tile(machine.home.vector, (first.size, 1))
+    poses[:, which[0]] += first.ravel()
+    poses[:, which[1]] += second.ravel()
+    shares = reach(case, poses).reshape(first.shape)
+    shown = np.clip(shares, 0.0, MOST)
+    colours = axes.contourf(first / unit, second / unit, shown, levels=np.linspace(0.0, MOST, 16), cmap="viridis")
+    if shares.min() < 1.0 < shares.max():
+        axes.contour(first / unit, second / unit, shown, levels=[1.0], colors="red", linewidths=2.0)
+    axes.set_aspect("equal")
+    return colours
+
+
+def _draw_machine(axes: Axes3D, case: Case, machine: Machine) -> None:
+    """Base, platform, struts and the bars of the sensors at home, in mm."""
+    home = machine.home.vector
+    turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
+    base = machine.base.points / MM
+    platform = (home[:3] + machine.platform.points @ turn.T) / MM
+    for points, colour, label in ((base, "0.3", "base"), (platform, "tab:blue", "platform")):
+        closed = np.vstack([points, points[:1]])
+        axes.plot(closed[:, 0], closed[:, 1], closed[:, 2], color=colour, linewidth=2.0, label=label)
+    for k, (foot, head) in enumerate(zip(base, platform, strict=True), start=1):
+        axes.plot(*zip(foot, head, strict=True), color="tab:gray", linewidth=1.0)
+        axes.text(*foot, f" {k}", color="0.3")
+    bars = case.sensor_frame.bars
+    if bars is not None:
+        ends = [(home[:3] + ring.points @ turn.T) / MM for ring in (bars.lower, bars.upper)]
+        for k, (low, high) in enumerate(zip(*ends, strict=True)):
+            axes.plot(*zip(low, high, strict=True), color="tab:red", linewidth=1.5, label=None if k else "sensors")
+    axes.set(xlabel="x", ylabel="y", zlabel="z", title=f"{case.name} at home, in mm")
+    axes.set_aspect("equal")
+    axes.legend(loc="upper left")

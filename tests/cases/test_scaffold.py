@@ -1,0 +1,50 @@
+"""A new case is a valid one under another name, with the template's numbers, and never takes the place of one."""
+
+from pathlib import Path
+
+import pytest
+
+from cases.errors import CaseError, FileProblem
+from cases.loading import load_case
+from cases.scaffold import new_case
+from tests.helpers import one_line
+
+
+@pytest.mark.parametrize("like", ["hexapod", "ft_wrist"])
+def test_a_new_case_is_its_template_under_another_name(like: str, tmp_path: Path) -> None:
+    file = new_case("mill", like, tmp_path / "mill")
+    new, old = load_case(str(tmp_path / "mill")), load_case(like)
+    assert new.name == "mill"
+    said, template = new.model_dump(), old.model_dump()
+    for words in (said, template):
+        del words["name"], words["title"]
+        (words["simulation"] or {}).pop("source", None)
+    assert said == template
+    text = file.read_text()
+    assert old.title not in text
+    assert "Table" not in text  # sources of the template's numbers are not those of the new machine's
+    lines = text.splitlines()
+    advised = [lines[k - 1].startswith("# ") for k, line in enumerate(lines) if line in ("[sensors]", "[recording]")]
+    assert advised == [True, True]
+
+
+def test_a_case_that_is_there_is_left_alone(tmp_path: Path) -> None:
+    file = new_case("mill", "hexapod", tmp_path)
+    file.write_text("mine")
+    with pytest.raises(FileProblem, match="exists; choose another folder"):
+        new_case("mill", "hexapod", tmp_path)
+    assert file.read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["Mill", "", "1st", "mill 2", "../mill", "hexapod"])
+def test_a_name_that_no_case_can_have(name: str, tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match="name of a") as caught:
+        new_case(name, "hexapod", tmp_path / "x")
+    one_line(caught.value)
+    assert not (tmp_path / "x").exists()
+
+
+def test_an_unknown_template(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match="no such case"):
+        new_case("mill", "lathe", tmp_path / "x")
+    assert not (tmp_path / "x").exists()
