@@ -1,0 +1,218 @@
+"""A path re-timed under limits of coordinates and struts, by toppra (time-optimal path parameterisation).
+
+The planned motion q(t) itself is the path, with s = t / duration in [0, 1] as its parameter. At rest dq/ds is zero, so
+that any pace keeps the limits there: the motion begins and ends at the planned pace, s' = 1 / duration, which keeps it
+smooth at its ends. Where the limits allow, the pace stays the planned one or, if asked for, becomes as fast as allowed.
+
+There is no jerk limit in this method: accelerations step where the pace changes from one extreme to the other.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cases.schema import Case
+from identification.evaluate import over_samples
+from identification.hexapod import Hexapod
+from identification.motion import Motion, Trajectory
+
+Array = NDArray[np.float64]
+
+STEPS_PER_SECOND = 400.0  # gridpoints of the path
+FEWEST_STEPS = 2000
+MARGIN = 1e-3  # of every limit, for what happens between gridpoints
+CHECK_RATE = 20_000.0  # [1/s] at which that is checked
+ROUNDER = 5e-4  # a motion that must be stretched is stretched by this much more: peaks lie between instants too
+FASTEST = 5.0  # times the planned pace, where as fast as possible is asked for
+AT_REST = 1e-6  # share of the rate limits
+
+_REASONS = {
+    "FailUncontrollable": "no pace keeps all limits somewhere on the path: the path bends too sharply or leaves the "
+    "machine's reach there",
+    "ErrForwardPassFail": "rounding errors grew too large on this path; change it slightly",
+    "ErrShortPath": "the path is too short",
+}
+
+
+class UntimedPath(ValueError):
+    """A path that cannot be re-timed; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class RetimedMotion:
+    """A motion along a planned path at another pace; a `Trajectory`.
+
+    Args:
+        path: the planned motion.
+        shares: gridpoints of s = t / duration, shape (k,), from 0 to 1.
+        times: when the gridpoints are passed, shape (k,) [s].
+        paces: s' there, shape (k,) [1/s].
+    """
+
+    path: Trajectory
+    shares: Array
+    times: Array
+    paces: Array
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return float(self.times[-1])
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]; s'' is constant between gridpoints.
+
+        Jerks contain s''' as the slope between the middles of the steps of s'': where s'' really jumps, the jerk is
+        larger, without bound.
+        """
+        time = np.asarray(t, dtype=float)
+        step = np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2)
+        lengths = np.diff(self.times)
+        slope = np.diff(self.paces) / lengths
+        tau = time - self.times[step]
+        pace, change = self.paces[step] + slope[step] * tau, slope[step]
+        share = np.clip(self.shares[step] + self.paces[step] * tau + change * tau**2 / 2, 0.0, 1.0)
+        middles = (self.times[:-1] + self.times[1:]) / 2
+        rises = np.diff(slope) / np.diff(middles) if len(slope) > 1 else np.zeros(1)
+        third = rises[np.clip(np.searchsorted(middles, time) - 1, 0, len(rises) - 1)]
+        q = self.path.at(share * self.path.duration)
+        first, second, last = (
+            q.rates * self.path.duration,
+            q.accelerations * self.path.duration**2,
+            q.jerks * self.path.duration**3,
+        )
+        p, c, j = pace[:, None], change[:, None], third[:, None]
+        return Motion(
+            time, q.pose, first * p, second * p**2 + first * c, last * p**3 + 3.0 * second * p * c + first * j
+        )
+
+
+def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion:
+    """The motion along a path that keeps the limits of rates and accelerations of coordinates and struts.
+
+    Args:
+        path: a motion from rest to rest; its pace, not its shape, is changed.
+        case: gives the limits.
+        fastest: as fast as the limits allow, up to `FASTEST` times the planned pace; otherwise never faster than
+            planned.
+
+    Raises:
+        UntimedPath: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
+        CaseError: the case has no machine or no limits.
+    """
+    from toppra.algorithm import TOPPRA  # takes 0.7 s to import
+
+    steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
+    shares = np.linspace(0.0, 1.0, steps + 1)
+    constraint, geometry = _constraint(path, case, shares, FASTEST if fastest else 1.0)
+    solver = TOPPRA([constraint], geometry, gridpoints=shares, solver_wrapper="seidel")
+    planned = 1.0 / path.duration
+    end = min(planned, _largest_pace(solver.compute_feasible_sets()[-1]))
+    start = min(planned, _largest_pace(solver.compute_controllable_sets(end, end)[0]))
+    if not (start > 0.0 and end > 0.0):
+        raise UntimedPath(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+    solver.compute_parameterization(start, end)
+    code = solver.problem_data.return_code
+    paces = solver.problem_data.sd_vec
+    if code.name != "Ok" or paces is None or not np.isfinite(paces).all():
+        raise UntimedPath(f"the path cannot be re-timed: {_REASONS.get(code.name, code.value)}")
+    lengths = 2.0 * np.diff(shares) / (paces[:-1] + paces[1:])
+    if not np.isfinite(lengths).all():
+        raise UntimedPath(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
+    found = RetimedMotion(path, shares, np.concatenate([[0.0], np.cumsum(lengths)]), paces)
+    slower = _stretch(found, case)
+    return RetimedMotion(path, shares, found.times * slower, paces / slower)
+
+
+def _stretch(motion: RetimedMotion, case: Case) -> float:
+    """By how much longer the whole motion must take where it passes a limit between gridpoints, at least 1."""
+    limits = case.need_machine("re-timing")[2].motion
+    m = motion.at(np.linspace(0.0, motion.duration, int(np.ceil(motion.duration * CHECK_RATE)) + 1))
+    _, strut_velocity, strut_acceleration = over_samples(
+        Hexapod.of(case).strut_motion, m.pose, m.rates, m.accelerations
+    )
+    velocity = max(
+        float((np.abs(m.rates) / limits.rate).max()), float(np.abs(strut_velocity).max()) / limits.strut_velocity_m_s
+    )
+    acceleration = max(
+        float((np.abs(m.accelerations) / limits.acceleration).max()),
+        float(np.abs(strut_acceleration).max()) / limits.strut_acceleration_m_s2,
+    )
+    worst = max(velocity, float(np.sqrt(acceleration)))
+    return worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
+
+
+def _largest_pace(squares: Array) -> float:
+    """Largest s' of an interval of its square; 0 where there is none. A little less, for rounding."""
+    return float(np.sqrt(max(0.0, squares[1]))) * (1.0 - 1e-6) if np.isfinite(squares).all() else 0.0
+
+
+def _constraint(path: Trajectory, case: Case, shares: Array, fastest: float) -> tuple[Any, Any]:
+    """Limits of 12 quantities, six coordinates and six struts, in toppra's form, and the path.
+
+    With q the coordinates and l the strut lengths as functions of s: l' = l_s s', l'' = l_s s'' + l_ss s'^2.
+    """
+    from toppra.constraint import DiscretizationType, LinearConstraint
+    from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
+    from toppra.interpolator import AbstractGeometricPath
+
+    limits = case.need_machine("re-timing")[2].motion
+    motion = path.at(shares * path.duration)
+    if not all(np.isfinite(v).all() for v in (motion.pose, motion.rates, motion.accelerations)):
+        raise UntimedPath("the path holds values that are not finite")
+    ends = np.abs(motion.rates[[0, -1]]) / limits.rate
+    if ends.max() > AT_REST:
+        raise UntimedPath(
+            f"the path {'begins' if ends[0].max() > AT_REST else 'ends'} at {100 * ends.max():.3g} % of a rate limit; "
+            "it must begin and end at rest"
+        )
+    by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
+    _, strut_first, strut_second = over_samples(Hexapod.of(case).strut_motion, motion.pose, *by_share)
+    first, second = np.hstack([by_share[0], strut_first]), np.hstack([by_share[1], strut_second])
+    six = np.ones(6)
+    velocity = np.concatenate([limits.rate, limits.strut_velocity_m_s * six]) * (1.0 - MARGIN)
+    acceleration = np.concatenate([limits.acceleration, limits.strut_acceleration_m_s2 * six]) * (1.0 - MARGIN)
+    with np.errstate(divide="ignore"):
+        squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
+    squares = np.minimum(squares, (fastest / path.duration * (1.0 + 1e-6)) ** 2)
+
+    class Limits(LinearConstraint):  # type: ignore[misc]
+        """All limits at once, computed for all gridpoints in one go."""
+
+        def __init__(self) -> None:
+            super().__init__()
+            self.identical = True
+            self.set_discretization_type(DiscretizationType.Interpolation)
+
+        def compute_constraint_params(self, _path: Any, gridpoints: Array) -> Any:
+            """Coefficients of s'', s'^2 and 1, and the limits."""
+            twice = np.vstack([np.eye(12), -np.eye(12)])
+            bounds = np.column_stack([np.zeros(len(gridpoints)), squares])
+            both = np.concatenate([acceleration, acceleration])
+            # Named the other way round there, but read as bounds of s'' first, of s'^2 second.
+            return canlinear_colloc_to_interpolate(
+                first, second, np.zeros_like(first), twice, both, None, bounds, gridpoints, identical=True
+            )
+
+    class Path(AbstractGeometricPath):  # type: ignore[misc]
+        """What toppra asks of a path; the coefficients above are all that it uses of it."""
+
+        @property
+        def dof(self) -> int:
+            """Six coordinates."""
+            return 6
+
+        @property
+        def path_interval(self) -> Array:
+            """Always 0 to 1: other intervals fail."""
+            return np.array([0.0, 1.0])
+
+        def __call__(self, share: Any, order: int = 0) -> Array:
+            """Pose or its derivatives with respect to s."""
+            here = path.at(np.atleast_1d(share) * path.duration)
+            values = (here.pose, here.rates * path.duration, here.accelerations * path.duration**2)
+            return np.asarray(values[order])
+
+    return Limits(), Path()
