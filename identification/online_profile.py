@@ -95,8 +95,8 @@ def online_move(
     if not moves.any():
         raise UntimedMove("a move needs two different poses")
     with np.errstate(over="ignore"):
-        shares = [float(np.min(limit[moves] / way[moves])) for limit in limits]
-    return StraightMove(ends[0], ends[1], online_profile(*shares, cycle))
+        velocity, peak, change = (float(np.min(limit[moves] / way[moves])) for limit in limits)
+    return StraightMove(ends[0], ends[1], online_profile(velocity, peak, change, cycle))
 
 
 def online_profile(velocity: float, acceleration: float, jerk: float, cycle: float) -> OnlineProfile:
