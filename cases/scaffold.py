@@ -50,8 +50,8 @@ def new_case(name: str, like: str, folder: Path) -> Path:
         raise FileProblem(f"{file}: exists; choose another folder with -o, or edit that file")
     load_case(like)
     lines: list[str] = [
-        f"# {name}: begun from the case {like}; every number below is that case's until you replace it. Keys carry",
-        "# their units. {B} is the frame of the base, {P} that of the platform. `hexcite case check` tells what cannot be.",
+        f"# {name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units.",
+        "# {B} is the frame of the base, {P} that of the platform. `hexcite case check` tells what cannot be.",
         "",
     ]
     for line in find_case(like).read_text(encoding="utf-8").splitlines():

@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import NDArray
@@ -48,7 +49,7 @@ def case_figure(case: Case) -> Figure:
     _draw_machine(geometry, case, machine)
     box = limits.motion.pose
     over, tilted = figure.add_subplot(1, 3, 2), figure.add_subplot(1, 3, 3)
-    x, y = (np.linspace(*(np.array(side) * MM), GRID) for side in (workspace.x_mm, workspace.y_mm))
+    x, y = (np.linspace(low * MM, high * MM, GRID) for low, high in (workspace.x_mm, workspace.y_mm))
     colours = _map(over, case, machine, (0, 1), (x, y), MM)
     a, b = (np.linspace(2 * box[0, k], 2 * box[1, k], GRID) for k in (3, 4))
     _map(tilted, case, machine, (3, 4), (a, b), DEG)
@@ -66,7 +67,7 @@ def case_figure(case: Case) -> Figure:
 
 def _map(
     axes: Axes, case: Case, machine: Machine, which: tuple[int, int], sides: tuple[Array, Array], unit: float
-) -> object:
+) -> QuadContourSet:
     first, second = np.meshgrid(*sides, indexing="ij")
     poses = np.tile(machine.home.vector, (first.size, 1))
     poses[:, which[0]] += first.ravel()
