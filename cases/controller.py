@@ -1,7 +1,15 @@
 """What the case's controllers need to be told; anything uncertain is a required setting, never a guess."""
 
+from typing import TypeVar
+
+from cases.controller_setpoints import Setpoints
+from cases.controller_sinumerik import Sinumerik
+from cases.controller_twincat import TwinCat
+from cases.errors import CaseError
 from cases.parts import Part, Positive
 from cases.units import MINUTE, MM, MS
+
+Settings = TypeVar("Settings", Sinumerik, TwinCat, Setpoints)
 
 
 class LinuxCnc(Part):
@@ -20,6 +28,9 @@ class Controller(Part):
     safe_feed_mm_min: Positive
     settle_s: Positive
     linuxcnc: LinuxCnc
+    sinumerik: Sinumerik | None = None
+    twincat: TwinCat | None = None
+    setpoints: Setpoints | None = None
 
     @property
     def block(self) -> float:
@@ -30,3 +41,24 @@ class Controller(Part):
     def safe_feed(self) -> float:
         """Feed of the first move to home [m/s]."""
         return self.safe_feed_mm_min * MM / MINUTE
+
+    def need_sinumerik(self, case: str) -> Sinumerik:
+        """Settings of SINUMERIK programs; raises CaseError where the case has none."""
+        return _needed(self.sinumerik, case, "sinumerik")
+
+    def need_twincat(self, case: str) -> TwinCat:
+        """Settings of TwinCAT programs; raises CaseError where the case has none."""
+        return _needed(self.twincat, case, "twincat")
+
+    def need_setpoints(self, case: str) -> Setpoints:
+        """Settings of setpoint tables; raises CaseError where the case has none."""
+        return _needed(self.setpoints, case, "setpoints")
+
+
+def _needed(settings: Settings | None, case: str, name: str) -> Settings:
+    if settings is None:
+        problem = (
+            f"is missing; the dialect {name} needs it: add the table to the case file, see cases/hexapod/case.toml"
+        )
+        raise CaseError(f"case {case}", f"controller.{name}", problem)
+    return settings

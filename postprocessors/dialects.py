@@ -3,8 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
+from identification.motion import Array
 from postprocessors.guarantees import Guarantees
 from postprocessors.program import Program
 from postprocessors.reading.words import Reading
@@ -19,11 +22,13 @@ class Language:
         read: content, name for messages, case -> what it says; shares nothing with `write`; raises ProgramError with
             line and column at anything that it does not understand.
         guarantees: what the controller answers for when it runs a program that was read.
+        tolerance: how far its paths may be off the plan beside rounding, shape (6,) [m, rad].
     """
 
     write: Callable[[Program, Case], bytes]
     read: Callable[[bytes, str, Case], Reading]
     guarantees: Callable[[Reading, Case], Guarantees]
+    tolerance: Callable[[Case], Array] = lambda case: np.zeros(6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +63,22 @@ def _linuxcnc() -> Language:
     )
 
 
+def _sinumerik() -> Language:
+    from postprocessors.promises import sinumerik_guarantees, sinumerik_tolerance
+    from postprocessors.reading.sinumerik import read_sinumerik
+    from postprocessors.sinumerik import write_sinumerik
+
+    return Language(write_sinumerik, read_sinumerik, sinumerik_guarantees, sinumerik_tolerance)
+
+
+def _twincat() -> Language:
+    from postprocessors.promises import twincat_guarantees
+    from postprocessors.reading.twincat import read_twincat
+    from postprocessors.twincat import write_twincat
+
+    return Language(write_twincat, read_twincat, twincat_guarantees)
+
+
 DIALECTS = {
     d.name: d
     for d in (
@@ -66,6 +87,18 @@ DIALECTS = {
             "LinuxCNC 2.9: G1 with exact stop, dense G93 paths, arcs; runs here with `hexcite run --on linuxcnc`",
             (".ngc",),
             _linuxcnc,
+        ),
+        Dialect(
+            "sinumerik",
+            "SINUMERIK 840D sl / ONE: G1 with exact stop, POLY blocks or the compressor, arcs",
+            (".mpf",),
+            _sinumerik,
+        ),
+        Dialect(
+            "twincat",
+            "TwinCAT CNC (TF5200) and ISG: G01 with exact stop, #SPLINE, #HSC or #CONTOUR MODE, arcs",
+            (".nc", ".cnc"),
+            _twincat,
         ),
     )
 }

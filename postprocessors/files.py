@@ -6,6 +6,7 @@ from typing import NamedTuple
 from cases.errors import ProgramError
 from cases.schema import Case
 from postprocessors.dialects import Dialect, dialect_of_file
+from postprocessors.dialects import dialect as dialect_named
 from postprocessors.guarantees import Guarantees
 from postprocessors.reading.words import Reading
 
@@ -28,14 +29,19 @@ class ProgramFile(NamedTuple):
     guarantees: Guarantees
 
 
-def read_program(file: Path, case: Case) -> ProgramFile:
+def read_program(file: Path, case: Case, name: str | None = None) -> ProgramFile:
     """Reads a program.
+
+    Args:
+        file: to read.
+        case: that it is for.
+        name: of its dialect; None for the one that the suffix names.
 
     Raises:
         ProgramError: it cannot be read or understood, with line and column.
         CaseError: the case lacks what its dialect needs.
     """
-    dialect = dialect_of_file(file.name)
+    dialect = dialect_of_file(file.name) if name is None else dialect_named(name)
     try:
         content = file.read_bytes()
     except OSError as error:

@@ -12,10 +12,12 @@ from cases.machine import Machine, MotionLimits
 from cases.schema import Case
 from cases.units import MM
 from identification.circle import CircularMove
-from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at
+from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at, worst_of
 from identification.motion import Array, Standstill, Trajectory
+from identification.polynomial import PolynomialMotion
 from identification.profile import StraightMove
 from postprocessors.guarantees import Guarantees, family
+from postprocessors.joints import joint_checks
 from postprocessors.predicted import predicted
 from postprocessors.stretches import Still, Stretch, Timed, Untimed
 
@@ -34,6 +36,10 @@ def judge(part: Stretch, case: Case, guarantees: Guarantees, file: str, clock: f
     if isinstance(part, Timed):
         _require_timing(part, guarantees, file)
         report = prove_at(part.points, case, _instants(part.points.times), clock)
+        if isinstance(part.points, PolynomialMotion):
+            limits = case.need_machine("the check of a program")[2].motion
+            steps = tuple(joint_checks(part.points, limits, guarantees.shortest_block, clock))
+            report = worst_of([report, LimitReport(steps)])
         return LimitReport(tuple(_timed(c, guarantees) for c in report.checks)), part.points.duration
     if isinstance(part, Still):
         return LimitReport(()), part.duration

@@ -8,7 +8,8 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.motion import Trajectory
+from identification.motion import Array, Trajectory
+from identification.polynomial import PolynomialMotion
 from postprocessors.dialects import Language
 from postprocessors.program import Arc, PointToPoint, Program, SplinePath, TimedPath, excitation_program
 from postprocessors.proof import ProgramProof, prove_program
@@ -63,7 +64,7 @@ def proven_program(
     reading = language.read(language.write(program, case), file, case)
     proof = prove_program(reading, case, language.guarantees(reading, case))
     proof.require_accepted(accepted)
-    _require_same(program, reading)
+    _require_same(program, reading, language.tolerance(case))
     said = replace(program, header=(*header, *_findings(proof)))
     content = language.write(said, case)
     again = language.read(content, file, case)
@@ -92,8 +93,11 @@ def _same_events(one: Reading, other: Reading) -> bool:
     return len(one.events) == len(other.events) and all(values(a) == values(b) for a, b in pairs)
 
 
-def _require_same(program: Program, reading: Reading) -> None:
-    """The motion of the text is that of the program, block by block, point by point and instant by instant."""
+def _require_same(program: Program, reading: Reading, tolerance: Array) -> None:
+    """The motion of the text is that of the program, block by block, point by point and instant by instant.
+
+    Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].
+    """
     written = [b for b in program.blocks if isinstance(b, TimedPath | SplinePath | PointToPoint | Arc)]
     # The first move of all goes home; it has no counterpart with a known start.
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
@@ -102,9 +106,15 @@ def _require_same(program: Program, reading: Reading) -> None:
     for block, stretch in zip(written, read, strict=True):
         match block:
             case TimedPath():
-                name, same = f"path {block.name!r}", isinstance(stretch, Timed) and _same_path(block, stretch)
+                name, same = (
+                    f"path {block.name!r}",
+                    isinstance(stretch, Timed) and _same_path(block, stretch, tolerance),
+                )
             case SplinePath():
-                name, same = f"spline {block.name!r}", isinstance(stretch, Timed) and _same_spline(block, stretch)
+                name, same = (
+                    f"spline {block.name!r}",
+                    isinstance(stretch, Timed) and _same_spline(block, stretch, tolerance),
+                )
             case PointToPoint() | Arc():
                 name = "a move"
                 same = isinstance(stretch, Untimed) and _same_move(block, stretch)
@@ -118,17 +128,20 @@ def _same_move(block: PointToPoint | Arc, stretch: Untimed) -> bool:
     return near and (stretch.turn is not None) == isinstance(block, Arc)
 
 
-def _same_path(path: TimedPath, stretch: Timed) -> bool:
+def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
     times = stretch.points.times
+    if isinstance(stretch.points, PolynomialMotion):
+        off = np.abs(path.poses - stretch.points.at(np.minimum(path.times, times[-1])).pose)
+        return bool(np.isclose(path.times[-1], times[-1], rtol=1e-7) and np.all(off <= ROUNDING + tolerance))
     if len(path.times) != len(times) or not np.allclose(path.times, times, rtol=1e-7, atol=1e-9):
         return False  # F has 6 decimals: 1e-10 of 10 ms a block
     return bool(np.all(np.abs(path.poses - stretch.points.at(times).pose) <= ROUNDING))
 
 
-def _same_spline(path: SplinePath, stretch: Timed) -> bool:
+def _same_spline(path: SplinePath, stretch: Timed, tolerance: Array) -> bool:
     """In time, and at the points that the text holds; between points the proof judges what a controller makes of it."""
     times = stretch.points.times
     if not np.isclose(path.motion.duration, stretch.points.duration, rtol=1e-7):
         return False
     exact = path.motion.at(np.minimum(times, path.motion.duration)).pose
-    return bool(np.all(np.abs(exact - stretch.points.at(times).pose) <= 2 * ROUNDING))
+    return bool(np.all(np.abs(exact - stretch.points.at(times).pose) <= 2 * ROUNDING + tolerance))

@@ -52,7 +52,7 @@ def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, qu
     step(2, f"post: as a program for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name")
     program = make_program(output / "plan", "linuxcnc", 1.0, ACCEPTED, output / "excitation.ngc", quiet)
     step(3, "check: the text read back, independently of its writer")
-    check, reason = check_program(output / "excitation.ngc", case, quiet)
+    check, reason = check_program(output / "excitation.ngc", case, None, quiet)
     if not quiet:
         show_check(check)
     if reason is not None:

@@ -90,10 +90,13 @@ def make_program(
 def check(
     program: Annotated[Path, typer.Argument(help="Program file.")],
     case: Annotated[str, typer.Option(help="Built-in name, folder or case file.")],
+    dialect: Annotated[
+        str | None, typer.Option(help="The program's language; by default the one that its suffix names.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
-    answer, reason = check_program(program, case, quiet=json)
+    answer, reason = check_program(program, case, dialect, quiet=json)
     if json:
         print_json(answer)
     else:
@@ -102,7 +105,9 @@ def check(
         raise reason
 
 
-def check_program(program: Path, case: str, quiet: bool) -> tuple[dict[str, Any], Exception | None]:
+def check_program(
+    program: Path, case: str, dialect: str | None, quiet: bool
+) -> tuple[dict[str, Any], Exception | None]:
     """The JSON answer, and the error where a limit is passed."""
     from cases.errors import ProgramError
     from cases.loading import load_case
@@ -111,7 +116,7 @@ def check_program(program: Path, case: str, quiet: bool) -> tuple[dict[str, Any]
 
     loaded = load_case(case)
     with status(f"proving {program.name}", quiet):
-        read = read_program(program, loaded)
+        read = read_program(program, loaded, dialect)
         proof = prove_program(read.reading, loaded, read.guarantees)
     reason = None
     try:

@@ -94,6 +94,6 @@ def test_a_writer_that_writes_something_else_is_found_out(change: str, motion: F
 def test_an_unknown_dialect_or_suffix_lists_the_known_ones():
     with pytest.raises(HexciteError, match="'fanuc' is unknown; choose linuxcnc"):
         dialect("fanuc")
-    with pytest.raises(ProgramError, match=r"a/b\.mpf: the suffix names no controller; programs end in \.ngc"):
-        dialect_of_file("a/b.mpf")
+    with pytest.raises(ProgramError, match=r"a/b\.min: the suffix names no controller; programs end in \.ngc"):
+        dialect_of_file("a/b.min")
     assert dialect_of_file("a/b.ngc") is dialect("linuxcnc")

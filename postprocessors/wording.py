@@ -1,0 +1,48 @@
+"""How numbers, poses and comments are written by dialects whose words look alike."""
+
+import re
+import textwrap
+from math import floor, log10
+
+import numpy as np
+
+from cases.units import DEG, MINUTE, MM
+from postprocessors.program import Array
+
+# 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
+# limits.
+LENGTH_DECIMALS = 5
+ANGLE_DECIMALS = 6
+FEED_DECIMALS = 6
+FEED_DIGITS = 10
+COMMENT_WIDTH = 100
+
+
+def number(value: float, decimals: int) -> str:
+    """Plain decimal notation, without exponent, trailing zeros or a negative zero."""
+    text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "", "-") else text
+
+
+def coordinates(pose: Array) -> list[str]:
+    """The six numbers of a pose in mm and degrees."""
+    lengths = [number(v / MM, LENGTH_DECIMALS) for v in pose[:3]]
+    return lengths + [number(v / DEG, ANGLE_DECIMALS) for v in pose[3:]]
+
+
+def feed(speed: float, linear: bool) -> str:
+    """F in mm/min, or in degrees/min where only angles move; ten digits, also where X, Y, Z hardly move."""
+    value = speed * MINUTE / (MM if linear else DEG)
+    digits = FEED_DIGITS - 1 - floor(log10(value)) if value > 0.0 else 0
+    return number(value, max(FEED_DECIMALS, digits))
+
+
+def comments(text: str) -> list[str]:
+    """Comment lines behind a semicolon, plain ASCII without quotes."""
+    plain = re.sub(r"[^ -~]|\"", "?", text)
+    return [f"; {line}" for line in textwrap.wrap(plain, COMMENT_WIDTH)]
+
+
+def moves_origin(start: Array, end: Array) -> bool:
+    """Whether X, Y or Z changes as written."""
+    return bool(np.any(np.round((end - start)[:3] / MM, LENGTH_DECIMALS) != 0.0))

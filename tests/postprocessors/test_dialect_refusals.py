@@ -1,0 +1,237 @@
+"""What the readers of SINUMERIK and TwinCAT programs do not understand they refuse, with line, column and remedy."""
+
+import re
+
+import pytest
+
+from cases.errors import CaseError, ProgramError
+from cases.schema import Case
+from postprocessors.dialects import dialect
+from tests.helpers import one_line
+from tests.postprocessors.changed_case import changed
+from tests.postprocessors.other_dialects import BOTH, CASE, SINUMERIK, TWINCAT, Typed, smooth_points
+
+# what the body's last line is -> column that is named (0: the line as a whole), what the message says
+SINUMERIK_WRONG: dict[str, tuple[int, str]] = {
+    "G1 X1 F0": (7, "feed F0 is not positive"),
+    "G94\nG1 X1": (4, "G1 without a feed; add F"),
+    "G1 X1 X2 F10": (7, "a second X word in one block"),
+    "G1 G0 X1": (4, "G1 and G0 in one block exclude each other|G0 and G1"),
+    "G64\nG1 X1 F10": (4, "blended into the next"),
+    "G93 G64\nG1 X1": (4, "G1 without F in inverse time"),
+    "G93\nG1 X1 F600": (4, "under G60 stops at its end"),
+    "G64 G93\nG1 X1 F600\nG94 G60\nG1 X2 F60": (4, "the path before runs into this move"),
+    "POLY PO[X]=(1,2) F600": (6, "exact stop or rounding does not keep its time; write G64"),
+    "G64\nPO[X]=(1,2) F600": (1, "PO without POLY"),
+    "G64\nPOLY PO[X]=(1,2) F600": (6, "POLY without a time of its own; write G93"),
+    "G64 G93\nPOLY PO[X]=(1,2)": (6, "POLY without a time of its own"),
+    "G64 G93\nPOLY PO[X]=(1,2) Y3 F600": (18, "Y under POLY is a straight line"),
+    "G64 G93\nPOLY PO[U]=(1,2) F600": (6, r"PO\[U\] is not one of the six axes X, Y, Z, A, B, C"),
+    "G64 G93\nPOLY PO[X]=(1,2) PO[X]=(1) F600": (18, "each once"),
+    "G64 G93\nPOLY PO[X]=(1,2,3,4,5,6) F600": (6, "has degree 6, the controller takes 5"),
+    "G64 G93\nPOLY PO[X]=(1,a) F600": (6, "'A' in PO"),
+    "G64 G93\nPOLY PO[X]=(1,2) PL=0 F600": (18, "PL is not positive"),
+    "PL=1 G1 X1 F10": (1, "PL without PO"),
+    "G642 G93 COMPCAD\nG1 X1 F600 M8": (12, "M8 is not a word"),
+    "COMPCAD G642 G93\nG1 X1 F600 G17": (12, "the compressor takes nothing but G1"),
+    "CTOL=1": (1, "CTOL is not above 0 and at most 0.02, the tolerance of the case"),
+    "G1 I1 X1 F10": (4, "I without G2 or G3"),
+    "G2 X1 F10": (4, "an arc without a centre; add I and J"),
+    "G2 X1 Y1 K1 I1 F10": (10, "K is no centre in this plane"),
+    "G2 X1 Y1 I5 F10": (4, "radius 5 mm at the start"),
+    "G18 G2 X1 Y1 I5 F10": (11, "helices"),
+    "DO $A_OUT[2]=1\nG1 X1 F10": (4, r"not the trigger's; write \$A_OUT\[1\]"),
+    "DO $R1=$AC_TIME\nG1 X1 F10": (4, "not the trigger's"),
+    "WHEN $A_IN[1]==1 DO $A_OUT[1]=1\nG1 X1 F10": (21, "WHEN makes the action wait"),
+    "DO $A_OUT[1]": (4, "cannot read the action"),
+    "DO $A_OUT[1]=1": (0, "waits for a next block that never comes"),
+    "G4 F-1": (1, "G4 needs a duration"),
+    "G4 F1 X1": (7, "block of its own"),
+    "TRAORI(2)": (1, "not the case's transformation; write TRAORI and TRAFOOF"),
+    "TRAFOOF\nG1 X1 F10": (4, "a move before TRAORI"),
+    "STOPRE": (1, "a stop of the look-ahead"),
+    "R1=5": (1, "R1 is not a word"),
+    "/G1 X1 F10": (1, "skipped blocks are not proven"),
+    "G1 X=IC(5) F10": (4, "X is not read here as an assignment; write X and its number"),
+    "G1 A2=IC(5) F10": (4, "A2 needs a plain number"),
+    "G1 XNaN F10": (4, "XNAN is not a word"),
+    "G1 X10000000 F10": (4, "machine's size"),
+    "%_N_2_MPF": (1, "cannot read"),
+    "ASPLINE X1 Y1": (1, "write POLY"),
+    "G1 X1 F10 G90 G91": (15, "exclude each other"),
+    "M17": (1, "end of a subprogram; write M30"),
+    "TRAFOOF\nM30\nG1 X1 F10": (1, "after the end of the program"),
+    "M30": (1, "the transformation is still on; write TRAFOOF"),
+}
+TWINCAT_WRONG: dict[str, tuple[int, str]] = {
+    "G01 G60 X1 F0": (12, "feed F0 is not positive"),
+    "G94\nG01 G60 X1": (9, "without a feed; add F"),
+    "G01 G60 X1 X2 F10": (12, "a second X word"),
+    "G00 G01 G60 X1": (5, "exclude each other"),
+    "G01 X1 F10": (5, "whether the machine stops after this move is not known; write G60"),
+    "G93\nG01 G60 X1 F1": (9, r"a timed block \(G93\) is a corner without a curve"),
+    "#SPLINE ON": (1, "before #SPLINE TYPE AKIMA"),
+    "#SPLINE TYPE BSPLINE": (1, "write #SPLINE TYPE AKIMA"),
+    "#SPLINE TYPE AKIMA\n#SPLINE ON\nG93\nG01 X1 F1\n#SPLINE OFF": (1, "a spline needs 3 points"),
+    "#SPLINE TYPE AKIMA\n#SPLINE ON\nG01 X1 F1": (5, "controller's own timing within a path"),
+    "#SPLINE TYPE AKIMA\n#SPLINE ON\nG93\nG01 X1": (5, "the block's time in seconds"),
+    "#SPLINE TYPE AKIMA\n#SPLINE ON\n#HSC ON [BSPLINE PATH_DEV=0.01 TRACK_DEV=0.01]": (1, "within a path of points"),
+    "#SPLINE TYPE AKIMA\n#SPLINE ON\nM100": (1, "while the machine moves on"),
+    "#SPLINE TYPE AKIMA\n#SPLINE ON\nG04 1": (1, "a dwell within a path"),
+    "#SPLINE TYPE AKIMA\n#SPLINE ON\nG93\nG01 X1 G60 F1\nG01 X2 F1": (5, "after an exact stop within a path"),
+    "#SPLINE TYPE AKIMA\n#SPLINE ON\nG93\nG01 X1 F1\nG01 X2 F1\n#SPLINE OFF\nM100": (1, "let it stop first, write G60"),
+    "#SPLINE OFF": (1, "without its beginning"),
+    "#HSC ON": (1, "needs its deviations; write #HSC ON"),
+    "#HSC ON [BSPLINE PATH_DEV=1 TRACK_DEV=0.05]": (1, "PATH_DEV=1 is not above 0 and at most 0.02"),
+    "G261": (1, "G261 needs #CONTOUR MODE"),
+    "#CONTOUR MODE [DEV, PATH_DEV=5]": (1, "needs its deviations"),
+    "#KIN ID[6]": (1, "not what the case says"),
+    "#KIN ID[5]": (1, "cannot change while the transformation is on"),
+    "#SLOPE [TYPE=STEP]": (1, "not what the case says"),
+    "#SLOPE DEFAULT": (1, "not a command of an excitation"),
+    "#PTP ON": (1, "straight in the machine's axes"),
+    "#TRAFO OFF\nG01 G60 X1 F10": (9, "a move before #TRAFO ON"),
+    "#WAIT": (1, "not a command of an excitation"),
+    "#": (1, "cannot read the command"),
+    "G04": (1, "G04 stands in a block of its own"),
+    "G04 -1": (1, "needs a duration in seconds that is not negative"),
+    "#TIME": (1, "needs a duration"),
+    "M100 G01 G60 X1 F1": (1, "stands in a block of its own"),
+    "M99": (1, "not the trigger's M function; write M100 and M101"),
+    "M3": (1, "not the trigger's M function"),
+    "G03 G60 X1 F10": (9, "an arc without a centre"),
+    "G03 X1 I1 F10": (5, "whether the machine stops after this arc"),
+    "$IF V.P.A == 1": (1, "jumps and loops are not proven"),
+    "[LABEL]": (1, "labels are not read"),
+    "X1 \\": (4, "continued lines are not read"),
+    "/G01 X1": (1, "skipped blocks"),
+    "N20: G01 X1": (4, "cannot read ': G01"),
+    "V.P.X = 1": (1, "cannot read"),
+    "%SECOND": (1, "one plain name at the start"),
+    "% L SUB": (1, "not a word|one plain name"),
+    "G01 X1.2.3 G60 F1": (9, "a number without a letter|cannot read"),
+    "#TRAFO OFF\nM30\nG01 X1": (1, "after the end of the program"),
+    "M30": (1, "the transformation is still on; write #TRAFO OFF"),
+    "\n".join('#MSG ["A"]' for _ in range(11)): (1, "stops at 10 messages"),
+}
+TABLE = [(SINUMERIK, line, *found) for line, found in SINUMERIK_WRONG.items()]
+TABLE += [(TWINCAT, line, *found) for line, found in TWINCAT_WRONG.items()]
+both = pytest.mark.parametrize("typed", BOTH, ids=lambda t: t.name)
+
+
+@pytest.mark.parametrize(
+    ("typed", "line", "column", "words"), TABLE, ids=[f"{t.name}: {line[-40:]}" for t, line, *_ in TABLE]
+)
+def test_a_word_that_is_not_understood_is_named_with_line_and_column(typed: Typed, line: str, column: int, words: str):
+    with pytest.raises(ProgramError, match=words) as caught:
+        typed.read(typed.text(line))
+    said = one_line(caught.value)
+    assert re.match(rf"p, line \d+{f', column {column}' if column else ''}: ", said), said
+    assert typed.first <= caught.value.line <= typed.first + line.count("\n") + 1
+
+
+@both
+def test_without_its_end_a_program_is_not_read(typed: Typed):
+    with pytest.raises(ProgramError, match="no M30 at the end; the file is truncated or not a"):
+        typed.read(typed.head)
+
+
+@both
+def test_every_line_of_the_frame_is_needed(typed: Typed):
+    """What it leaves undefined is named; a program's name alone may be missing."""
+    lines = typed.text(f"G1 G60 X1 {typed.angle}1 F3000").splitlines()
+    typed.read("\n".join(lines[1:]))
+    for k in range(1, typed.first - 1):
+        with pytest.raises(ProgramError, match=r"a move before|only after|leaves Y open|#TRAFO ON before"):
+            typed.read("\n".join(lines[:k] + lines[k + 1 :]))
+
+
+@both
+def test_characters_that_are_no_ascii_are_named_with_their_column(typed: Typed):
+    with pytest.raises(ProgramError, match="line 2, column 4: character 'é' is not plain ASCII"):
+        typed.language.read(b"; a\nG1 \xe9\n", "p", CASE)
+
+
+@both
+def test_lines_longer_than_the_controller_takes_are_refused(typed: Typed):
+    limit = {"sinumerik": 512, "twincat": 4096}[typed.name]
+    fits = "; " + "x" * (limit - 2)
+    typed.read(typed.text(f"{fits}\nG1 G60 X1 {typed.angle}1 F3000"))
+    with pytest.raises(ProgramError, match=f"{limit + 1} characters, the controller takes {limit}"):
+        typed.read(typed.text(fits + "x"))
+
+
+@both
+def test_more_blocks_than_the_memory_holds_are_refused(typed: Typed):
+    small = changed(CASE, **{f"controller__{typed.name}__most_blocks": 20})
+    with pytest.raises(ProgramError, match="more than 20 blocks, the controller's memory"):
+        typed.read(typed.text("G1 G60 X1 F300\n" * 20), small)
+
+
+@pytest.mark.parametrize("name", ["sinumerik", "twincat"])
+def test_a_case_without_settings_of_a_dialect_is_told_the_missing_table(name: str):
+    controller = CASE.controller.model_copy(update={name: None})
+    case = CASE.model_copy(update={"controller": controller})
+    with pytest.raises(CaseError, match=rf"case hexapod: controller\.{name}: is missing; the dialect {name} needs it"):
+        dialect(name).load().read(b"M30\n", "p", case)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("sinumerik__program_name", "2FAST", "should match pattern"),
+        ("sinumerik__program_name", "A" * 25, "should match pattern"),
+        ("sinumerik__transformation", "TRAORI; G0 Z0", "should match pattern"),
+        ("sinumerik__orientation_words", ("A", "B", "B"), "do not name three angles"),
+        ("sinumerik__orientation_words", ("X", "B", "C"), "do not name three angles"),
+        ("twincat__program_name", "A B", "should match pattern"),
+        ("twincat__trigger_on_m", 30, "means something else to the controller"),
+        ("twincat__trigger_on_m", 101, "are both 101"),
+        ("twincat__angle_sign_b", 0, "1"),
+        ("setpoints__controller_keeps", ("jerk", "jerk"), "names 'jerk' twice"),
+    ],
+)
+def test_settings_that_no_controller_takes_are_refused(key: str, value: object, words: str):
+    with pytest.raises(ValueError, match=words):
+        changed(CASE, **{f"controller__{key}": value})
+
+
+def test_the_sign_of_b_is_that_of_the_case():
+    """A small B in the text, and what it turns: the known pose that a machine must be tried with."""
+    plus = changed(CASE, controller__twincat__angle_sign_b=1)
+    text = TWINCAT.text("G01 G60 X1 B5 F300")
+    for case, sign in ((CASE, -1.0), (plus, 1.0)):
+        assert TWINCAT.read(text, case).events[-1].end[4] == pytest.approx(sign * 0.0872664626)
+
+
+def test_a_step_between_polynomials_is_judged_as_what_it_is():
+    """Rates that step from piece to piece are an acceleration and a jerk within one cycle."""
+    smooth = "POLY PO[X]=(0.001,0,0.001) F600\nPOLY PO[X]=(0.002,0,-0.001) F600"
+    step = "POLY PO[X]=(2) F600\nPOLY PO[X]=(4) F600"
+    for body, ok in ((smooth, True), (step, False)):
+        text = SINUMERIK.text(f"G64 G93\n{body}\nG94 G60 G1\nG4 F0.1")
+        proof = SINUMERIK.proof(text)
+        assert proof.ok is ok
+    kinds = {v.check.name for v in proof.violations}
+    assert {"acceleration (x, step between blocks)", "jerk (x, step between blocks)"} <= kinds
+
+
+@both
+def test_a_motion_that_passes_a_limit_is_named_with_its_line(typed: Typed):
+    ok = typed.proof(typed.text(typed.timed(smooth_points(typed, "X", 20.0))))
+    assert ok.ok
+    bad = typed.proof(typed.text(typed.timed(smooth_points(typed, "X", 300.0))))
+    assert "position (x)" in {v.check.name for v in bad.violations}
+    with pytest.raises(ProgramError, match=r"p, line \d+: .* limit"):
+        bad.require()
+
+
+def test_limits_say_who_answers_for_them(hexapod_case: Case):
+    nobody = changed(hexapod_case, controller__twincat__controller_keeps=())
+    text = TWINCAT.text(TWINCAT.timed(smooth_points(TWINCAT, "X", 20.0)))
+    status = {c.name.split(" (")[0]: str(c.status) for c in TWINCAT.proof(text).limits.checks}
+    assert status["jerk"] == "enforced by controller"
+    assert status["position"] == "proven"
+    status = {c.name.split(" (")[0]: str(c.status) for c in TWINCAT.proof(text, nobody).limits.checks}
+    assert status["jerk"] == "NOT enforced"
+    assert status["position"] == "proven"

@@ -1,0 +1,179 @@
+"""Text, read into blocks and written again, is the same text; golden programs stand as whole files."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.circle import Plane, fastest_circle
+from identification.motion import TimedPoints
+from identification.profile import StraightMove
+from postprocessors.program import Arc, Dwell, PointToPoint, Program, TimedPath, ToHome, Trigger
+from postprocessors.reading.sinumerik_groups import LONGEST_LINE
+from postprocessors.reading.words import Pause, Switch
+from postprocessors.stretches import Timed, Untimed, stretches
+from tests.postprocessors.changed_case import changed
+from tests.postprocessors.other_dialects import (
+    CASE,
+    LINES_CASE,
+    SINUMERIK,
+    TWINCAT,
+    Typed,
+    program_of,
+    text_of,
+    without_comments,
+)
+from tests.postprocessors.programs import HOME, poses
+
+GOLDEN = Path(__file__).parents[1] / "golden_dialects"
+HSC_CASE = changed(CASE, controller__twincat__path="hsc", controller__twincat__angle_sign_b=1)
+CONTOUR_CASE = changed(CASE, controller__twincat__path="contour")
+AXES_CASE = changed(
+    CASE,
+    controller__sinumerik__orientation_words=("A", "B", "C"),
+    controller__sinumerik__transformation="TRAORI(2)",
+    controller__sinumerik__poly_degree=3,
+)
+VARIANTS = {
+    "poly": (SINUMERIK, CASE),
+    "lines": (SINUMERIK, LINES_CASE),
+    "axes": (SINUMERIK, AXES_CASE),
+    "akima": (TWINCAT, CASE),
+    "hsc": (TWINCAT, HSC_CASE),
+    "contour": (TWINCAT, CONTOUR_CASE),
+}
+variants = pytest.mark.parametrize(("typed", "case"), VARIANTS.values(), ids=VARIANTS)
+HALF_A_STEP = np.r_[np.full(3, 0.5e-5 * MM), np.full(3, 0.5e-6 * DEG)] * (1 + 1e-6)
+
+
+def a_path(start: np.ndarray, seed: int, count: int) -> TimedPath:
+    """Smooth enough for POLY blocks: a quintic spline through a small random walk, from rest to rest."""
+    draw = np.random.default_rng(seed)
+    points = start + np.vstack([np.zeros(6), np.cumsum(draw.normal(size=(count, 6)), axis=0) * 1e-4])
+    times = np.linspace(0.0, 0.05 * count, count + 1)
+    source = TimedPoints.through(times, points)
+    return TimedPath("walk", times, points, source)
+
+
+@st.composite
+def programs(draw: st.DrawFn) -> Program:
+    """Home, then moves, arcs, paths, dwells and triggers in any order."""
+    limits = CASE.limits.motion
+    share = [0.8 * limits.rate, 0.8 * limits.acceleration, 0.8 * limits.jerk]
+    blocks = [ToHome(HOME, draw(st.floats(1e-3, 0.5)))]
+    pose = HOME
+    for _ in range(draw(st.integers(1, 4))):
+        kind = draw(st.sampled_from(["move", "turn", "arc", "path"]))
+        if kind in ("move", "turn"):
+            end = np.round(draw(poses.filter(lambda p: np.abs(p[3:]).max() > 1e-2)), 6)
+            end = np.r_[pose[:3], end[3:]] if kind == "turn" else end
+            if np.abs(end - pose).max() < 1e-3:
+                continue
+            blocks.append(PointToPoint(StraightMove.fastest(pose, end, *share)))
+        elif kind == "arc":
+            plane, angle = draw(st.sampled_from(list(Plane))), draw(st.sampled_from([-1.5, 0.7, 3.5, 2 * np.pi]))
+            first, second, _ = plane.axes
+            centre = pose[[first, second]] + [0.02, 0.01]
+            blocks.append(Arc(fastest_circle(pose, plane, centre, angle, *share)))
+        else:
+            blocks.append(a_path(pose, draw(st.integers(0, 1000)), draw(st.integers(3, 6))))
+        last = blocks[-1]
+        pose = last.poses[-1] if isinstance(last, TimedPath) else last.move.end
+        blocks += [Dwell(round(draw(st.floats(0.01, 3.0)), 6)), Trigger(draw(st.booleans())), Dwell(0.1)]
+    return Program(("random", draw(st.text(max_size=80))), tuple(blocks))
+
+
+@variants
+@given(program=programs())
+def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: Program):
+    reading = typed.read(text_of(typed, program, case), case)
+    meant = [b for b in program.blocks[1:] if isinstance(b, PointToPoint | Arc | TimedPath)]
+    read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
+    assert len(read) == len(meant)
+    for block, stretch in zip(meant, read, strict=True):
+        if isinstance(block, TimedPath):
+            assert isinstance(stretch, Timed)
+            off = np.abs(stretch.points.at(np.minimum(block.times, stretch.points.duration)).pose - block.poses)
+            assert stretch.points.duration == pytest.approx(block.times[-1], rel=1e-8)
+            assert np.all(off <= HALF_A_STEP + np.repeat([1e-6, 1e-5], 3))
+        else:
+            assert np.all(np.abs(stretch.end - block.move.end) <= HALF_A_STEP)
+            assert (stretch.turn is not None) == isinstance(block, Arc)
+    others = [b for b in program.blocks if isinstance(b, Dwell | Trigger)]
+    events = [e for e in reading.events if isinstance(e, Pause | Switch)]
+    found = {
+        Dwell: [b.duration for b in others if isinstance(b, Dwell)],
+        Trigger: [b.on for b in others if isinstance(b, Trigger)],
+    }
+    assert [e.duration for e in events if isinstance(e, Pause)] == pytest.approx(found[Dwell], abs=1e-6)
+    assert [e.on for e in events if isinstance(e, Switch)] == found[Trigger]
+
+
+@variants
+@given(program=programs())
+def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, program: Program):
+    text = text_of(typed, program, case)
+    again = text_of(typed, program_of(text, typed, case), case)
+    for line, written in zip(without_comments(text), without_comments(again), strict=True):
+        if re.search(r"G0?[23] ", line):  # its end follows from its angle, and turns with the rounding of its start
+            numbers = [[float(n) for n in re.findall(r"[A-Z]=?(-?[\d.]+)", words)] for words in (line, written)]
+            assert numbers[1] == pytest.approx(numbers[0], rel=1e-5, abs=3e-5)
+        else:
+            assert written == line
+
+
+@variants
+@given(program=programs())
+def test_lines_and_characters_are_those_that_the_controller_takes(typed: Typed, case: Case, program: Program):
+    text = text_of(typed, program, case)
+    assert text.isascii()
+    assert '"' not in re.sub(r'#MSG \["[^"]*"\]', "", text)
+    assert max(map(len, text.splitlines())) <= LONGEST_LINE
+
+
+def golden_program() -> Program:
+    """Every kind of block, with numbers that are easily written wrong."""
+    limits = CASE.limits.motion
+    share = [0.8 * limits.rate, 0.8 * limits.acceleration, 0.8 * limits.jerk]
+    end = HOME + np.r_[np.array([0.0012345, -1, 2.5]) * MM, np.array([1 / 3, -20, 1e-7]) * DEG]
+    turned = np.r_[end[:3], np.array([0, 5, -5]) * DEG]
+    arc = fastest_circle(turned, Plane.ZX, turned[[2, 0]] + [0.03, 0.0], -1.0, *share)
+    return Program(
+        ('a header (with parentheses), "quotes" and; a semicolon', "Größe; 20 % weniger"),
+        (
+            ToHome(HOME, 0.05),
+            Dwell(0.3),
+            Trigger(True),
+            PointToPoint(StraightMove.fastest(HOME, end, *share)),
+            PointToPoint(StraightMove.fastest(end, turned, *share)),
+            Arc(arc),
+            a_path(arc.end, 1, 4),
+            Trigger(False),
+            Dwell(1e-6),
+        ),
+    )
+
+
+SUFFIX = {"sinumerik": "mpf", "twincat": "nc"}
+
+
+@variants
+def test_a_program_is_written_as_in_the_golden_file(typed: Typed, case: Case):
+    name = next(n for n, v in VARIANTS.items() if v == (typed, case))
+    file = GOLDEN / f"{name}.{SUFFIX[typed.name]}"
+    assert text_of(typed, golden_program(), case) == file.read_text(encoding="ascii")
+
+
+def test_every_golden_file_is_compared():
+    assert {f.name for f in GOLDEN.iterdir()} == {f"{n}.{SUFFIX[t.name]}" for n, (t, _) in VARIANTS.items()}
+
+
+if __name__ == "__main__":
+    GOLDEN.mkdir(exist_ok=True)
+    for name, (typed, case) in VARIANTS.items():
+        (GOLDEN / f"{name}.{SUFFIX[typed.name]}").write_text(text_of(typed, golden_program(), case), encoding="ascii")

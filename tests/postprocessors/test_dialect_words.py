@@ -1,0 +1,199 @@
+"""Fragments that vendors print are words of their language; what means something else in another one is refused.
+
+The fragments are quoted from manuals: SINUMERIK ONE and 828D programming, 810D PGA, TF5200 programming, commissioning.
+"""
+
+import pytest
+
+from cases.errors import ProgramError
+from postprocessors.dialects import dialect
+from postprocessors.reading.sinumerik_words import sinumerik_words
+from postprocessors.reading.twincat_words import twincat_words
+from tests.helpers import one_line
+from tests.postprocessors.other_dialects import BOTH, CASE, SINUMERIK, TWINCAT, Typed
+from tests.postprocessors.programs import typed as typed_linuxcnc
+
+SINUMERIK_FRAGMENTS = {
+    "N10 G00 X30 Y6 Z40": ["N", "G0", "X", "Y", "Z"],
+    "N20 G1 F10000 G642 ; Activation: Rounding function G642": ["N", "G1", "F", "G642"],
+    "N30 SOFT": ["N", "SOFT"],
+    "N40 COMPCAD": ["N", "COMPCAD"],
+    "N50 FIFOCTRL": ["N", "FIFOCTRL"],
+    "N24050 Z32.499": ["N", "Z"],
+    "N24051 X41.365 Z32.500": ["N", "X", "Z"],
+    "COMPOF": ["COMPOF"],
+    "N10 COMPON": ["N", "COMPON"],
+    "N11 G1 X0.37 Y2.9 F600": ["N", "G1", "X", "Y", "F"],
+    "N12 X16.87 Y-.698": ["N", "X", "Y"],
+    "N1037 COMPOF": ["N", "COMPOF"],
+    "N10 G0 X0 Y-30 Z60 A-30 F10000": ["N", "G0", "X", "Y", "Z", "A", "F"],
+    "N20 TRAORI(1)": ["N", "TRAORI"],
+    "N30 X1000 Y0 Z400 A0": ["N", "X", "Y", "Z", "A"],
+    "N40 X1000 Z500 A0 STAT='B10' TU='B100' PTP": ["N", "X", "Z", "A", "STAT=", "TU=", "PTP"],
+    "N50 X1200 Z400 CP": ["N", "X", "Z", "CP"],
+    "N60 X1000 Z500 A20": ["N", "X", "Z", "A"],
+    "N70 M30": ["N", "M30"],
+    "N30 RTLIOF": ["N", "RTLIOF"],
+    "N70 RTLION": ["N", "RTLION"],
+    "N11 POLY PO[X]=(1,2.5,0.7) PO[Y]=(0.3,1,3.2) PL=1.5": ["N", "POLY", "PO", "PO", "PL="],
+    "N12 PO[X]=(0,2.5,1.7) PO[Y]=(2.3,1.7) PL=3": ["N", "PO", "PO", "PL="],
+    "N110 FGROUP(X,A)": ["N", "FGROUP"],
+    "N120 G91 G1 G710 F100 ; Feedrate = 100mm/min or 100 degrees/min": ["N", "G91", "G1", "G710", "F"],
+    "N130 DO $R1=$AC_TIME": ["N", "DO"],
+    "DO $A_OUTA[1]=$AA_IN[X]": ["DO"],
+    "IDS=1 EVERY $A_IN[1]==1 DO POS[X]=100": ["DO"],
+    "ids=39 whenever($r829>=120000) do $a_out[25]=1": ["DO"],
+    "G93 G01 X100 F2": ["G93", "G1", "X", "F"],
+    'MSG("text; with a semicolon")': ["MSG"],
+    "X=PO(1,2,3)": ["X="],
+    "CIP X10 I1=5 J1=6": ["CIP", "X", "I1=", "J1="],
+}
+TWINCAT_FRAGMENTS = {
+    "N05 #KIN ID[5]            ; a comment": ["N", "#KIN ID"],
+    "N10 #TRAFO ON": ["N", "#TRAFO ON"],
+    "N20 X100 Y100 A0": ["N", "X", "Y", "A"],
+    "N30 Z10 C0": ["N", "Z", "C"],
+    "N40 #TRAFO OFF": ["N", "#TRAFO OFF"],
+    "#TRAFO [87]": ["#TRAFO"],
+    "#TRAFO [OFF]": ["#TRAFO"],
+    "N10  #SPLINE TYPE BSPLINE ; (de)": ["N", "#SPLINE TYPE BSPLINE"],
+    "N20  G01 X0 Y50 Z0 F10000": ["N", "G1", "X", "Y", "Z", "F"],
+    "N30  #SPLINE ON": ["N", "#SPLINE ON"],
+    "N40   X3     Y25": ["N", "X", "Y"],
+    "N160 #SPLINE OFF": ["N", "#SPLINE OFF"],
+    "N05 #CONTOUR MODE [DEV, PATH_DEV=5]": ["N", "#CONTOUR MODE"],
+    "N10 G261": ["N", "G261"],
+    "N20 G01 G90 X100 F10000": ["N", "G1", "G90", "X", "F"],
+    "N2000 G260": ["N", "G260"],
+    "N10 G04 X4.5": ["N", "G4", "X"],
+    "N20 G04 3.0": ["N", "G4", ""],
+    "N10 #TIME 2.5": ["N", "#TIME"],
+    "N20 G1 G60 X10  (Exact stop for this block end)": ["N", "G1", "G60", "X"],
+    'N10 #MSG ["WERT=%D", 10]': ["N", "#MSG"],
+    '#MSG SYN ["Text_4"]': ["#MSG SYN"],
+    "N20 G194 F90 (Weighting 90% to max. axis feedrate)": ["N", "G194", "F"],
+    "N120 G93 F20 (Machining time 20 s)": ["N", "G93", "F"],
+    "N70 #HSC ON [BSPLINE PATH_DEV=0.02 TRACK_DEV=0.05]": ["N", "#HSC ON"],
+    "N20 #SLOPE [TYPE=TRAPEZ]": ["N", "#SLOPE"],
+    "N40 #PTP ON": ["N", "#PTP ON"],
+    "#AKIMA STARTVECTOR X1 Y1 Z0": ["#AKIMA STARTVECTOR"],
+    "G131=80": ["G131"],
+    "G130 X70": ["G130", "X"],
+    "N5 X1 (a (nested) comment that stays open": ["N", "X"],
+    "%HEXAPOD_ID": ["%"],
+}
+
+
+@pytest.mark.parametrize("fragment", SINUMERIK_FRAGMENTS)
+def test_fragments_of_siemens_are_words(fragment: str):
+    assert [w.name for w in sinumerik_words(fragment, 2, "p")] == SINUMERIK_FRAGMENTS[fragment]
+
+
+@pytest.mark.parametrize("fragment", TWINCAT_FRAGMENTS)
+def test_fragments_of_beckhoff_are_words(fragment: str):
+    assert [w.name for w in twincat_words(fragment, 2, "p")] == TWINCAT_FRAGMENTS[fragment]
+
+
+def test_numbers_lists_and_conditions_are_kept():
+    piece = sinumerik_words("N11 POLY PO[X]=(1,2.5,-.7) PL=1.5", 2, "p")
+    assert piece[2].arguments == ("1", "2.5", "-.7")
+    assert piece[2].selector == "X"
+    assert piece[3].value == 1.5
+    action = sinumerik_words("IDS=1 EVERY $A_IN[1]==1 DO POS[X]=100", 2, "p")[0]
+    assert action.arguments == ("POS", "X", "100")
+    assert action.selector == "EVERY $A_IN[1]==1"
+    assert twincat_words("#HSC ON [BSPLINE PATH_DEV=0.02 TRACK_DEV=0.05]", 2, "p")[0].arguments == (
+        "BSPLINE",
+        "PATH_DEV=0.02",
+        "TRACK_DEV=0.05",
+    )
+
+
+# What means something else, or nothing, to this controller: dialect -> line -> what the refusal says.
+TRAPS: list[tuple[Typed, str, str]] = [
+    (SINUMERIK, "G21", "G21 is unknown to SINUMERIK; write G710"),
+    (SINUMERIK, "G20", "unknown to SINUMERIK; write G710"),
+    (SINUMERIK, "G71", "not for feeds; write G710"),
+    (SINUMERIK, "G80", "G80 is no cancel of cycles here"),
+    (SINUMERIK, "G61", "write G60 for exact stop"),
+    (SINUMERIK, "G64 P0.02 Q0", "not a word of an excitation|P is no word"),
+    (SINUMERIK, "(a comment of LinuxCNC)", "parentheses are no comment here; write ;"),
+    (SINUMERIK, "G4 P0.3", "seconds as F|G4 F0.3"),
+    (SINUMERIK, "G04 X0.3", "G4 F0.3"),
+    (SINUMERIK, "G4 0.3", "cannot read '0.3'"),
+    (SINUMERIK, "M64 P0", r"write DO \$A_OUT\[n\]=1"),
+    (SINUMERIK, "G1 X1 A1 F100", "A is a rotary axis of the machine; the angles are A2, B2, C2"),
+    (SINUMERIK, "G1 X1 A210 F100", "A is a rotary axis of the machine; the angles are A2, B2, C2, as A2="),
+    (SINUMERIK, "G1 X1e-3 F100", "not a word|cannot read"),
+    (SINUMERIK, "G1 X1,5 F100", "cannot read ',5"),
+    (SINUMERIK, "ORIEULER\nG1 X1 F100", "another order of rotations; write ORIRPY"),
+    (SINUMERIK, "RTLIOF", "ignored while a transformation is active"),
+    (SINUMERIK, "#HSC ON", "cannot read '#HSC ON'"),
+    (SINUMERIK, "G162", "G162 is not a word"),
+    (TWINCAT, "G21", "G21 is mirroring here, not millimetres; write G71"),
+    (TWINCAT, "G20", "mirroring here, not inches; write G71"),
+    (TWINCAT, "G70", "inches; write G71"),
+    (TWINCAT, "G80", "a subroutine call here, not a cycle"),
+    (TWINCAT, "G61", "polynomial contouring here, not exact stop; write G60"),
+    (TWINCAT, "G60", r"without a motion in its block \(error 20003\)"),
+    (TWINCAT, "G01 G9 X1 F100", "a deceleration here, not an exact stop"),
+    (TWINCAT, "G64 P0.02 Q0", "G64 is unknown here|P is not a word"),
+    (TWINCAT, "G64", "unknown here; write #SPLINE ON"),
+    (TWINCAT, "G4 P0.3", "G04 0.3|P is not a word"),
+    (TWINCAT, "G4 F0.3", "write G04 0.3"),
+    (TWINCAT, "M64 P0", "write the trigger's M function|P is not a word"),
+    (TWINCAT, "G1 G60 X1 A2=1 F100", "A2= is no word here"),
+    (TWINCAT, "G40 G49", "G40 is the default"),
+    (TWINCAT, "G91.1", "G91.1 has no plain number"),
+    (TWINCAT, "TRAORI", "cannot read 'TRAORI'"),
+    (TWINCAT, "G710", "G710 is not a word"),
+    (TWINCAT, "MSG(1)", "cannot read 'MSG"),
+    (TWINCAT, "DO $A_OUT[1]=1", "cannot read 'DO"),
+]
+LINUXCNC_TRAPS = {
+    "G71": "G71",
+    "G710": "G710|G-code",
+    "G60": "G60",
+    "G1 A2=1 F100": "cannot read",
+    "X=10": "cannot read",
+    "#HSC ON": "cannot read '#HSC ON'",
+    "G4 F0.3": "G4 needs a duration",
+    "G4 X0.3": "G4 needs a duration",
+    "G04 0.3": "cannot read|G4 needs",
+    "(an (inner) comment)": "cannot read",
+    "TRAORI": "cannot read",
+    "FGROUP(X,Y,Z)": "cannot read|not a word",
+    "DO $A_OUT[1]=1": "cannot read",
+    "M100": "M100 is not a word",
+}
+
+
+@pytest.mark.parametrize(("typed", "line", "words"), TRAPS, ids=lambda v: getattr(v, "name", v))
+def test_what_another_controller_means_by_it_is_refused(typed: Typed, line: str, words: str):
+    with pytest.raises(ProgramError, match=words) as caught:
+        typed.read(typed.text(line))
+    assert one_line(caught.value).startswith(f"p, line {typed.first}")
+
+
+@pytest.mark.parametrize("line", LINUXCNC_TRAPS)
+def test_words_of_the_others_are_refused_by_linuxcnc(line: str):
+    with pytest.raises(ProgramError, match=LINUXCNC_TRAPS[line]):
+        dialect("linuxcnc").load().read(typed_linuxcnc(line).encode(), "p.ngc", CASE)
+
+
+@pytest.mark.parametrize("typed", BOTH, ids=lambda t: t.name)
+def test_the_frame_around_the_refused_lines_is_itself_proven(typed: Typed):
+    assert typed.proof(typed.text(f"G1 G60 X1 {typed.angle}1 F3000")).ok
+
+
+@pytest.mark.parametrize("writer", ["linuxcnc", *BOTH], ids=lambda t: getattr(t, "name", t))
+@pytest.mark.parametrize("reader", ["linuxcnc", "sinumerik", "twincat"])
+def test_a_whole_program_is_read_in_its_own_language_alone(writer: Typed | str, reader: str):
+    name = writer if isinstance(writer, str) else writer.name
+    text = typed_linuxcnc("G1 X1 A1 F3000") if isinstance(writer, str) else writer.text(f"G1 G60 X1 {writer.angle}1 F9")
+    language = dialect(reader).load()
+    if name == reader:
+        assert language.read(text.encode(), "p", CASE).events
+    else:
+        with pytest.raises(ProgramError):
+            language.read(text.encode(), "p", CASE)
