@@ -5,10 +5,11 @@ Keys of the file carry their unit; properties without a unit in their name are S
 
 import hashlib
 import json
+import math
 from functools import cached_property
 from typing import Literal, NoReturn
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from cases.controller import Controller
 from cases.errors import CaseError
@@ -17,6 +18,9 @@ from cases.parts import Array, Part, Vector, frozen
 from cases.recording import RecordingFormat
 from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation
 from cases.units import MINUTE, MM
+
+# 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
+LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9
 
 
 class Case(Part):
@@ -48,6 +52,17 @@ class Case(Part):
                     f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"
                 )
         return self
+
+    @field_validator("gravity_m_s2")
+    @classmethod
+    def _of_this_earth(cls, value: tuple[float, float, float]) -> tuple[float, float, float]:
+        size = math.hypot(*value)
+        if not LEAST_GRAVITY <= size <= MOST_GRAVITY:
+            raise ValueError(
+                f"is {size:.4g} m/s^2 long; on Earth it has {LEAST_GRAVITY:g} to {MOST_GRAVITY:g}: give the local "
+                "gravitational acceleration in the frame {B}, such as [0.0, 0.0, -9.81]"
+            )
+        return value
 
     @cached_property
     def gravity(self) -> Array:

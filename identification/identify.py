@@ -15,7 +15,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.contact import Contact, find_contacts, touched
 from identification.estimator import independent_poses, require_alive
-from identification.estimators import Method, Problem, gauss_markov_of, method
+from identification.estimators import Method, Problem, gauss_markov_of, method, robust_of
 from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
 from identification.fit import Fit
 from identification.identifiability import Identifiability, analyse
@@ -31,7 +31,10 @@ DELAY_STEPS = 8
 DELAY_TOLERANCE = 1e-6  # [s]; the step that is left is in the fit's own nuisance
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
-MOST_TOUCHED = 0.3  # of the samples in contact; more is no identification run
+SEARCHES = 4  # for contacts; each finds what the one before hid
+SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
+MOST_TOUCHED = 0.25  # of the samples in contact; more is no identification run
+LEAST_SERIES = 50  # samples that tell an autocorrelation
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
 SANDWICHED = ("gauss-markov", "consistent")  # their robust covariance is that of a series in time, which poses are not
 GAUSS_MARKOV = method()
@@ -139,26 +142,35 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
     run = moving_run(recording, case, model, found=found)
     pooled = case.sensors.weights == "equal"
     moving = _with_delay(run, how, pooled)
-    contacts: tuple[Contact, ...] = find_contacts(run.t, moving.fit.residuals, model.structure)
-    if contacts:
+    contacts: tuple[Contact, ...] = ()
+    for _ in range(SEARCHES):
+        # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
+        before, contacts = contacts, find_contacts(run.t, _without_pull(run, moving, how, pooled), model.structure)
+        if contacts == before:
+            break
         rows = touched(run.t, contacts)
         if rows.mean() > MOST_TOUCHED:
             raise IdentificationError(
                 f"the forces leave the model in {100 * rows.mean():.0f} % of the samples, as in contact; an "
                 "identification run must be free: check columns, struts and model, or record again"
             )
-        moving = _with_delay(run.without(rows), how, pooled)
-        # A contact biases the first fit, and so the search for it: look again with the better one.
-        residuals = run.forces - run.regressors(moving.delay.value) @ moving.fit.values[: len(model.names)]
-        contacts = find_contacts(run.t, residuals, model.structure)
-        moving = _with_delay(run.without(touched(run.t, contacts)), how, pooled)
+        moving = _with_delay(run.without(rows), how, pooled, moving.delay.value)
     warnings = [*found.warnings, *run.warnings]
     warnings += [_told(recording, contact) for contact in contacts]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
         warnings.append(f"delay of {moving.delay.value * 1e3:.1f} ms: do the streams match?")
     warnings += _doubts(moving.fit, moving.run.forces)
+    warnings += _systematic(moving)
     evaluation = Evaluation(moving.run.samples, moving.residuals, moving.delay)
     return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
+
+
+def _without_pull(run: Run, moving: _Moving, how: Method, pooled: bool) -> Array:
+    """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
+    selection = how.selection(run.model)
+    matrices, forces = run.regressors(moving.delay.value), run.forces
+    robust = robust_of(Problem(run.model, pooled, filtered=run.filtered))
+    return robust(matrices @ selection.basis, forces - matrices @ selection.offset, selection.names).residuals
 
 
 def _told(recording: Recording, contact: Contact) -> str:
@@ -170,17 +182,23 @@ def _told(recording: Recording, contact: Contact) -> str:
     )
 
 
-def _with_delay(run: Run, how: Method, pooled: bool) -> _Moving:
-    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts."""
+def _with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> _Moving:
+    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
+
+    Args:
+        run: to be evaluated.
+        how: estimator.
+        pooled: whether all channels have the same noise.
+        delay: to start from [s].
+    """
     model = run.model
     problem = Problem(model, pooled, nuisance=1, filtered=run.filtered)
     search = gauss_markov_of(problem)
     forces, names = run.forces, [*model.names, "delay"]
-    matrices = run.regressors(0.0)
+    matrices = run.regressors(delay)
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not pooled else np.ones(6)
     selection = how.selection(model)
-    delay = 0.0
     for _ in range(DELAY_STEPS):
         # The effect of the delay is that of the best forces of the moment, whatever parameters make them.
         left = (forces - matrices @ selection.offset) * scale
@@ -206,6 +224,19 @@ def _with_delay(run: Run, how: Method, pooled: bool) -> _Moving:
     residuals = run.recorded_forces - matrices @ fit.values[:-1]
     value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < DELAY_TOLERANCE else 0.0)
     return _Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals)
+
+
+def _systematic(moving: _Moving) -> list[str]:
+    """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
+    left = moving.fit.residuals
+    alike = np.sum(left[1:] * left[:-1], axis=0) / np.maximum(np.sum(left**2, axis=0), np.finfo(float).tiny)
+    usual = moving.run.filter.noise_correlation
+    if len(left) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
+        return []
+    return [
+        f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
+        "contact, a model without what moves the forces, or coloured noise; look at plots/residuals.svg"
+    ]
 
 
 def _require_sense(model: Model, fit: Fit) -> None:

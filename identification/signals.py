@@ -50,6 +50,12 @@ class Filter(NamedTuple):
         """Variance of filtered white noise over that of the noise."""
         return float(np.sum(self._exact_kernel(0, 0.0) ** 2))
 
+    @property
+    def noise_correlation(self) -> float:
+        """Correlation of white noise behind the filter between samples that are `stride` apart."""
+        kernel = self._exact_kernel(0, 0.0)
+        return float(kernel[self.stride :] @ kernel[: -self.stride] / np.sum(kernel**2))
+
     def _kernel(self, order: int, shift: float) -> Array:
         """Derivative `order` of the impulse response at multiples of `step` less `shift` [s], shape (2 margin + 1,)."""
         half = _HALF_LENGTH / self.cutoff

@@ -50,4 +50,6 @@ def other_wiring(regressors: Array, forces: Array, weights: Array) -> str | None
     if now <= 0.0 or best * FACTOR > now:
         return None
     ratio = np.sqrt(max(best, 0.0) / now)
-    return f"{text}: so wired, {ratio:.2g} of the residual would be left; correct the wiring or [recording.columns]"
+    return (
+        f"{text}: with that undone {100 * ratio:.2g} % of the residuals are left; correct wiring or [recording.columns]"
+    )

@@ -26,6 +26,7 @@ from identification.formats.checks import (
     require_increasing,
     require_reach,
     require_rotations,
+    require_switch,
 )
 from identification.formats.header import without
 from identification.formats.stream import Stream
@@ -92,6 +93,8 @@ def _stream(table: Table, t: Array | None, case: Case, form: RecordingFormat) ->
     forces = _group(table, form, forces_of(case))
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
+    if trigger is not None:
+        require_switch(table, trigger[:, 0], form)
     stream = Stream(
         source=table.source,
         t=t,

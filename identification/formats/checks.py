@@ -4,11 +4,11 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from cases.recording_columns import CLOCK, STRUTS, units_of
+from cases.recording_columns import CLOCK, STRUTS, TRIGGER, units_of
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.stream import Stream
-from identification.formats.table import Table, shown
+from identification.formats.table import Array, Table, shown
 
 # Rotation matrices are printed with a few digits; beyond this they are no rotations (transposed columns, wrong order).
 ORTHOGONALITY = 1e-3
@@ -56,6 +56,17 @@ def require_increasing(table: Table, form: RecordingFormat, before: float | int 
         f"{table.source}, {table.lines.place(row)}, {name}: {now} comes after {then}; time must increase: sort the "
         "rows or remove the repeated part"
     )
+
+
+def require_switch(table: Table, trigger: Array, form: RecordingFormat) -> None:
+    """Raises RecordingError at the first value of the trigger that is neither 0 nor 1."""
+    wrong = (trigger != 0.0) & (trigger != 1.0)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise RecordingError(
+            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(TRIGGER))}: {trigger[row]:g} is neither "
+            "0 nor 1; export the trigger as a switch, or leave the column out"
+        )
 
 
 def require_rotations(stream: Stream) -> None:

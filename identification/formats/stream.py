@@ -132,9 +132,22 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
     usual = float(np.median(steps))
     off = np.abs(steps - usual) > UNIFORMITY * usual
     if off.any():
-        row = int(np.argmax(off))
-        raise RecordingError(
-            f"{source}, {lines.place(row + 1)}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has "
-            f"{usual * 1e3:.4g} ms; export the run without gaps at one rate"
-        )
+        raise RecordingError(_uneven(source, steps, usual, off, lines))
     return float((t[-1] - t[0]) / (len(t) - 1))
+
+
+_FEW_STEPS, _TYPICAL_STEPS = 5, 20  # that tell a rate which has changed from a gap
+
+
+def _uneven(source: str, steps: Array, usual: float, off: NDArray[np.bool_], lines: Lines) -> str:
+    """What to say of a clock that is not uniform: another rate, missing samples, or single steps that differ."""
+    row, count = int(np.argmax(off)), int(off.sum())
+    there = float(np.median(steps[row : row + _TYPICAL_STEPS]))
+    where = f"{source}, {lines.place(row + 1)}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has "
+    where += f"{usual * 1e3:.4g} ms"
+    if count >= _FEW_STEPS and off[row : row + _TYPICAL_STEPS].mean() > 0.5 and abs(there - usual) > UNIFORMITY * usual:
+        return f"{where}; the sampling rate changes: export the run without gaps at one rate"
+    missing = round(steps[row] / usual) - 1
+    lost = f" ({missing} samples are missing)" if missing > 0 else ""
+    more = f", and at {count - 1} more places" if count > 1 else ""
+    return f"{where}{lost}{more}; export the run without gaps at one rate"

@@ -94,3 +94,10 @@ def test_a_line_is_counted_in_the_file_whatever_stands_above_it(tmp_path: Path) 
     recording = read_recording(written(tmp_path, text), case_with(header_rows=3))
     with pytest.raises(RecordingError, match=rf"line {text.splitlines().index(lines[21]) + 1}, t_s"):
         _ = recording.step
+
+
+def test_missing_samples_are_counted(tmp_path: Path) -> None:
+    times = [f"{t:.3f}" for t in (*RUN.t[:10], *(RUN.t[10:] + 3e-3))]
+    recording = read_recording(written(tmp_path, stamped(times)), case_with())
+    with pytest.raises(RecordingError, match=r"line 12, t_s: step of 4 ms .*\(3 samples are missing\).*one rate"):
+        _ = recording.step

@@ -1,0 +1,20 @@
+"""Gravity of a case is that of the Earth; a unit or a typing error is refused with what is meant."""
+
+import pytest
+from pydantic import ValidationError
+
+from cases.loading import load_case
+from cases.schema import Case
+
+CASE = load_case("hexapod").model_dump()
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.7804), (0.0, 9.8322, 0.0), (-5.664, 5.664, -5.664)])
+def test_gravity_of_the_equator_and_the_poles_in_any_direction_is_accepted(gravity: tuple[float, ...]) -> None:
+    assert Case.model_validate(CASE | {"gravity_m_s2": gravity}).gravity == pytest.approx(gravity)
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, 0.0), (0.0, 0.0, -9810.0), (0.0, 0.0, -1.0), (0.0, 0.0, -8.91)])
+def test_other_lengths_are_refused(gravity: tuple[float, ...]) -> None:
+    with pytest.raises(ValidationError, match=r"on Earth it has 9.7 to 9.9: give the local"):
+        Case.model_validate(CASE | {"gravity_m_s2": gravity})

@@ -1,0 +1,193 @@
+"""What speaks against a run is found and named with its rows: sensors, wiring, contact, motion without clock."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import identification.identify as module
+from cases.errors import HexciteError, IdentificationError, RecordingError
+from cases.loading import load_case
+from identification.executed import PoseExecution
+from identification.frame import structure_matrix
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.parameters import linear_parameters
+from identification.recording import Recording
+from identification.simulate import simulate_recording
+from tests.helpers import Harmonic, one_line, simulated
+from tests.identification.moving_run import MODEL
+
+CASE = load_case("hexapod")
+TRUTH = linear_parameters(MODEL, CASE.simulation.parameters)
+MOTIONS = [PoseExecution(Hexapod.of(CASE), Harmonic(seed=s, duration=3.0)) for s in range(3)]
+J = structure_matrix(CASE.sensor_frame)
+
+
+def run(seed: int = 0) -> Recording:
+    return simulate_recording(CASE, MOTIONS[seed % 3], np.array([[0.2, 2.8]]), seed, "run.csv")
+
+
+def errors(recording: Recording) -> tuple[float, tuple[str, ...]]:
+    """Largest error of the parameters in their own standard deviations, and the warnings."""
+    estimate = identify(recording, CASE)
+    std = np.sqrt(np.maximum(np.diag(estimate.covariance), np.diag(estimate.covariance_robust)))
+    for warning in estimate.warnings:
+        one_line(ValueError(warning))
+    return float(np.abs((estimate.values - TRUTH) / std).max()), estimate.warnings
+
+
+def with_forces(change: Callable[[np.ndarray], None], of: Recording) -> Recording:
+    forces = of.forces.copy()
+    change(forces)
+    return replace(of, forces=forces)
+
+
+def pushed(of: Recording, start: float, newtons: np.ndarray, duration: float = 0.2) -> Recording:
+    """The run with an external force on the platform, which (1) reads as f_Ext = -J^-T (f_q - f^)."""
+    on = (of.t >= start) & (of.t < start + duration)
+    extra = np.linalg.solve(J, np.r_[newtons, 0.0, 0.0, 0.0])
+    return with_forces(lambda f: f.__setitem__(on, f[on] - extra), of)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_push_of_20_N_for_a_fifth_of_a_second_is_found_within_50_ms_and_left_out(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    direction = draw.normal(size=3)
+    start = float(draw.uniform(0.4, 2.4))
+    error, warnings = errors(pushed(run(seed), start, 20.0 * direction / np.linalg.norm(direction)))
+    (warning,) = warnings
+    found = re.search(r"lines (\d+) to (\d+): external contact from ([\d.]+) to ([\d.]+) s, up to ([\d.]+) N", warning)
+    assert found is not None
+    first, last, begin, end, peak = (float(v) for v in found.groups())
+    assert abs(begin - start) < 0.05
+    assert abs(end - start - 0.2) < 0.05
+    assert abs((first - 2) * 1e-3 - begin) < 2e-3  # rows of a file with one line of names
+    assert abs((last - 2) * 1e-3 - end) < 2e-3
+    assert 17.0 < peak < 25.0
+    assert error < 4.5
+
+
+@pytest.mark.parametrize("seeds", [range(6), pytest.param(range(6, 50), marks=pytest.mark.slow)])
+def test_a_run_that_nothing_touches_raises_no_alarm(seeds: range) -> None:
+    for seed in seeds:
+        assert errors(run(seed))[1] == ()
+
+
+def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_TOUCHED", 0.08)
+    with pytest.raises(IdentificationError, match=r"leave the model in (9|10) % of the samples") as caught:
+        identify(pushed(run(), 0.5, np.array([0.0, 0.0, 20.0])), CASE)
+    one_line(caught.value)
+
+
+def test_a_contact_of_half_the_run_hides_in_the_estimate_but_not_in_its_residuals() -> None:
+    warnings = identify(pushed(run(), 0.5, np.array([0.0, 0.0, 20.0]), duration=1.2), CASE).warnings
+    assert any("residuals follow each other" in w for w in warnings)
+
+
+@pytest.mark.parametrize(("a", "b"), [(0, 1), (0, 3), (1, 4), (2, 5)])
+def test_exchanged_channels_are_named(a: int, b: int) -> None:
+    swapped = with_forces(lambda f: f.__setitem__((slice(None), [a, b]), f[:, [b, a]]), run(3))
+    with pytest.raises(IdentificationError, match=f"channels {a + 1} and {b + 1} seem to be exchanged") as caught:
+        identify(swapped, CASE)
+    assert "run.csv" in one_line(caught.value)
+
+
+@pytest.mark.parametrize("channel", [0, 5])
+def test_a_turned_sign_is_named(channel: int) -> None:
+    turned = with_forces(lambda f: f.__setitem__((slice(None), channel), -f[:, channel]), run(3))
+    with pytest.raises(IdentificationError, match=f"sign of channel {channel + 1} seems to be turned"):
+        identify(turned, CASE)
+
+
+def test_all_signs_turned_make_the_mass_negative() -> None:
+    with pytest.raises(IdentificationError, match=r"mass comes out as -3.*check the sign"):
+        identify(with_forces(lambda f: f.__imul__(-1.0), run()), CASE)
+
+
+def test_clipped_forces_are_left_out_with_their_rows() -> None:
+    """Channel 2 swings to 180 N; at 150 N it is cut off, which biases the rest unless these samples are left out."""
+    whole = run()
+    case = CASE.model_copy(update={"sensors": CASE.sensors.model_copy(update={"range_N": 150.0})})
+    cut = with_forces(lambda f: f.__setitem__((slice(None), 2), f[:, 2] - 330.0), whole)  # a tare brings it into range
+    cut = replace(cut, forces=np.clip(cut.forces, -150.0, 150.0))
+    assert np.mean(np.abs(cut.forces) >= 150.0) > 0.001
+    found, ignored = identify(cut, case), identify(cut, CASE)
+    assert any("channel 2 is at the end of its range of 150 N; left out" in w for w in found.warnings)
+    assert any(re.match(r"lines? \d+", w) for w in found.warnings)
+    rows = [k for k, name in enumerate(found.names) if not name.startswith("f_q0")]
+    assert np.abs((found.values - TRUTH) / np.sqrt(np.diag(found.covariance)))[rows].max() < 4.5
+    assert ignored.samples > found.samples
+
+
+def test_a_channel_that_sticks_for_a_while_is_left_out_with_its_rows() -> None:
+    error, warnings = errors(with_forces(lambda f: f.__setitem__((slice(800, 1000), 4), f[800, 4]), run(1)))
+    assert "lines 802 to 1001: channel 5 is stuck at" in warnings[0]
+    assert error < 4.5
+
+
+@pytest.mark.parametrize("size", [50.0, 4e3])
+def test_single_force_samples_that_jump_are_left_out_with_their_rows(size: float) -> None:
+    error, warnings = errors(with_forces(lambda f: f.__setitem__(([500, 1500], 2), size), run(2)))
+    assert "lines 502, 1502: channel 3 jumps by up to" in warnings[0]
+    assert error < 4.5
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.1])
+def test_struts_that_jump_faster_than_drives_are_left_out_with_their_rows(size: float) -> None:
+    whole = run(1)
+    struts = whole.struts.copy()
+    struts[[700, 1900], 3] += size
+    error, warnings = errors(replace(whole, struts=struts))
+    assert "lines 702, 1902: strut 4 jumps by up to" in warnings[0]
+    assert "1 m/s" in warnings[0]
+    assert error < 4.5
+
+
+def test_a_run_with_most_samples_damaged_is_refused() -> None:
+    with pytest.raises(RecordingError, match=r"% of the samples are unusable.*record again"):
+        identify(with_forces(lambda f: f.__setitem__((slice(100, 1800), 0), 5000.0), run()), CASE)
+
+
+def test_a_run_outside_the_workspace_is_told_with_its_rows() -> None:
+    longest = float(run().struts.max()) * 1e3 - 5.0
+    workspace = type(CASE.workspace).model_validate(CASE.workspace.model_dump() | {"strut_length_mm": (650.0, longest)})
+    (warning,) = identify(run(), CASE.model_copy(update={"workspace": workspace})).warnings
+    assert re.match(rf"lines \d+ to \d+.*strut \d of .* is outside the workspace of 650 to {longest:g} mm", warning)
+
+
+def test_a_motion_without_clock_is_no_list_of_standstills() -> None:
+    with pytest.raises(RecordingError, match=r"no t_s column, yet its \d+ rows .* give recording.clock.period_ms"):
+        identify(replace(run(), t=None, trigger=None), CASE)
+
+
+def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated() -> None:
+    """A standstill by speed, but not by pose: without a trigger all of it counts, and the warning says so."""
+    case = CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"filter_cutoff_Hz": 2.0})})
+    case = simulated(case, encoder_rate_Hz=20.0)
+    slow = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2000.0))
+    recording = replace(simulate_recording(case, slow, np.array([[0.0, 1.0]]), 0, "run.csv"), trigger=None)
+    estimate = identify(recording, case, 5)
+    assert any("never faster than 1 mm/s" in w for w in estimate.warnings)
+    assert estimate.samples > 0.99 * 2000 * 20 - 200
+    assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.2)
+
+
+def test_residuals_that_are_not_white_are_told() -> None:
+    """A model without the elastic terms leaves what follows the pose."""
+    warnings = identify(run(), CASE, 6).warnings
+    assert any("robust standard deviations are" in w for w in warnings)
+
+
+def test_struts_in_the_wrong_order_are_told() -> None:
+    whole = run()
+    mixed = replace(whole, struts=whole.struts[:, [1, 0, 3, 2, 5, 4]])
+    try:
+        warnings = identify(mixed, CASE).warnings
+    except HexciteError as error:
+        assert re.search("no pose|exchanged|in contact|no delay|mass comes out", one_line(error))
+    else:
+        assert any("explains only" in w or "robust standard deviations" in w for w in warnings)
