@@ -27,10 +27,17 @@ class Controller(Part):
     block_ms: Positive
     safe_feed_mm_min: Positive
     settle_s: Positive
+    cycle_ms: Positive = 1.0
+    """The controller's interpolation cycle. Phases of planned moves last three of them or more."""
     linuxcnc: LinuxCnc
     sinumerik: Sinumerik | None = None
     twincat: TwinCat | None = None
     setpoints: Setpoints | None = None
+
+    @property
+    def cycle(self) -> float:
+        """Interpolation cycle [s]."""
+        return self.cycle_ms * MS
 
     @property
     def block(self) -> float:

@@ -111,6 +111,17 @@ class Hexapod:
         )
 
     @cached_property
+    def joint_cosines(self) -> ca.Function:
+        """Pose -> cosines of the angles between struts and the normals of base and of platform, shapes (6,)."""
+        pose = ca.SX.sym("pose", 6)
+        struts, _ = self._struts(pose)
+        normal = rotation(pose[3:])[:, 2]
+        directions = [struts[:, k] / ca.norm_2(struts[:, k]) for k in range(6)]
+        at_base = ca.vertcat(*(d[2] for d in directions))
+        at_platform = ca.vertcat(*(ca.dot(d, normal) for d in directions))
+        return ca.Function("joint_cosines", [pose], [at_base, at_platform], ["pose"], ["base", "platform"])
+
+    @cached_property
     def strut_motion(self) -> ca.Function:
         """(pose, rates, accelerations) -> strut lengths, velocities, accelerations."""
         pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))

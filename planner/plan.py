@@ -13,15 +13,15 @@ from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limits import LimitReport
-from identification.motion import Motion, sample
+from identification.motion import Motion, Trajectory, sample
 from planner.bound import Bound
-from planner.fourier import FourierMotion
-from planner.solving import Start
+from planner.families.saved import motion_entries, motion_of_entries
+from planner.request import LONGEST, Request
+from planner.solving import Failed, Start
 
 Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
-LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
 
 _AXES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
@@ -37,11 +37,13 @@ class Plan:
     Args:
         case: what it was planned for.
         case_file: name or file of the case, to find it again.
-        model: number of the identification model.
-        criterion: A, D, K or N.
+        request: what was asked for.
         motion: the excitation.
-        seed: of the random starts.
-        starts: every start, the best first.
+        settings: of the family.
+        starts: every start that led somewhere, the best first.
+        failed: the others, with the reason.
+        interrupted: whether Ctrl-C ended the search early.
+        score: the criterion of Table 4, to be maximised, in reference scaling.
         logdet: log det of the mean information, reference scaling, W = 1.
         condition: mu_1 / mu_u, reference scaling.
         bound: what no motion can exceed.
@@ -53,11 +55,13 @@ class Plan:
 
     case: Case
     case_file: str
-    model: int
-    criterion: str
-    motion: FourierMotion
-    seed: int
+    request: Request
+    motion: Trajectory
+    settings: dict[str, Any]
     starts: tuple[Start, ...]
+    failed: tuple[Failed, ...]
+    interrupted: bool
+    score: float
     logdet: float
     condition: float
     bound: Bound
@@ -73,31 +77,36 @@ class Plan:
 
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
-        m = self.motion
         return {
             "schema_version": SCHEMA_VERSION,
             "case": self.case.name,
             "case_file": self.case_file,
             "case_hash": self.case.hash,
-            "family": "fourier",
-            "criterion": self.criterion,
-            "model": self.model,
+            "family": self.request.family,
+            "criterion": self.request.criterion,
+            "solver": self.request.solver,
+            "model": self.request.model,
             "status": "proven",
-            "duration_s": m.duration,
-            "settings": {"order": m.order, "period_s": m.period, "repeats": m.repeats, "seed": self.seed},
+            "interrupted": self.interrupted,
+            "duration_s": self.motion.duration,
+            "settings": {**self.settings, "seed": self.request.seed},
             "solve_s": self.solve_seconds,
             "starts": [
                 {
                     "seed": s.seed,
                     "stage": s.stage,
-                    "start_logdet": s.start_objective,
-                    "logdet": s.objective,
+                    "start_logdet": s.start_logdet if np.isfinite(s.start_logdet) else None,
+                    "logdet": s.logdet,
+                    "criterion_value": s.score,
                     "solver": s.status,
+                    "converged": s.converged,
                     "iterations": s.iterations,
                     "seconds": s.seconds,
                 }
                 for s in self.starts
             ],
+            "failed_starts": [{"seed": f.seed, "stage": f.stage, "reason": f.reason} for f in self.failed],
+            "criterion_value": self.score,
             "logdet": self.logdet,
             "condition": self.condition,
             "d_efficiency": self.d_efficiency,
@@ -110,11 +119,7 @@ class Plan:
             "predicted_std": self.predicted_std,
             "assumed_noise_N": self.assumed_noise,
             "limits": self.limits.to_json(),
-            "fourier": {
-                "centre_m_rad": m.centre.tolist(),
-                "a_m_s_rad_s": m.a.tolist(),
-                "b_m_s_rad_s": m.b.tolist(),
-            },
+            **motion_entries(self.motion),
         }
 
 
@@ -153,7 +158,7 @@ class SavedPlan:
     folder: Path
     case: Case
     case_file: str
-    motion: FourierMotion
+    motion: Trajectory
     data: dict[str, Any]
 
 
@@ -168,26 +173,14 @@ def load_plan(folder: Path) -> SavedPlan:
     data = read_json(file, "hexcite plan")
     try:
         case_file, case_hash = str(data["case_file"]), str(data["case_hash"])
-        settings, series = data["settings"], data["fourier"]
-        motion = FourierMotion(
-            np.array(series["centre_m_rad"], dtype=float),
-            np.array(series["a_m_s_rad_s"], dtype=float),
-            np.array(series["b_m_s_rad_s"], dtype=float),
-            float(settings["period_s"]),
-            int(settings["repeats"]),
-        )
+        motion = motion_of_entries(data)
         for key in ("family", "model"):
             if key not in data:
                 raise KeyError(key)
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise FileProblem(f"{file}: entry {error} is missing or damaged; plan again") from error
-    shapes = motion.centre.shape == (6,) and motion.a.shape == motion.b.shape == (motion.order, 6)
-    if not (0.0 < motion.period <= LONGEST and motion.repeats >= 1 and motion.duration <= LONGEST):
-        raise FileProblem(
-            f"{file}: settings: {motion.repeats} periods of {motion.period:g} s are no excitation; plan again"
-        )
-    if not shapes or not all(np.isfinite(v).all() for v in (motion.centre, motion.a, motion.b)):
-        raise FileProblem(f"{file}: fourier: coefficients are damaged; plan again")
+    if not motion.duration <= LONGEST:
+        raise FileProblem(f"{file}: a motion of {motion.duration:g} s is no excitation; plan again")
     case = load_case(case_file)
     if case.hash != case_hash:
         raise FileProblem(f"{file}: case {case_file} has changed since (hash {case.hash}, was {case_hash}); plan again")

@@ -1,12 +1,10 @@
-"""Plans a Fourier excitation from start to proof."""
+"""Plans an excitation from start to proof."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
-from cases.errors import HexciteError, InfeasiblePlan
+from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
 from identification.limits import PROOF_RATE
@@ -14,90 +12,93 @@ from identification.model import Model, identification_model
 from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
 from planner.bound import box_bound
-from planner.fourier import FourierFamily
-from planner.plan import LONGEST, Plan
+from planner.families.family import Family, box_middle
+from planner.families.fourier import COARSE, FourierFamily
+from planner.families.ptp import PointToPointFamily
+from planner.interruption import Interrupted
+from planner.parallel import Listener, run_all
+from planner.plan import Plan
 from planner.problem import mean_information
-from planner.solving import EXPLORE, Start, keep_limits, optimise
+from planner.request import Request
+from planner.solving import Failed, Stage, Start, Task, keep_limits, seeds_of
 
 SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
 DEFAULT_NOISE = 1.0  # [N] where the case says nothing about its sensors
+REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
+
+# A look from every start, then the full problem from the best of them: the many local optima differ more than what the
+# last iterations bring.
+STAGES = {
+    "fourier": (Stage("explore", 100, False), Stage("refine", 150, True)),
+    "ptp": (Stage("explore", 200, False), Stage("refine", 300, True)),
+}
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
-    """What to plan.
+def family_of(request: Request, case: Case) -> Family:
+    """The family that a request names, with its settings."""
+    if request.family == "fourier":
+        middle, half = box_middle(case)
+        repeats = round(request.duration / request.period)
+        return FourierFamily(request.order, request.period, repeats, middle, half, COARSE)
+    return PointToPointFamily.of(case, request.moves, request.duration)
 
-    Args:
-        case_file: name or file of the case.
-        criterion: letter of Table 4.
-        order: N of (34).
-        period: [s].
-        duration: a whole number of periods [s].
-        model: number in Table 2.
-        starts: random starts.
-        seed: of these.
+
+def optimise(
+    request: Request, case: Case, family: Family, listener: Listener
+) -> tuple[list[Start], list[Failed], bool]:
+    """Explores from all starts, refines the best.
+
+    Returns:
+        Starts of both stages, the best first; those that failed; whether Ctrl-C ended the search early.
+
+    Raises:
+        InfeasiblePlan: every start failed; the message is that of the first.
+        Interrupted: Ctrl-C before any start was done.
     """
-
-    case_file: str
-    criterion: str = "D"
-    order: int = 5
-    period: float = 3.0
-    duration: float = 12.0
-    model: int = 9
-    starts: int = 8
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        if self.criterion not in CRITERIA:
-            raise HexciteError(f"criterion {self.criterion!r} is unknown; choose {', '.join(CRITERIA)}")
-        if self.criterion != "D":
-            raise HexciteError(f"criterion {self.criterion} is not optimised for this family yet; choose D")
-        if not 2 <= self.order <= 7:
-            raise HexciteError(f"order {self.order} is outside 2 to 7; 1 cannot start at rest, above 7 only jerk grows")
-        if not self.period > 0.0 or not np.isfinite(self.period):
-            raise HexciteError(f"period {self.period:g} s is not positive; choose about 3 s")
-        if not self.duration <= LONGEST:
-            raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
-        repeats = self.duration / self.period
-        if not (round(repeats) >= 1 and abs(repeats - round(repeats)) < 1e-9):
-            raise HexciteError(
-                f"duration {self.duration:g} s is not a whole number of periods of {self.period:g} s; choose "
-                f"{max(1, round(repeats)) * self.period:g} s"
-            )
-        if not 1 <= self.starts <= 1000:
-            raise HexciteError(f"{self.starts} starts; choose 1 to 1000")
-        if self.seed < 0:
-            raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
+    explore, refine = STAGES[request.family]
+    settings = (request.criterion, request.solver)
+    tasks = [Task(case, request.model, family, *settings, explore, s) for s in seeds_of(request.seed, request.starts)]
+    first = run_all(tasks, listener)
+    results, interrupted = list(first.results), first.interrupted
+    best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)[:REFINED]
+    if best and not interrupted:
+        again = [Task(case, request.model, s.family, *settings, refine, s.seed, s.unknowns) for s in best]
+        second = run_all(again, listener)
+        results, interrupted = results + second.results, second.interrupted
+    starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)
+    failed = [r for r in results if isinstance(r, Failed)]
+    if not starts:
+        if interrupted:
+            raise Interrupted
+        raise InfeasiblePlan(failed[0].reason)
+    return starts, failed, interrupted
 
 
-def plan_fourier(request: Request, case: Case, case_file: str, done: Callable[[Start], None]) -> Plan:
+def make(request: Request, case: Case, case_file: str, listener: Listener) -> Plan:
     """Optimises, proves and rates an excitation.
 
     Args:
         request: what to plan.
         case: machine and limits.
         case_file: name or file that finds the case again from any folder.
-        done: called with each start as it is finished.
+        listener: is told how the starts are getting on.
 
     Raises:
         InfeasiblePlan: no motion keeps the limits.
         IdentificationError: the motion does not excite all parameters of the model.
         CaseError: the case has no machine or no limits.
+        Interrupted: Ctrl-C before any start was done.
     """
-    machine, _, limits = case.need_machine("planning")
     model = identification_model(case, request.model)
-    box = limits.motion
-    repeats = round(request.duration / request.period)
-    middle = machine.home.vector + (box.pose[0] + box.pose[1]) / 2
-    half = (box.pose[1] - box.pose[0]) / 2
-    family = FourierFamily(request.order, request.period, repeats, middle, half, EXPLORE.density)
+    family = family_of(request, case)
     began = perf_counter()
-    starts = optimise(case, request.model, family, request.seed, request.starts, done)
-    unknowns, report = keep_limits(case, family, starts[0].unknowns, PROOF_RATE)
+    starts, failed, interrupted = optimise(request, case, family, listener)
+    best = starts[0]
+    unknowns, report = keep_limits(case, best.family, best.unknowns, PROOF_RATE)
     seconds = perf_counter() - began
     if not report.kept:
         raise InfeasiblePlan(f"no feasible motion: {report.violations[0].sentence()}; widen that limit")
-    motion = family.motion(unknowns)
+    motion = best.family.motion(unknowns)
     scaling = reference_scaling(case, model)
     information = mean_information(model, scaling, motion)
     mu = singular_values(information, model.names)
@@ -105,11 +106,13 @@ def plan_fourier(request: Request, case: Case, case_file: str, done: Callable[[S
     return Plan(
         case=case,
         case_file=case_file,
-        model=request.model,
-        criterion=request.criterion,
+        request=request,
         motion=motion,
-        seed=request.seed,
+        settings=family.settings,
         starts=tuple(starts),
+        failed=tuple(failed),
+        interrupted=interrupted,
+        score=CRITERIA[request.criterion].of(mu),
         logdet=CRITERIA["D"].of(mu),
         condition=-CRITERIA["K"].of(mu),
         bound=box_bound(case, model),

@@ -1,12 +1,12 @@
-"""The D-optimal excitation problem of a family that is linear in its unknowns, as a non-linear program.
+"""The optimal excitation problem of a family as a non-linear program.
 
-Every motion family that maps its unknowns linearly to samples (Fourier series, B-splines) shares it. Limits on
-coordinates are linear rows; those that the family proves to be implied by others are left out. Strut limits are
-non-linear and bind at few samples: they enter only for the samples that are named.
+Limits of coordinates are rows from the start. Non-linear limits (struts, joints) bind at few states: they enter only
+where they are named.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -14,67 +14,104 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.hexapod import Hexapod
 from identification.model import Model
 from identification.motion import Trajectory
-from planner.information import log_determinant, sample_information
+from planner.families.family import Family, Sampling
+from planner.information import sample_information
+from planner.objective import objective
+from planner.state_limits import STRUT_ACCELERATION, STRUT_VELOCITY, StateLimits, state_limits
 
 Array = NDArray[np.float64]
 
 
-class LinearFamily(Protocol):
-    """Motions whose coordinates are linear in their unknowns, around home, in half widths of the box."""
+@dataclass(frozen=True)
+class Constraints:
+    """Rows of a program with their exact derivatives.
 
-    @property
-    def unknowns(self) -> int:
-        """Unknowns of each coordinate, q."""
-        ...
+    Args:
+        rows: expressions in the unknowns.
+        jacobian: their derivatives, sparse.
+        lower: of each row.
+        upper: of each row.
+    """
 
-    def maps(self) -> tuple[Array, Array, Array, Array]:
-        """Matrices (K, q) from unknowns to value, rate, acceleration and jerk on the grid, in box half widths."""
-        ...
-
-    def growth(self) -> float:
-        """A bound g with max|x'| <= g max|x| for every motion of the family [1/s]; infinity where there is none."""
-        ...
-
-    def motion(self, unknowns: Array) -> Trajectory:
-        """The motion of unknowns of shape (q * 6,)."""
-        ...
+    rows: ca.MX
+    jacobian: ca.MX
+    lower: Array
+    upper: Array
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A program in unknowns of shape (q * 6,), row by row: minimise `objective` subject to -1 <= `rows` <= 1.
+    """Minimise a criterion of the mean information subject to the limits.
 
     Args:
-        unknowns: the symbol.
-        objective: -log det F / u, F the mean information over the grid in reference scaling.
-        rows: linear rows in units of their limits.
-        strut_motion: strut lengths, velocities and accelerations over the grid in units of their limits, a Function to
-            (18, K).
+        sampling: unknowns, states and rows of the family.
+        information: lower triangle of the mean of H A^T A H over the motion, an expression in the unknowns.
+        state_limits: shares of the non-linear limits of one state, and their derivatives.
+        size: number of parameters.
     """
 
-    unknowns: ca.MX
-    objective: ca.MX
-    rows: ca.MX
-    strut_motion: ca.Function
+    sampling: Sampling
+    information: ca.MX
+    state_limits: StateLimits
+    size: int
 
-    def with_struts(self, active: NDArray[np.bool_]) -> ca.MX:
-        """Rows with the strut limits where `active`, shape (18, K), is set."""
+    @property
+    def unknowns(self) -> ca.MX:
+        """The symbol."""
+        return self.sampling.unknowns
+
+    def objective(self, letter: str, halvings: int = 0) -> ca.MX:
+        """What to minimise; see `planner.objective`."""
+        return objective(letter, self.size, halvings)(self.information)
+
+    @cached_property
+    def limits(self) -> ca.Function:
+        """Unknowns -> shares of the non-linear limits at the critical states, shape (limits, K)."""
+        critical = self.sampling.critical
+        shares = self.state_limits.shares.map(critical.count)(*critical.each)
+        return ca.Function("limits", [self.unknowns], [shares])
+
+    def limit_shares(self, unknowns: Array) -> Array:
+        """Share of each non-linear limit that is used at each critical state, shape (limits, K)."""
+        return np.asarray(np.abs(self.limits(unknowns).full()))
+
+    def held_from_the_start(self) -> NDArray[np.bool_]:
+        """Which non-linear limits are rows at once, shape (limits, K)."""
+        active = np.zeros((self.state_limits.shares.size1_out(0), self.sampling.critical.count), dtype=bool)
+        active[STRUT_VELOCITY], active[STRUT_ACCELERATION] = self.sampling.struts
+        return active
+
+    def constraints(self, active: NDArray[np.bool_]) -> Constraints:
+        """All linear rows, and the non-linear limits where `active`, shape (limits, K), is set.
+
+        CasADi's own Jacobian of the same rows takes ten times as long: it does not see that a limit depends on one
+        state only. Here it is the block-diagonal derivative by the states times that of the states.
+        """
+        zeros, rows = self.sampling.zeros, self.sampling.rows
+        lower = np.r_[np.zeros(zeros.shape[0]), -np.ones(rows.shape[0])]
+        values, jacobians = [zeros, rows], [ca.jacobian(zeros, self.unknowns), ca.jacobian(rows, self.unknowns)]
         columns = np.flatnonzero(active.any(axis=0))
-        if not len(columns):
-            return self.rows
-        values = ca.vec(self.strut_motion(self.unknowns)[:, columns.tolist()])
-        return ca.vertcat(self.rows, values[np.flatnonzero(active[:, columns].T).tolist()])
+        if len(columns):
+            some = [m[:, columns.tolist()] for m in self.sampling.critical.each]
+            count, height = len(columns), self.state_limits.shares.size1_out(0)
+            chosen = np.flatnonzero(active[:, columns].T).tolist()
+            blocks = ca.diagcat(*[ca.Sparsity.dense(height, 18)] * count)
+            by_states = ca.MX(blocks, ca.vec(self.state_limits.jacobian.map(count)(*some)))
+            states = ca.jacobian(ca.vec(ca.vertcat(*some)), self.unknowns)
+            values.append(ca.vec(self.state_limits.shares.map(count)(*some))[chosen])
+            jacobians.append(by_states[chosen, :] @ states)
+            lower = np.r_[lower, -np.ones(len(chosen))]
+        return Constraints(ca.vertcat(*values), ca.vertcat(*jacobians), lower, -lower)
+
+    def worst(self) -> Callable[[Array], float]:
+        """The largest share of any limit that unknowns use."""
+        rows = ca.Function("rows", [self.unknowns], [self.sampling.rows])
+        return lambda values: max(float(np.abs(rows(values).full()).max()), float(self.limit_shares(values).max()))
 
 
-def strut_shares(problem: Problem, unknowns: Array) -> Array:
-    """Share of each strut limit that is used at each sample of the grid, shape (18, K)."""
-    return np.asarray(np.abs(problem.strut_motion(unknowns).full()))
-
-
-def build_problem(case: Case, model: Model, family: LinearFamily, scaling: Array) -> Problem:
+def build_problem(case: Case, model: Model, family: Family, scaling: Array) -> Problem:
     """Builds the program.
 
     Args:
@@ -83,40 +120,10 @@ def build_problem(case: Case, model: Model, family: LinearFamily, scaling: Array
         family: what the unknowns mean.
         scaling: reference scaling, shape (u,).
     """
-    machine, workspace, limits = case.need_machine("planning")
-    box = limits.motion
-    half, middle = (box.pose[1] - box.pose[0]) / 2, (box.pose[1] + box.pose[0]) / 2
-    maps = [ca.sparsify(ca.DM(m)) for m in family.maps()]
-    count = maps[0].shape[0]
-    unknowns = ca.MX.sym("unknowns", family.unknowns * 6)
-    table = ca.reshape(unknowns, 6, family.unknowns).T
-    shares = [m @ table for m in maps]  # (K, 6) in half widths of the box
-    to_si = ca.diag(ca.DM(half))
-    pose = shares[0] @ to_si + ca.repmat(ca.DM(machine.home.vector + middle).T, count, 1)
-    samples = (pose.T, (shares[1] @ to_si).T, (shares[2] @ to_si).T)
-
-    mean = ca.sum2(sample_information(model, scaling).map(count)(*samples)) / count
-    objective = -log_determinant(len(scaling))(mean) / len(scaling)
-
-    rows = [ca.vec(shares[0])]
-    reached = np.ones(6)  # what is known to bound the derivative before, in half widths
-    for share, limit in zip(shares[1:], (box.rate, box.acceleration, box.jerk), strict=True):
-        reached = family.growth() * reached
-        own = limit / half
-        needed = np.flatnonzero(reached > own).tolist()
-        reached = np.minimum(reached, own)
-        if needed:
-            rows.append(ca.vec((share @ ca.diag(ca.DM(1.0 / own)))[:, needed]))
-
-    length, velocity, acceleration = Hexapod.of(case).strut_motion.map(count)(*samples)
-    shortest = max(box.strut_length[0], workspace.strut_length[0])
-    longest = min(box.strut_length[1], workspace.strut_length[1])
-    struts = ca.vertcat(
-        (length - (longest + shortest) / 2) / ((longest - shortest) / 2),
-        velocity / box.strut_velocity_m_s,
-        acceleration / box.strut_acceleration_m_s2,
-    )
-    return Problem(unknowns, objective, ca.vertcat(*rows), ca.Function("struts", [unknowns], [struts]))
+    sampling = family.sampling(case)
+    states = sampling.states
+    information = sample_information(model, scaling).map(states.count)(*states.each) @ sampling.shares
+    return Problem(sampling, information, state_limits(case), len(scaling))
 
 
 def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:

@@ -11,6 +11,7 @@ import typer
 
 from cases.errors import HexciteError
 from planner.cli import bound, cases, demo, export, force, identify, plan, post, run
+from planner.interruption import Interrupted, ctrl_c_raises
 
 app = typer.Typer(
     name="hexcite",
@@ -38,10 +39,11 @@ app.command("demo")(demo.demo)
 def main() -> None:
     """Entry point: 0 done, 1 one line on stderr says why not, 2 wrong usage, 130 interrupted."""
     try:
-        app()
+        with ctrl_c_raises():
+            app()
     except HexciteError as error:
         _stop(str(error))
-    except KeyboardInterrupt:
+    except Interrupted:
         print("hexcite: interrupted; nothing was written", file=sys.stderr)
         sys.exit(130)
     except Exception as error:  # a bug of ours: still no traceback unless asked for

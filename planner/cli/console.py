@@ -1,9 +1,9 @@
 """What commands print: one JSON object, or tables for people; progress goes to stderr, and only to a terminal."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 import typer
 
@@ -34,9 +34,17 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
     console.print(table)  # a narrow terminal folds lines; numbers are never cut off
 
 
+class Count(Protocol):
+    """Shows a remark and counts steps up."""
+
+    def __call__(self, remark: str, steps: int = 1) -> None:
+        """Shows `remark`, goes on by `steps`."""
+        ...
+
+
 @contextmanager
-def progress(text: str, total: int, quiet: bool) -> Iterator[Callable[[str], None]]:
-    """A progress bar on stderr where that is a terminal; yields a function that counts one up and shows a remark."""
+def progress(text: str, total: int, quiet: bool) -> Iterator[Count]:
+    """A progress bar on stderr where that is a terminal; yields a function that counts up and shows a remark."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -46,8 +54,8 @@ def progress(text: str, total: int, quiet: bool) -> Iterator[Callable[[str], Non
     with Progress(*columns, console=console, disable=hidden, transient=True) as bar:
         task = bar.add_task(text, total=total)
 
-        def count(remark: str) -> None:
-            bar.update(task, advance=1, description=f"{text} {remark}")
+        def count(remark: str, steps: int = 1) -> None:
+            bar.update(task, advance=steps, description=f"{text} {remark}")
 
         yield count
 

@@ -37,8 +37,8 @@ def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, qu
     from planner.cli.post import check_program, make_program, show_check
     from planner.cli.run import make_recording
     from planner.comparison import truth_rows
-    from planner.planning import Request
     from planner.report import demo_page
+    from planner.request import Request
     from planner.running import best_controller
 
     def step(number: int, text: str) -> None:

@@ -1,68 +1,94 @@
 """`hexcite plan`: optimises an excitation and writes a plan folder."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, progress, status
 
-Out = Annotated[Path | None, typer.Option("-o", "--output", help="Folder to write; named after the case by default.")]
+if TYPE_CHECKING:
+    from planner.request import Request
+
+Out = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Folder to write; named after case and family by default.")
+]
 
 
 def plan(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    family: Annotated[str, typer.Option(help="Family of motions: fourier.")] = "fourier",
-    criterion: Annotated[str, typer.Option(help="What to optimise: D.")] = "D",
-    order: Annotated[int, typer.Option(help="Harmonics of the Fourier series.")] = 5,
-    period: Annotated[float, typer.Option(help="Period of the Fourier series in s.")] = 3.0,
-    duration: Annotated[float, typer.Option(help="Whole duration in s, a multiple of the period.")] = 12.0,
+    family: Annotated[str, typer.Option(help="Family of motions: fourier, ptp.")] = "fourier",
+    criterion: Annotated[str, typer.Option(help="What to optimise, Table 4: A, D, K, N.")] = "D",
+    solver: Annotated[str, typer.Option(help="ipopt, sqp (active set) or slsqp.")] = "ipopt",
+    duration: Annotated[float, typer.Option(help="Whole duration in s; for fourier a multiple of the period.")] = 12.0,
+    order: Annotated[int, typer.Option(help="fourier: harmonics, 2 to 7.")] = 5,
+    period: Annotated[float, typer.Option(help="fourier: period in s.")] = 3.0,
+    moves: Annotated[int, typer.Option(help="ptp: point-to-point moves, 8 to 64.")] = 40,
     model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
     starts: Annotated[int, typer.Option(help="Random starts.")] = 8,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
     output: Out = None,
     json: Json = False,
 ) -> None:
-    """Find the most informative motion inside the machine's limits."""
-    from cases.errors import HexciteError
-    from planner.planning import Request
+    """Find the most informative motion inside the machine's limits.
 
-    if family != "fourier":
-        raise HexciteError(f"family {family!r} is not available; choose fourier")
-    request = Request(case, criterion, order, period, duration, model, starts, seed)
+    Ctrl-C ends the search and keeps the best motion found so far; a second one gives up.
+    """
+    from planner.request import Request
+
+    request = Request(
+        case,
+        family=family,
+        criterion=criterion,
+        solver=solver,
+        model=model,
+        duration=duration,
+        order=order,
+        period=period,
+        moves=moves,
+        starts=starts,
+        seed=seed,
+    )
     answer = make_plan(request, output, quiet=json)
     if json:
         print_json(answer)
 
 
-def make_plan(request: Any, output: Path | None, quiet: bool) -> dict[str, Any]:
+def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str, Any]:
     """Plans, saves, prints unless `quiet`; returns the JSON answer."""
+    from cases.files import PLAN, check_folder
     from cases.loading import find_case, load_case
+    from planner import planning
+    from planner.parallel import Listener, News
     from planner.plan import save_plan
-    from planner.planning import plan_fourier
-    from planner.solving import REFINED, Start
+    from planner.solving import Failed, Start
 
     loaded = load_case(request.case_file)
     loaded.need_machine("planning")
-    folder = output if output is not None else Path(f"{loaded.name}-fourier")
+    folder = output if output is not None else Path(f"{loaded.name}-{request.family}")
+    check_folder(folder, PLAN)
     case_file = request.case_file
     if find_case(case_file).is_relative_to(Path.cwd()) or Path(case_file).exists():
         case_file = str(find_case(case_file).resolve())  # found again from any folder
-    total = request.starts + min(REFINED, request.starts)
     best = -float("inf")
     if not quiet:
         print(
-            f"Planning for {loaded.name}: order {request.order}, {request.duration:g} s, model {request.model}, D",
+            f"Planning for {loaded.name}: {request.family}, {request.duration:g} s, model {request.model}, "
+            f"criterion {request.criterion}",
             flush=True,
         )
-    with progress("optimising", total, quiet) as count:
+    with progress("optimising", request.starts + min(planning.REFINED, request.starts), quiet) as count:
 
-        def done(start: Start) -> None:
+        def done(start: Start | Failed) -> None:
             nonlocal best
-            best = max(best, start.objective)
-            count(f"best log det {best:.2f}")
+            if isinstance(start, Start):
+                best = max(best, start.score)
+            count(f"best {request.criterion} {best:.4g}")
 
-        result = plan_fourier(request, loaded, case_file, done)
+        def news(word: News) -> None:
+            count(f"best {request.criterion} {best:.4g}, iteration {word.iterations} at {word.objective:.4g}", 0)
+
+        result = planning.make(request, loaded, case_file, Listener(done, news))
     with status("writing", quiet):
         save_plan(result, folder)
     answer = {"plan": str(folder)} | result.to_json()
@@ -73,12 +99,16 @@ def make_plan(request: Any, output: Path | None, quiet: bool) -> dict[str, Any]:
 
 def _show(answer: dict[str, Any]) -> None:
     rows = [
-        [str(s["seed"]), s["stage"], f"{s['start_logdet']:.3f}", f"{s['logdet']:.3f}", str(s["iterations"]),
-         f"{s['seconds']:.1f} s", s["solver"].replace("_", " ").lower()]
+        [str(s["seed"]), s["stage"], "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",
+         f"{s['logdet']:.3f}", f"{s['criterion_value']:.4g}", str(s["iterations"]), f"{s['seconds']:.1f} s", s["solver"]]
         for s in answer["starts"]
     ]  # fmt: skip
-    print_table("Starts, best first (log det of the mean information, reference scaling)",
-                ("seed", "stage", "at start", "at end", "iterations", "time", "solver"), rows)  # fmt: skip
+    columns = ("seed", "stage", "at start", "at end", answer["criterion"], "iterations", "time", "solver")
+    print_table("Starts, best first (log det of the mean information and criterion, reference scaling)", columns, rows)
+    for failed in answer["failed_starts"]:
+        print(f"start {failed['seed']} led nowhere: {failed['reason']}")
+    if answer["interrupted"]:
+        print("stopped by Ctrl-C: this is the best of what was found until then")
     print_table("Limits, proven at 10 kHz in NumPy", LIMIT_COLUMNS, limit_rows(answer["limits"]))
     kind = "certified" if answer["bound"]["certified"] else "an estimate"
     print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")

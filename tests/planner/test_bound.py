@@ -16,7 +16,7 @@ from planner.bound import GAP, Bound, compute_bound
 from planner.bounds.certificate import BoxDerivative, first_cells
 from planner.bounds.design import Design, improved_weights, optimal_design
 from planner.bounds.features import box_features
-from planner.fourier import FourierFamily
+from planner.families.fourier import FourierFamily
 from planner.problem import mean_information
 from tests.postprocessors.changed_case import changed
 

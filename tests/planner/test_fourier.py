@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.fourier import FourierFamily, FourierMotion, resting_basis
+from planner.families.fourier import FourierFamily, FourierMotion, resting_basis
 from tests.helpers import HOME, taylor_slope
 
 HALF = np.array([0.25, 0.25, 0.1, 0.35, 0.35, 0.35])

@@ -8,7 +8,7 @@ import pytest
 from cases.errors import CaseError, HexciteError, InfeasiblePlan, ProgramError
 from cases.schema import Case
 from identification.model import identification_model
-from planner.fourier import FourierFamily
+from planner.families.fourier import FourierFamily
 from planner.solving import REFINE, Task, keep_limits, run_start
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed

@@ -10,7 +10,7 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model, identification_model
 from identification.reference import reference_scaling, uniform_states
-from planner.fourier import FourierFamily
+from planner.families.fourier import FourierFamily
 from planner.information import log_determinant, sample_information
 from planner.problem import Problem, build_problem, mean_information
 from tests.helpers import taylor_slope

@@ -11,7 +11,7 @@ from identification.evaluate import over_samples
 from identification.limits import prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
-from planner.fourier import FourierFamily, FourierMotion
+from planner.families.fourier import FourierFamily, FourierMotion
 from planner.plan import SavedPlan
 from planner.problem import build_problem, mean_information
 from planner.solving import EXPLORE, REFINE, keep_limits, random_start

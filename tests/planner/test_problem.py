@@ -8,7 +8,7 @@ from cases.schema import Case
 from identification.limits import prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
-from planner.fourier import FourierFamily
+from planner.families.fourier import FourierFamily
 from planner.problem import Problem, build_problem, strut_shares
 from planner.solving import START_SHARE, keep_limits, random_start, seeds_of
 from tests.postprocessors.independent import strut_lengths

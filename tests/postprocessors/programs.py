@@ -10,7 +10,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.limits import prove
 from identification.profile import StraightMove
-from planner.fourier import FourierFamily
+from planner.families.fourier import FourierFamily
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger, timed_path

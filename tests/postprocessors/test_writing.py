@@ -8,7 +8,7 @@ import pytest
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.limits import prove
-from planner.fourier import FourierFamily, FourierMotion
+from planner.families.fourier import FourierFamily, FourierMotion
 from postprocessors.dialects import dialect, dialect_of_file
 from postprocessors.program import TimedPath
 from postprocessors.reading.linuxcnc import read_linuxcnc

@@ -6,15 +6,23 @@ standstill with bounded jerk starts without acceleration). The coefficients are 
 space of these two rows, and no constraint is left to a solver.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import null_space
 
+from cases.schema import Case
 from identification.motion import Motion
+from planner.families.family import Sampling
+from planner.families.linear import linear_sampling
 
 Array = NDArray[np.float64]
+
+START_SHARE = 0.8  # random starts use this share of the tightest limit: significantly different from zero, inside
+COARSE, FINE = 12, 16  # instants of the optimiser's grid in one period of the highest harmonic
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +75,7 @@ def resting_basis(order: int) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class FourierFamily:
-    """All Fourier motions of one order and period around home.
+    """All Fourier motions of one order and period.
 
     Unknowns are `q = 2 N - 1` numbers for each coordinate: amplitudes in units of the pose limits.
 
@@ -75,27 +83,49 @@ class FourierFamily:
         order: N, from 2 (order 1 cannot rest) to 7.
         period: [s].
         repeats: number of periods.
-        home: centre of the box, shape (6,) [m, rad].
-        amplitude: half width of the box, shape (6,) [m, rad].
+        middle: middle of the box of poses, shape (6,) [m, rad].
+        half: half of its width, shape (6,) [m, rad].
         density: instants of the optimiser's grid in one period of the highest harmonic.
     """
 
     order: int
     period: float
     repeats: int
-    home: Array
-    amplitude: Array
+    middle: Array
+    half: Array
     density: int
+
+    @property
+    def name(self) -> str:
+        """As the command line calls it."""
+        return "fourier"
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Order, period and number of periods."""
+        return {"order": self.order, "period_s": self.period, "repeats": self.repeats}
+
+    def sampling(self, case: Case) -> Sampling:
+        """The motion as expressions."""
+        return linear_sampling(case, self)
+
+    def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
+        """Random unknowns well inside the limits."""
+        unknowns = draw.normal(size=self.unknowns * 6)
+        return np.asarray(unknowns * START_SHARE / worst(unknowns))
+
+    def shrunk(self, unknowns: Array, share: float) -> Array:
+        """Smaller about the middle of the box."""
+        return unknowns * share
+
+    def refined(self, unknowns: Array) -> "FourierFamily":
+        """On a finer grid."""
+        return replace(self, density=FINE)
 
     @property
     def unknowns(self) -> int:
         """Unknowns of each coordinate."""
         return 2 * self.order - 1
-
-    @property
-    def span(self) -> float:
-        """Duration of what repeats [s]."""
-        return self.period
 
     @property
     def grid(self) -> Array:
@@ -117,13 +147,17 @@ class FourierFamily:
     def _coefficients(self, unknowns: Array) -> tuple[Array, Array, Array]:
         w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
         # Unknowns of the basis are a_l / w_1 and so on in units of the box: all of order one.
-        values = resting_basis(self.order) @ unknowns.reshape(self.unknowns, 6) * self.amplitude
+        values = resting_basis(self.order) @ unknowns.reshape(self.unknowns, 6) * self.half
         return values[0], values[1 : self.order + 1] * w[0], values[self.order + 1 :] * w[0]
 
     def motion(self, unknowns: Array) -> FourierMotion:
         """The motion of the unknowns, shape (q * 6,), row by row."""
         centre, a, b = self._coefficients(unknowns)
-        return FourierMotion(self.home + centre, a, b, self.period, self.repeats)
+        return FourierMotion(self.middle + centre, a, b, self.period, self.repeats)
+
+    def limit_maps(self) -> tuple[Array, Array, Array, Array]:
+        """Limits are held on the grid; see `grid`."""
+        return self.maps()
 
     def maps(self) -> tuple[Array, Array, Array, Array]:
         """Linear maps, each (K, q): unknowns of a coordinate -> it and its derivatives on the grid, in half widths."""

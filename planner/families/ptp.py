@@ -1,0 +1,210 @@
+"""Point-to-point excitation: straight moves in the six coordinates, each from rest to rest under seven segments.
+
+Unknowns are the waypoints and three times of each move: of a segment with jerk, of constant acceleration, of constant
+velocity. With D the way of a coordinate and tj, th, tc these times its largest velocity is D / (2 tj + th + tc), its
+largest acceleration that over (tj + th), its largest jerk that over tj: limits hold for all t and are 18 rows a move.
+The motion is closed: the last move ends where the first begins.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from identification.motion import Joined
+from identification.profile import Profile, StraightMove, fastest_profile
+from planner.families.family import Sampling, States, box_middle
+
+Array = NDArray[np.float64]
+
+FEWEST, MOST = 8, 64  # moves
+SHORTEST_PHASE = 3  # controller cycles; a shorter phase is absent
+LONGEST_PHASE = 4.0  # mean durations of a move
+GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # two points integrate what is cubic in time exactly: jerk phases squared
+START_WIDTH = 0.9  # waypoints of random starts lie within this share of the box
+BISECTIONS = 30
+TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
+
+
+def _profile_state(time: ca.SX, times: tuple[ca.SX, ...], phase: int) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Share of the way, velocity and acceleration at a time after the start of a phase (0 to 6) of a unit move."""
+    tj, th, tc = times
+    jerk = 1 / (tj * (tj + th) * (2 * tj + th + tc))
+    lengths = (tj, th, tj, tc, tj, th, tj)
+    signs = (1, 0, -1, 0, -1, 0, 1)
+    s, v, a = ca.SX(0), ca.SX(0), ca.SX(0)
+    for k in range(phase + 1):
+        tau, j = (time if k == phase else lengths[k]), signs[k] * jerk
+        s, v, a = s + v * tau + a * tau**2 / 2 + j * tau**3 / 6, v + a * tau + j * tau**2 / 2, a + j * tau
+    return s, v, a
+
+
+def _states_of_move(points: tuple[tuple[int, float], ...]) -> ca.Function:
+    """(start, end, three times) -> pose, rates, accelerations, each (6, S), at shares of phases."""
+    start, end, times = ca.SX.sym("start", 6), ca.SX.sym("end", 6), ca.SX.sym("times", 3)
+    tj, th, tc = times[0], times[1], times[2]
+    lengths = (tj, th, tj, tc, tj, th, tj)
+    way = end - start
+    pose, rates, accelerations = [], [], []
+    for phase, share in points:
+        s, v, a = _profile_state(share * lengths[phase], (tj, th, tc), phase)
+        pose.append(start + s * way)
+        rates.append(v * way)
+        accelerations.append(a * way)
+    outputs = [ca.horzcat(*columns) for columns in (pose, rates, accelerations)]
+    return ca.Function("states_of_move", [start, end, times], outputs, {"cse": True})
+
+
+_INFORMATION_POINTS = tuple((phase, share) for phase in range(7) for share in (GAUSS, 1 - GAUSS))
+# Where velocities and accelerations have their peaks: both ends of each phase of constant acceleration, mid-cruise.
+_HOLDS = ((0, 1.0), (1, 1.0), (5, 0.0), (5, 1.0))
+_CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:])
+
+
+@dataclass(frozen=True, slots=True)
+class PointToPointFamily:
+    """Closed sequences of rest-to-rest moves.
+
+    Args:
+        moves: 8 to 64.
+        duration: of all moves together [s].
+        cycle: of the controller [s].
+        middle: middle of the box of poses, shape (6,) [m, rad].
+        half: half of its width, shape (6,) [m, rad].
+        limits: of rates, accelerations and jerks, shape (3, 6).
+        absent: phases of constant acceleration and of constant velocity that are left out, shape (moves, 2); others
+            last at least three controller cycles. None while that is open.
+    """
+
+    moves: int
+    duration: float
+    cycle: float
+    middle: Array
+    half: Array
+    limits: Array
+    absent: NDArray[np.bool_] | None = None
+
+    @classmethod
+    def of(cls, case: Case, moves: int, duration: float) -> "PointToPointFamily":
+        """The family of a case.
+
+        Raises:
+            CaseError: the case has no machine, limits or controller.
+        """
+        middle, half = box_middle(case)
+        box = case.need_machine("planning")[2].motion
+        cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
+        return cls(moves, duration, cycle, middle, half, np.array([box.rate, box.acceleration, box.jerk]))
+
+    @property
+    def name(self) -> str:
+        """As the command line calls it."""
+        return "ptp"
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Number of moves and duration."""
+        return {"moves": self.moves, "duration_s": self.duration}
+
+    @property
+    def unit(self) -> float:
+        """Mean duration of a move, in which times are counted [s]."""
+        return self.duration / self.moves
+
+    def split(self, unknowns: Array) -> tuple[Array, Array]:
+        """Waypoints in half widths, shape (moves, 6), and times in units of a mean move, shape (moves, 3)."""
+        return unknowns[: 6 * self.moves].reshape(self.moves, 6), unknowns[6 * self.moves :].reshape(self.moves, 3)
+
+    def sampling(self, case: Case) -> Sampling:
+        """The motion as expressions."""
+        count = self.moves
+        unknowns = ca.MX.sym("unknowns", 9 * count)
+        points = ca.reshape(unknowns[: 6 * count], 6, count)
+        times = ca.reshape(unknowns[6 * count :], 3, count)
+        ends = ca.horzcat(points[:, 1:], points[:, 0])
+        to_si = ca.diag(ca.DM(self.half))
+
+        def states(places: tuple[tuple[int, float], ...]) -> States:
+            offset = ca.repmat(ca.DM(self.middle), 1, count)
+            start, end = to_si @ points + offset, to_si @ ends + offset
+            return States(*_states_of_move(places).map(count)(start, end, times * self.unit))
+
+        tj, th, tc = times[0, :], times[1, :], times[2, :]
+        velocity = (ends - points) / ca.repmat(2 * tj + th + tc, 6, 1)
+        acceleration = velocity / ca.repmat(tj + th, 6, 1)
+        jerk = acceleration / ca.repmat(tj, 6, 1)
+        rows = [
+            ca.vec(ca.diag(ca.DM(self.half / limit / self.unit**order)) @ peak)
+            for order, (peak, limit) in enumerate(
+                zip((velocity, acceleration, jerk), self.limits, strict=True), start=1
+            )
+        ]
+        lengths = ca.vertcat(tj, th, tj, tc, tj, th, tj)
+        shares = ca.vec(ca.kron(lengths, ca.DM.ones(2, 1))) / (2 * count)
+        total = ca.sum2(4 * tj + 2 * th + tc) / count
+        lower, upper = self._time_bounds()
+        edge = np.ones(6 * count)
+        return Sampling(
+            unknowns=unknowns,
+            lower=np.r_[-edge, lower.ravel()],
+            upper=np.r_[edge, upper.ravel()],
+            states=states(_INFORMATION_POINTS),
+            shares=shares,
+            rows=ca.vertcat(*rows),
+            zeros=total - 1,
+            critical=states(_CRITICAL_POINTS),
+            struts=np.tile(
+                [[phase == 3 for phase, _ in _CRITICAL_POINTS], [p in _HOLDS for p in _CRITICAL_POINTS]], count
+            ),
+        )
+
+    def _time_bounds(self) -> tuple[Array, Array]:
+        shortest = SHORTEST_PHASE * self.cycle / self.unit
+        lower, upper = np.zeros((self.moves, 3)), np.full((self.moves, 3), LONGEST_PHASE)
+        lower[:, 0] = shortest
+        if self.absent is not None:
+            lower[:, 1:] = np.where(self.absent, 0.0, shortest)
+            upper[:, 1:] = np.where(self.absent, 0.0, LONGEST_PHASE)
+        return lower, upper
+
+    def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
+        """Random waypoints, drawn together until the fastest moves between them take the duration."""
+        directions = draw.uniform(-START_WIDTH, START_WIDTH, (self.moves, 6))
+        small, large = 0.0, 1.0
+        for _ in range(BISECTIONS):
+            width = (small + large) / 2
+            times = self._fastest_times(width * directions)
+            longer = float((times @ [4.0, 2.0, 1.0]).sum()) > self.duration
+            small, large = (small, width) if longer else (width, large)
+        points = small * directions
+        times = self._fastest_times(points)
+        times *= self.duration / (times @ [4.0, 2.0, 1.0]).sum()
+        return np.r_[points.ravel(), times.ravel() / self.unit]
+
+    def _fastest_times(self, points: Array) -> Array:
+        ways = np.abs(np.roll(points, -1, axis=0) - points) * self.half
+        limits = np.min(self.limits[:, None, :] / np.maximum(ways, TINY), axis=2)
+        return np.array([fastest_profile(1.0, *limits[:, k])[1:] for k in range(self.moves)])
+
+    def motion(self, unknowns: Array) -> Joined:
+        """The motion of unknowns of shape (9 * moves,)."""
+        points, times = self.split(unknowns)
+        poses = self.middle + points * self.half
+        moves = []
+        for start, end, (tj, th, tc) in zip(poses, np.roll(poses, -1, axis=0), times * self.unit, strict=True):
+            jerk = 1.0 / (tj * (tj + th) * (2 * tj + th + tc))
+            moves.append(StraightMove(start, end, Profile(float(jerk), float(tj), float(th), float(tc))))
+        return Joined(tuple(moves))
+
+    def shrunk(self, unknowns: Array, share: float) -> Array:
+        """Waypoints drawn towards the middle at equal times."""
+        return np.r_[unknowns[: 6 * self.moves] * share, unknowns[6 * self.moves :]]
+
+    def refined(self, unknowns: Array) -> "PointToPointFamily":
+        """Phases that are too short for the controller are left out from now on, or last three cycles."""
+        phases = self.split(unknowns)[1][:, 1:] * self.unit
+        return replace(self, absent=phases < SHORTEST_PHASE / 2 * self.cycle)

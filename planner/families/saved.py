@@ -1,0 +1,104 @@
+"""Motions of plans as JSON and back: series, moves and polynomial pieces, with SI units in the keys."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identification.motion import Joined, Standstill, Trajectory
+from identification.profile import Profile, StraightMove
+from planner.families.fourier import FourierMotion
+
+Array = NDArray[np.float64]
+
+
+def motion_entries(motion: Trajectory) -> dict[str, Any]:
+    """Entries of `plan.json` that hold a motion.
+
+    Raises:
+        TypeError: no motion of a family.
+    """
+    if isinstance(motion, FourierMotion):
+        return {
+            "fourier": {
+                "period_s": motion.period,
+                "repeats": motion.repeats,
+                "centre_m_rad": motion.centre.tolist(),
+                "a_m_s_rad_s": motion.a.tolist(),
+                "b_m_s_rad_s": motion.b.tolist(),
+            }
+        }
+    if isinstance(motion, Joined):
+        return {"moves": [_part(part) for part in motion.parts]}
+    raise TypeError(f"no entry for {type(motion).__name__}")
+
+
+def _part(part: Trajectory) -> dict[str, Any]:
+    if isinstance(part, StraightMove):
+        return {
+            "kind": "straight",
+            "start_m_rad": part.start.tolist(),
+            "end_m_rad": part.end.tolist(),
+            "jerk_time_s": part.profile.jerk_time,
+            "hold_time_s": part.profile.hold_time,
+            "cruise_time_s": part.profile.cruise_time,
+        }
+    if isinstance(part, Standstill):
+        return {"kind": "pause", "pose_m_rad": part.pose.tolist(), "duration_s": part.duration}
+    raise TypeError(f"no entry for {type(part).__name__}")
+
+
+def motion_of_entries(data: dict[str, Any]) -> Trajectory:
+    """The motion of `plan.json`.
+
+    Raises:
+        KeyError: no motion there, or an entry is missing.
+        TypeError: an entry of the wrong kind.
+        ValueError: an entry that describes no motion.
+    """
+    if "fourier" in data:
+        return _fourier(data["fourier"])
+    if "moves" in data:
+        parts = tuple(_read_part(entry) for entry in data["moves"])
+        if not parts:
+            raise ValueError("moves")
+        ends = [np.asarray(part.at([0.0, part.duration]).pose) for part in parts]
+        if any(np.abs(before[1] - after[0]).max() > 1e-9 for before, after in zip(ends, ends[1:], strict=False)):
+            raise ValueError("moves")
+        return Joined(parts)
+    raise KeyError("fourier or moves")
+
+
+def _numbers(entry: dict[str, Any], key: str, *shape: int) -> Array:
+    value = np.array(entry[key], dtype=float)
+    if value.shape != shape or not np.isfinite(value).all():
+        raise ValueError(key)
+    return value
+
+
+def _positive(entry: dict[str, Any], key: str, zero: bool = False) -> float:
+    value = float(entry[key])
+    if not (np.isfinite(value) and (value > 0.0 or (zero and value == 0.0))):
+        raise ValueError(key)
+    return value
+
+
+def _fourier(entry: dict[str, Any]) -> FourierMotion:
+    order = len(entry["a_m_s_rad_s"])
+    repeats = int(entry["repeats"])
+    if order < 1 or repeats < 1:
+        raise ValueError("a_m_s_rad_s" if order < 1 else "repeats")
+    a, b = (_numbers(entry, key, order, 6) for key in ("a_m_s_rad_s", "b_m_s_rad_s"))
+    return FourierMotion(_numbers(entry, "centre_m_rad", 6), a, b, _positive(entry, "period_s"), repeats)
+
+
+def _read_part(entry: dict[str, Any]) -> Trajectory:
+    if entry["kind"] == "straight":
+        tj = _positive(entry, "jerk_time_s")
+        th, tc = (_positive(entry, key, zero=True) for key in ("hold_time_s", "cruise_time_s"))
+        jerk = 1.0 / (tj * (tj + th) * (2 * tj + th + tc))
+        start, end = (_numbers(entry, key, 6) for key in ("start_m_rad", "end_m_rad"))
+        return StraightMove(start, end, Profile(jerk, tj, th, tc))
+    if entry["kind"] == "pause":
+        return Standstill(_numbers(entry, "pose_m_rad", 6), _positive(entry, "duration_s"))
+    raise ValueError("kind")

@@ -1,0 +1,60 @@
+"""Ctrl-C: an exception that no library takes for its own, and a way to be told of the first one."""
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import current_thread, main_thread
+from types import FrameType
+
+
+class Interrupted(BaseException):
+    """Ctrl-C. Not a KeyboardInterrupt: the command-line library turns those into a word of its own."""
+
+
+def _raise(number: int, frame: FrameType | None) -> None:
+    raise Interrupted
+
+
+@contextmanager
+def ctrl_c_raises() -> Iterator[None]:
+    """Inside, Ctrl-C raises `Interrupted`; outside the main thread nothing changes."""
+    with _handling(_raise):
+        yield
+
+
+@contextmanager
+def first_ctrl_c_calls(stop: Callable[[], None]) -> Iterator[None]:
+    """Inside, the first Ctrl-C calls `stop`, the second raises `Interrupted`."""
+    told = False
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        nonlocal told
+        if told:
+            raise Interrupted
+        told = True
+        stop()
+
+    with _handling(handle):
+        yield
+
+
+@contextmanager
+def _handling(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    if current_thread() is not main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def ctrl_c_waits() -> Iterator[None]:
+    """Inside, Ctrl-C is held back; processes that are started inside never hear of it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,194 @@
+"""The solvers by name: IPOPT (interior point), SQP with an active-set method for its steps, SciPy's SLSQP.
+
+What a solver says of itself is recorded, never relied on: `planner.solving` rates what comes out. Each solver can be
+stopped between iterations and then returns what it has reached.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.problem import Constraints
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-4  # of an objective of order one: 0.01 % of a standard deviation; limited-memory IPOPT stalls below
+
+
+@dataclass(frozen=True)
+class Program:
+    """Minimise `objective` over `unknowns` within bounds and constraints.
+
+    Args:
+        unknowns: the symbol, shape (n,).
+        objective: an expression.
+        constraints: rows with their derivatives.
+        lower: of each unknown.
+        upper: of each unknown.
+    """
+
+    unknowns: ca.MX
+    objective: ca.MX
+    constraints: Constraints
+    lower: Array
+    upper: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """Where a solver ended.
+
+    Args:
+        unknowns: shape (n,).
+        status: its last words.
+        converged: whether it says that it is done.
+        iterations: taken.
+    """
+
+    unknowns: Array
+    status: str
+    converged: bool
+    iterations: int
+
+
+class Watch(Protocol):
+    """Is told of every iteration; says whether to stop."""
+
+    def __call__(self, objective: float) -> bool:
+        """Takes the objective of the iteration; true stops the solver."""
+        ...
+
+
+Solver = Callable[[Program, Array, int, Watch], Reached]
+
+
+class _Callback(ca.Callback):  # type: ignore[misc]
+    """CasADi's iteration callback around a `Watch`; an exception in it would be swallowed by IPOPT."""
+
+    def __init__(self, size: int, rows: int, watch: Watch) -> None:
+        super().__init__()
+        self.size, self.rows, self.watch = size, rows, watch
+        self.construct("watch", {})
+
+    def get_n_in(self) -> int:
+        return int(ca.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, k: int) -> str:
+        return str(ca.nlpsol_out(k))
+
+    def get_name_out(self, k: int) -> str:
+        return "stop"
+
+    def get_sparsity_in(self, k: int) -> Any:
+        name = ca.nlpsol_out(k)
+        rows = {"f": 1, "x": self.size, "lam_x": self.size, "g": self.rows, "lam_g": self.rows}.get(name, 0)
+        return ca.Sparsity.dense(rows, 1 if rows else 0)
+
+    def eval(self, arguments: list[Any]) -> list[float]:
+        return [float(self.watch(float(arguments[1])))]
+
+
+def _casadi(plugin: str, options: dict[str, Any]) -> Solver:
+    def solve(program: Program, start: Array, iterations: int, watch: Watch) -> Reached:
+        x, c = program.unknowns, program.constraints
+        p = ca.MX.sym("p", 0)
+        jacobian = ca.Function("nlp_jac_g", [x, p], [c.rows, c.jacobian], ["x", "p"], ["g", "jac_g_x"])
+        callback = _Callback(x.shape[0], c.rows.shape[0], watch)
+        common = {"jac_g": jacobian, "iteration_callback": callback, "print_time": False, "show_eval_warnings": False}
+        limit = (
+            {"ipopt": {**options, "max_iter": iterations}} if plugin == "ipopt" else {**options, "max_iter": iterations}
+        )
+        solver = ca.nlpsol("solver", plugin, {"x": x, "f": program.objective, "g": c.rows}, {**common, **limit})
+        answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=c.lower, ubg=c.upper)
+        stats = solver.stats()
+        return Reached(
+            answer["x"].full()[:, 0],
+            str(stats["return_status"]).replace("_", " ").lower(),
+            bool(stats["success"]),
+            int(stats["iter_count"]),
+        )
+
+    return solve
+
+
+_IPOPT = {
+    "hessian_approximation": "limited-memory",  # FACTS: AD's exact Hessian costs 1.7 s an evaluation
+    "limited_memory_max_history": 40,  # with the default of 6 half of the runs end in the iteration limit
+    "tol": TOLERANCE,
+    "print_level": 0,
+    "sb": "yes",
+}
+_SQP = {
+    "qpsol": "daqp",
+    "qpsol_options": {"error_on_fail": False},
+    "hessian_approximation": "limited-memory",
+    "tol_du": TOLERANCE,
+    "tol_pr": TOLERANCE,
+    "print_header": False,
+    "print_iteration": False,
+    "print_status": False,
+    "error_on_fail": False,
+}
+
+
+class _Stopped(Exception):
+    """Leaves SciPy's solver from its callback."""
+
+
+def _slsqp(program: Program, start: Array, iterations: int, watch: Watch) -> Reached:
+    from scipy.optimize import minimize
+
+    x, c = program.unknowns, program.constraints
+    value = ca.Function("value", [x], [program.objective, ca.densify(ca.gradient(program.objective, x))])
+    rows = ca.Function("rows", [x], [c.rows])
+    slopes = ca.Function("slopes", [x], [c.jacobian])
+    equal = np.flatnonzero(c.lower == c.upper)
+    bounded = np.flatnonzero(c.lower != c.upper)
+    taken, latest = 0, start
+
+    def objective(at: Array) -> tuple[float, Array]:
+        f, g = value(at)
+        return float(f), g.full()[:, 0]
+
+    def both_sides(at: Array) -> Array:
+        g = rows(at).full()[bounded, 0]
+        return np.r_[c.upper[bounded] - g, g - c.lower[bounded]]
+
+    def both_slopes(at: Array) -> Array:
+        slope = slopes(at).full()[bounded]
+        return np.vstack([-slope, slope])
+
+    def count(at: Array) -> None:
+        nonlocal taken, latest
+        taken, latest = taken + 1, at.copy()
+        if watch(float(value(at)[0])):
+            raise _Stopped
+
+    constraints: list[dict[str, Any]] = [{"type": "ineq", "fun": both_sides, "jac": both_slopes}]
+    if len(equal):
+        constraints.append(
+            {
+                "type": "eq",
+                "fun": lambda at: rows(at).full()[equal, 0] - c.lower[equal],
+                "jac": lambda at: slopes(at).full()[equal],
+            }
+        )
+    bounds = None if np.isinf(program.lower).all() else list(zip(program.lower, program.upper, strict=True))
+    try:
+        done = minimize(
+            objective, start, jac=True, method="SLSQP", bounds=bounds, constraints=constraints, callback=count,
+            options={"maxiter": iterations, "ftol": TOLERANCE / 10},
+        )  # fmt: skip
+    except _Stopped:
+        return Reached(latest, "stopped", False, taken)
+    return Reached(np.asarray(done.x), str(done.message).lower(), bool(done.success), int(done.nit))
+
+
+SOLVERS: dict[str, Solver] = {"ipopt": _casadi("ipopt", _IPOPT), "sqp": _casadi("sqpmethod", _SQP), "slsqp": _slsqp}

@@ -1,0 +1,57 @@
+"""Limits that are non-linear in the pose coordinates, as CasADi expressions in units of themselves: struts and joints.
+
+They are kept where every component lies between -1 and 1. `identification.limits` proves the same limits by other means.
+"""
+
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from cases.schema import Case
+from cases.units import DEG
+from identification.hexapod import Hexapod
+
+STRUT_VELOCITY, STRUT_ACCELERATION = slice(6, 12), slice(12, 18)  # components of the shares
+
+
+class StateLimits(NamedTuple):
+    """Functions of (pose, rates, accelerations) of one state.
+
+    Args:
+        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity.
+        jacobian: their derivatives by all 18 components of the state.
+    """
+
+    shares: ca.Function
+    jacobian: ca.Function
+
+
+def state_limits(case: Case) -> StateLimits:
+    """The non-linear limits of a case.
+
+    Joint angles enter by their cosine, which is smooth at zero: (1 - cos angle) / (1 - cos limit).
+    """
+    _, workspace, limits = case.need_machine("planning")
+    box, hexapod = limits.motion, Hexapod.of(case)
+    pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
+    length, velocity, acceleration = hexapod.strut_motion.call([pose, rates, accelerations], True, False)
+    shortest = max(box.strut_length[0], workspace.strut_length[0])
+    longest = min(box.strut_length[1], workspace.strut_length[1])
+    at_base, at_platform = hexapod.joint_cosines.call([pose], True, False)
+    jacobian = hexapod.inverse_jacobian.call([pose], True, False)[1]
+    at_home = float(np.linalg.det(hexapod.inverse_jacobian(hexapod.home)[1].full()))
+    shares = ca.vertcat(
+        (length - (longest + shortest) / 2) / ((longest - shortest) / 2),
+        velocity / box.strut_velocity_m_s,
+        acceleration / box.strut_acceleration_m_s2,
+        (1 - at_base) / (1 - np.cos(workspace.base_joint_angle_deg * DEG)),
+        (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
+        1 - ca.det(jacobian) / at_home,
+    )
+    state = [pose, rates, accelerations]
+    jacobian = ca.densify(ca.jacobian(shares, ca.vertcat(*state)))
+    return StateLimits(
+        ca.Function("state_limits", state, [shares], {"cse": True}),
+        ca.Function("state_limits_jacobian", state, [jacobian], {"cse": True}),
+    )
