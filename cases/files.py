@@ -124,6 +124,10 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = ()) -> N
             raise FileProblem(f"{path}: exists and is no folder; choose another place with -o")
     except OSError as error:
         raise FileProblem(f"{path}: cannot be read ({_reason(error)}); choose another place with -o") from error
+    above = next(p for p in path.absolute().parents if os.path.lexists(p))
+    if held is None and not (above.is_dir() and os.access(above, os.W_OK | os.X_OK)):
+        reason = "permission denied" if above.is_dir() else f"{above} is no folder"
+        raise FileProblem(f"{path}: cannot be written ({reason}); choose another place with -o")
     if held and not held <= kind.contents:
         other = sorted(held - kind.contents)[0]
         raise FileProblem(f"{path}: is not {kind.name} of hexcite's (it holds {other}); choose another place with -o")

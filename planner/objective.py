@@ -34,8 +34,8 @@ def _inverse_factor(lower: ca.SX) -> ca.SX:
 def _log_norm(matrix: ca.SX, halvings: int) -> ca.SX:
     """Log of the p-norm of the eigenvalues of a positive definite matrix, p = 2^(halvings + 1): at least the largest.
 
-    trace(M^p) is the squared Frobenius norm of M^(p/2), which comes from squaring; each power is divided by its trace so
-    that nothing overflows.
+    trace(M^p) is the squared Frobenius norm of M^(p/2), which comes from squaring; each power is divided by its
+    trace so that nothing overflows.
     """
     log_scale, power = ca.SX(0), matrix
     exponent = 1

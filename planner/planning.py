@@ -20,7 +20,7 @@ from planner.parallel import Listener, run_all
 from planner.plan import Plan
 from planner.problem import mean_information
 from planner.request import Request
-from planner.solving import Failed, Stage, Start, Task, keep_limits, seeds_of
+from planner.solving import Failed, Stage, Start, Task, keep_limits, require_rest, seeds_of
 
 SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
 DEFAULT_NOISE = 1.0  # [N] where the case says nothing about its sensors
@@ -90,6 +90,7 @@ def make(request: Request, case: Case, case_file: str, listener: Listener) -> Pl
         Interrupted: Ctrl-C before any start was done.
     """
     model = identification_model(case, request.model)
+    require_rest(case)
     family = family_of(request, case)
     began = perf_counter()
     starts, failed, interrupted = optimise(request, case, family, listener)

@@ -159,11 +159,11 @@ def _slsqp(program: Program, start: Array, iterations: int, watch: Watch) -> Rea
 
     def both_sides(at: Array) -> Array:
         g = rows(at).full()[bounded, 0]
-        return np.r_[c.upper[bounded] - g, g - c.lower[bounded]]
+        return np.asarray(np.concatenate([c.upper[bounded] - g, g - c.lower[bounded]]))
 
     def both_slopes(at: Array) -> Array:
         slope = slopes(at).full()[bounded]
-        return np.vstack([-slope, slope])
+        return np.concatenate([-slope, slope])
 
     def count(at: Array) -> None:
         nonlocal taken, latest

@@ -16,8 +16,9 @@ from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
 from identification.limits import TOLERANCE, LimitReport, prove
 from identification.model import Model, identification_model
+from identification.motion import Standstill
 from identification.reference import reference_scaling
-from planner.families.family import Family
+from planner.families.family import Family, box_middle
 from planner.problem import Problem, build_problem, mean_information
 from planner.solvers import SOLVERS, Program, Reached, Watch
 
@@ -136,6 +137,17 @@ def rate(model: Model, scaling: Array, family: Family, unknowns: Array, criterio
     return Rating(CRITERIA["D"].of(mu), CRITERIA[criterion].of(mu))
 
 
+def require_rest(case: Case) -> None:
+    """Standing still in the middle of the box must be possible: every family can shrink to that.
+
+    Raises:
+        InfeasiblePlan: it is not; the message names the limit.
+    """
+    report = prove(Standstill(box_middle(case)[0], 0.01), case, 100.0)
+    if not report.kept:
+        raise InfeasiblePlan(f"no feasible motion: {report.violations[0].sentence()}; widen that limit or move home")
+
+
 def random_start(seed: int, family: Family, problem: Problem) -> Array:
     """Random unknowns inside the limits."""
     return family.start(np.random.default_rng(seed), problem.worst())
@@ -173,10 +185,11 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         InfeasiblePlan: no motion keeps the limits.
     """
     began = time.perf_counter()
+    require_rest(task.case)
     model = identification_model(task.case, task.model)
     scaling = reference_scaling(task.case, model)
-    fine = task.stage.fine and task.unknowns is not None
-    family = task.family.refined(task.unknowns) if fine else task.family
+    fine = task.stage.fine
+    family = task.family.refined(task.unknowns) if fine and task.unknowns is not None else task.family
     problem = build_problem(task.case, model, family, scaling)
     unknowns = random_start(task.seed, family, problem) if task.unknowns is None else task.unknowns
     before = rate(model, scaling, family, unknowns, task.criterion)

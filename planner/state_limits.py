@@ -1,6 +1,6 @@
 """Limits that are non-linear in the pose coordinates, as CasADi expressions in units of themselves: struts and joints.
 
-They are kept where every component lies between -1 and 1. `identification.limits` proves the same limits by other means.
+They are kept where every component lies between -1 and 1. `identification.limits` proves them by other means.
 """
 
 from typing import NamedTuple

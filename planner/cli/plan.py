@@ -100,7 +100,8 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
 def _show(answer: dict[str, Any]) -> None:
     rows = [
         [str(s["seed"]), s["stage"], "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",
-         f"{s['logdet']:.3f}", f"{s['criterion_value']:.4g}", str(s["iterations"]), f"{s['seconds']:.1f} s", s["solver"]]
+         f"{s['logdet']:.3f}", f"{s['criterion_value']:.4g}", str(s["iterations"]), f"{s['seconds']:.1f} s",
+         s["solver"]]
         for s in answer["starts"]
     ]  # fmt: skip
     columns = ("seed", "stage", "at start", "at end", answer["criterion"], "iterations", "time", "solver")

@@ -30,6 +30,12 @@ BISECTIONS = 30
 TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
 
 
+def unit_profile(jerk_time: float, hold_time: float, cruise_time: float) -> Profile:
+    """The profile over a distance of 1 with these times [s]."""
+    jerk = 1.0 / (jerk_time * (jerk_time + hold_time) * (2 * jerk_time + hold_time + cruise_time))
+    return Profile(jerk, jerk_time, hold_time, cruise_time)
+
+
 def _profile_state(time: ca.SX, times: tuple[ca.SX, ...], phase: int) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Share of the way, velocity and acceleration at a time after the start of a phase (0 to 6) of a unit move."""
     tj, th, tc = times
@@ -183,7 +189,7 @@ class PointToPointFamily:
         points = small * directions
         times = self._fastest_times(points)
         times *= self.duration / (times @ [4.0, 2.0, 1.0]).sum()
-        return np.r_[points.ravel(), times.ravel() / self.unit]
+        return np.concatenate([points.ravel(), times.ravel() / self.unit])
 
     def _fastest_times(self, points: Array) -> Array:
         ways = np.abs(np.roll(points, -1, axis=0) - points) * self.half
@@ -196,13 +202,12 @@ class PointToPointFamily:
         poses = self.middle + points * self.half
         moves = []
         for start, end, (tj, th, tc) in zip(poses, np.roll(poses, -1, axis=0), times * self.unit, strict=True):
-            jerk = 1.0 / (tj * (tj + th) * (2 * tj + th + tc))
-            moves.append(StraightMove(start, end, Profile(float(jerk), float(tj), float(th), float(tc))))
+            moves.append(StraightMove(start, end, unit_profile(float(tj), float(th), float(tc))))
         return Joined(tuple(moves))
 
     def shrunk(self, unknowns: Array, share: float) -> Array:
         """Waypoints drawn towards the middle at equal times."""
-        return np.r_[unknowns[: 6 * self.moves] * share, unknowns[6 * self.moves :]]
+        return np.concatenate([unknowns[: 6 * self.moves] * share, unknowns[6 * self.moves :]])
 
     def refined(self, unknowns: Array) -> "PointToPointFamily":
         """Phases that are too short for the controller are left out from now on, or last three cycles."""

@@ -1,13 +1,17 @@
 """Motions of plans as JSON and back: series, moves and polynomial pieces, with SI units in the keys."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from identification.circle import CircularMove, Plane
 from identification.motion import Joined, Standstill, Trajectory
+from identification.polynomial import Piece, PolynomialMotion
 from identification.profile import Profile, StraightMove
 from planner.families.fourier import FourierMotion
+from planner.families.ptp import unit_profile
 
 Array = NDArray[np.float64]
 
@@ -30,22 +34,37 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
         }
     if isinstance(motion, Joined):
         return {"moves": [_part(part) for part in motion.parts]}
+    if isinstance(motion, PolynomialMotion):
+        pieces = [{"duration_s": p.duration, "coefficients_SI": p.coefficients.tolist()} for p in motion.pieces]
+        return {"polynomial": pieces}
     raise TypeError(f"no entry for {type(motion).__name__}")
 
 
 def _part(part: Trajectory) -> dict[str, Any]:
-    if isinstance(part, StraightMove):
+    if isinstance(part, StraightMove) and isinstance(part.profile, Profile):
+        ends = {"start_m_rad": part.start.tolist(), "end_m_rad": part.end.tolist()}
+        return {"kind": "straight", **ends, **_times(part.profile)}
+    if isinstance(part, CircularMove) and isinstance(part.profile, Profile):
         return {
-            "kind": "straight",
+            "kind": "circle",
             "start_m_rad": part.start.tolist(),
-            "end_m_rad": part.end.tolist(),
-            "jerk_time_s": part.profile.jerk_time,
-            "hold_time_s": part.profile.hold_time,
-            "cruise_time_s": part.profile.cruise_time,
+            "end_angles_rad": part.end_angles.tolist(),
+            "plane": part.plane.value,
+            "centre_m": part.centre.tolist(),
+            "angle_rad": part.angle,
+            **_times(part.profile),
         }
     if isinstance(part, Standstill):
         return {"kind": "pause", "pose_m_rad": part.pose.tolist(), "duration_s": part.duration}
     raise TypeError(f"no entry for {type(part).__name__}")
+
+
+def _times(profile: Profile) -> dict[str, float]:
+    return {
+        "jerk_time_s": profile.jerk_time,
+        "hold_time_s": profile.hold_time,
+        "cruise_time_s": profile.cruise_time,
+    }
 
 
 def motion_of_entries(data: dict[str, Any]) -> Trajectory:
@@ -63,10 +82,12 @@ def motion_of_entries(data: dict[str, Any]) -> Trajectory:
         if not parts:
             raise ValueError("moves")
         ends = [np.asarray(part.at([0.0, part.duration]).pose) for part in parts]
-        if any(np.abs(before[1] - after[0]).max() > 1e-9 for before, after in zip(ends, ends[1:], strict=False)):
+        if any(np.abs(before[1] - after[0]).max() > 1e-9 for before, after in pairwise(ends)):
             raise ValueError("moves")
         return Joined(parts)
-    raise KeyError("fourier or moves")
+    if "polynomial" in data:
+        return PolynomialMotion(tuple(_read_piece(entry) for entry in data["polynomial"]))
+    raise KeyError("fourier, moves or polynomial")
 
 
 def _numbers(entry: dict[str, Any], key: str, *shape: int) -> Array:
@@ -94,11 +115,29 @@ def _fourier(entry: dict[str, Any]) -> FourierMotion:
 
 def _read_part(entry: dict[str, Any]) -> Trajectory:
     if entry["kind"] == "straight":
-        tj = _positive(entry, "jerk_time_s")
-        th, tc = (_positive(entry, key, zero=True) for key in ("hold_time_s", "cruise_time_s"))
-        jerk = 1.0 / (tj * (tj + th) * (2 * tj + th + tc))
         start, end = (_numbers(entry, key, 6) for key in ("start_m_rad", "end_m_rad"))
-        return StraightMove(start, end, Profile(jerk, tj, th, tc))
+        return StraightMove(start, end, _profile(entry))
+    if entry["kind"] == "circle":
+        return CircularMove(
+            _numbers(entry, "start_m_rad", 6),
+            _numbers(entry, "end_angles_rad", 3),
+            Plane(entry["plane"]),
+            _numbers(entry, "centre_m", 2),
+            float(_numbers(entry, "angle_rad")),
+            _profile(entry),
+        )
     if entry["kind"] == "pause":
         return Standstill(_numbers(entry, "pose_m_rad", 6), _positive(entry, "duration_s"))
     raise ValueError("kind")
+
+
+def _profile(entry: dict[str, Any]) -> Profile:
+    times = _positive(entry, "jerk_time_s"), *(_positive(entry, f"{k}_time_s", zero=True) for k in ("hold", "cruise"))
+    return unit_profile(*times)
+
+
+def _read_piece(entry: dict[str, Any]) -> Piece:
+    coefficients = np.array(entry["coefficients_SI"], dtype=float)
+    if coefficients.ndim != 2 or coefficients.shape[1] != 6 or not 1 <= len(coefficients) <= 6:
+        raise ValueError("coefficients_SI")
+    return Piece(_numbers(entry, "coefficients_SI", *coefficients.shape), _positive(entry, "duration_s"))

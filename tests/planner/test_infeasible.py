@@ -9,9 +9,11 @@ from cases.errors import CaseError, HexciteError, InfeasiblePlan, ProgramError
 from cases.schema import Case
 from identification.model import identification_model
 from planner.families.fourier import FourierFamily
-from planner.solving import REFINE, Task, keep_limits, run_start
+from planner.solving import Stage, Task, keep_limits, run_start
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
+
+REFINE = Stage("refine", 150, True)
 
 
 def family(case: Case) -> FourierFamily:
@@ -31,7 +33,7 @@ def family(case: Case) -> FourierFamily:
 def test_a_home_out_of_reach_makes_every_motion_infeasible(key: str, value: object, limit: str, hexapod_case: Case):
     case = changed(hexapod_case, **{key: value})
     with pytest.raises(InfeasiblePlan, match=rf"no feasible motion: {limit} .* reaches .*, limit .*; widen") as caught:
-        run_start(Task(case, 0, family(case), REFINE, seed=1))
+        run_start(Task(case, 0, family(case), "D", "ipopt", REFINE, seed=1))
     one_line(caught.value)
 
 
@@ -47,9 +49,10 @@ def test_limits_a_billion_times_too_narrow_end_in_one_line(
     limit: str, hexapod_case: Case, capfd: pytest.CaptureFixture
 ):
     """Either a tiny motion that keeps them, or an error of ours; and not a word from the solver."""
-    case = changed(hexapod_case, **{f"limits__motion__{limit}": [1e-9] * 3})
+    slow = {"controller__safe_feed_mm_min": 1e-9}  # the case demands a feed that the limits allow
+    case = changed(hexapod_case, **{f"limits__motion__{limit}": [1e-9] * 3}, **slow)
     try:
-        start = run_start(Task(case, 0, family(case), REFINE, seed=1))
+        start = run_start(Task(case, 0, family(case), "D", "ipopt", REFINE, seed=1))
     except HexciteError as error:
         one_line(error)
     else:

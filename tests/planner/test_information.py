@@ -62,7 +62,7 @@ def test_the_objective_is_the_information_of_the_motion_itself(
 ):
     """Trigonometric polynomials are integrated by their grid, nearly: the regressor is not polynomial in the angles."""
     unknowns = 0.2 * np.random.default_rng(0).normal(size=family.unknowns * 6)
-    value = float(ca.Function("f", [problem.unknowns], [problem.objective])(unknowns))
+    value = float(ca.Function("f", [problem.unknowns], [problem.objective("D")])(unknowns))
     logdet = np.linalg.slogdet(mean_information(model, scaling, family.motion(unknowns)))[1]
     assert -20 * value == pytest.approx(logdet, abs=1e-6)
 
@@ -71,7 +71,7 @@ def test_the_objective_is_the_information_of_the_motion_itself(
 def test_the_gradient_of_the_objective_is_its_slope_in_any_direction(problem: Problem, seed: int):
     draw = np.random.default_rng(seed)
     start, direction = (0.2 * draw.normal(size=problem.unknowns.shape[0]) for _ in range(2))
-    both = [problem.objective, ca.gradient(problem.objective, problem.unknowns)]
+    both = [problem.objective("D"), ca.gradient(problem.objective("D"), problem.unknowns)]
     function = ca.Function("f", [problem.unknowns], both)
     slope = np.array(float(ca.dot(function(start)[1], direction)))
     assert taylor_slope(lambda h: np.array(float(function(start + h * direction)[0])), 0.0, slope, 0.05) > 1.9

@@ -7,8 +7,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from tests.planner.command_line import PROGRAM, call
 from tests.planner.json_answer import one_json_object
 
@@ -56,19 +54,32 @@ def test_a_result_that_is_killed_while_it_is_written_is_whole_or_absent(
     assert whole(tmp_path / "result", "result.json", ["plots"])
 
 
-@pytest.mark.xfail(
-    strict=False, reason="the command-line library swallows Ctrl-C and says its own word; known shortfall"
-)
-def test_an_interrupted_plan_says_so_in_one_line_and_leaves_nothing(cache: Path, tmp_path: Path):
-    """Ctrl-C reaches the workers too, which have nothing to say."""
-    process = start(*QUICK[:-1], "--starts", "40", "-o", tmp_path / "plan")
+def interrupted(times: int, folder: Path) -> subprocess.Popen:
+    """A plan of many starts that gets Ctrl-C, as its workers do, once it has begun."""
+    many = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "400")
+    process = start(*many, "-o", folder / "plan")
     assert process.stdout.readline().startswith("Planning for hexapod")
-    time.sleep(1.0)
-    os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    for _ in range(times):
+        time.sleep(1.0 if times == 1 else 0.3)
+        os.killpg(process.pid, signal.SIGINT)
+    return process
+
+
+def test_ctrl_c_ends_the_search_and_keeps_the_best_plan_so_far(cache: Path, tmp_path: Path):
+    process = interrupted(1, tmp_path)
+    out, err = process.communicate(timeout=100)
+    assert (process.returncode, err) == (0, "")
+    assert "stopped by Ctrl-C" in out
+    assert whole(tmp_path / "plan", "plan.json", ["motion.csv", "plots/trajectory.svg"])
+    plan = one_json_object((tmp_path / "plan" / "plan.json").read_text(encoding="utf-8"))
+    assert plan["interrupted"]
+    assert plan["status"] == "proven"
+    assert 0 < len(plan["starts"]) < 400
+
+
+def test_a_second_ctrl_c_gives_up_in_one_line_and_leaves_nothing(cache: Path, tmp_path: Path):
+    process = interrupted(2, tmp_path)
+    _, err = process.communicate(timeout=100)
     assert process.returncode == 130
     assert err == "hexcite: interrupted; nothing was written\n"
     assert list(tmp_path.iterdir()) == []
-
-
-pytestmark = pytest.mark.slow  # whole plans in processes of their own: minutes on a loaded machine

@@ -63,7 +63,7 @@ def test_a_place_that_cannot_be_written_is_known_before_the_work_begins(
     def work(*_: object) -> None:
         raise HexciteError("optimised before it was known where to write")
 
-    monkeypatch.setattr(planning, "plan_fourier", work)
+    monkeypatch.setattr(planning, "make", work)
     (tmp_path / "file").write_text("no folder")
     (tmp_path / "thesis").mkdir()
     (tmp_path / "thesis" / "chapter.tex").write_text("years of work")
@@ -112,7 +112,7 @@ def test_the_folder_in_which_the_user_stands_is_refused_and_left_as_it_was(
     sources: dict, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.chdir(tmp_path)
-    assert "choose another place with -o" in refused(*sources["identify"], "-o", ".")
+    assert "name a new one with -o" in refused(*sources["identify"], "-o", ".")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -121,6 +121,3 @@ def test_a_program_is_not_written_under_a_name_that_check_would_not_read(sources
     assert "program.txt" in line
     assert ".ngc" in line
     assert list(tmp_path.iterdir()) == []
-
-
-pytestmark = pytest.mark.slow  # whole plans in processes of their own: minutes on a loaded machine

@@ -11,13 +11,13 @@ from identification.evaluate import over_samples
 from identification.limits import prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
-from planner.families.fourier import FourierFamily, FourierMotion
+from planner.families.fourier import COARSE, FINE, FourierFamily, FourierMotion
 from planner.plan import SavedPlan
 from planner.problem import build_problem, mean_information
-from planner.solving import EXPLORE, REFINE, keep_limits, random_start
+from planner.solving import keep_limits, random_start
 from tests.postprocessors.independent import strut_lengths
 
-FINE = 10 * REFINE.density * 5  # instants of a period: ten times the optimiser's grid
+INSTANTS = 10 * FINE * 5  # instants of a period: ten times the optimiser's grid
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +35,8 @@ def difference(values: np.ndarray, step: float, order: int) -> np.ndarray:
 
 def test_it_keeps_every_limit_of_the_box_by_finite_differences(motion: FourierMotion, hexapod_case: Case):
     """Poses alone, differentiated; the motion repeats, so that its samples have no ends."""
-    box, step = hexapod_case.limits.motion, motion.period / FINE
-    pose = motion.at(np.arange(FINE) * step).pose
+    box, step = hexapod_case.limits.motion, motion.period / INSTANTS
+    pose = motion.at(np.arange(INSTANTS) * step).pose
     low, high = hexapod_case.machine.home.vector + box.pose
     assert np.all((low <= pose) & (pose <= high))
     for order, limit in enumerate((box.rate, box.acceleration, box.jerk), start=1):
@@ -44,8 +44,8 @@ def test_it_keeps_every_limit_of_the_box_by_finite_differences(motion: FourierMo
 
 
 def test_it_keeps_every_limit_of_the_struts_by_finite_differences(motion: FourierMotion, hexapod_case: Case):
-    box, step = hexapod_case.limits.motion, motion.period / FINE
-    lengths = strut_lengths(motion.at(np.arange(FINE) * step).pose, hexapod_case)
+    box, step = hexapod_case.limits.motion, motion.period / INSTANTS
+    lengths = strut_lengths(motion.at(np.arange(INSTANTS) * step).pose, hexapod_case)
     assert np.all((box.strut_length[0] <= lengths) & (lengths <= box.strut_length[1]))
     assert np.abs(difference(lengths, step, 1)).max() <= box.strut_velocity_m_s * (1 + 1e-5)
     assert np.abs(difference(lengths, step, 2)).max() <= box.strut_acceleration_m_s2 * (1 + 1e-5)
@@ -69,7 +69,7 @@ def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan:
     model = identification_model(hexapod_case, 9)
     scaling = reference_scaling(hexapod_case, model)
     half = np.ptp(hexapod_case.limits.motion.pose, axis=0) / 2
-    family = FourierFamily(5, 3.0, 1, hexapod_case.machine.home.vector, half, EXPLORE.density)
+    family = FourierFamily(5, 3.0, 1, hexapod_case.machine.home.vector, half, COARSE)
     problem = build_problem(hexapod_case, model, family, scaling)
     best = -math.inf
     for seed in range(12):
@@ -102,7 +102,7 @@ def test_every_start_is_told_the_best_first_and_refining_never_makes_it_worse(pl
     starts = planned["starts"]
     found = [s["logdet"] for s in starts]
     assert found == sorted(found, reverse=True)
-    assert planned["logdet"] == pytest.approx(found[0], abs=1e-6)
+    assert planned["logdet"] == pytest.approx(found[0], abs=1e-3)  # the finer proof may draw back a little more
     explored = {s["seed"]: s["logdet"] for s in starts if s["stage"] == "explore"}
     refined = {s["seed"]: s["logdet"] for s in starts if s["stage"] == "refine"}
     assert len(explored) == len(refined) == 2

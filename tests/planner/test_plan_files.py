@@ -61,7 +61,7 @@ def rewrite(folder: Path, *path: str, **value: Any) -> None:
     (folder / "plan.json").write_text(json.dumps(data))
 
 
-@pytest.mark.parametrize("key", ["case_file", "case_hash", "settings", "fourier", "family", "model"])
+@pytest.mark.parametrize("key", ["case_file", "case_hash", "fourier", "family", "model"])
 def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path):
     rewrite(copy, key)
     line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
@@ -73,14 +73,13 @@ def test_a_plan_without_an_entry_that_is_needed_is_refused(key: str, copy: Path)
 @pytest.mark.parametrize(
     ("path", "value"),
     [
-        (("settings", "period_s"), 0.0),
-        (("settings", "period_s"), -3.0),
-        (("settings", "period_s"), float("nan")),
-        (("settings", "period_s"), "three"),
-        (("settings", "repeats"), 0),
-        (("settings", "repeats"), -1),
-        (("settings", "repeats"), 1e9),
-        (("settings",), 3),
+        (("fourier", "period_s"), 0.0),
+        (("fourier", "period_s"), -3.0),
+        (("fourier", "period_s"), float("nan")),
+        (("fourier", "period_s"), "three"),
+        (("fourier", "repeats"), 0),
+        (("fourier", "repeats"), -1),
+        (("fourier", "repeats"), 1e9),
         (("fourier",), None),
         (("fourier", "centre_m_rad"), [0.0, 0.9]),
         (("fourier", "a_m_s_rad_s"), [[1.0]]),

@@ -8,9 +8,9 @@ from cases.schema import Case
 from identification.limits import prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
-from planner.families.fourier import FourierFamily
-from planner.problem import Problem, build_problem, strut_shares
-from planner.solving import START_SHARE, keep_limits, random_start, seeds_of
+from planner.families.fourier import START_SHARE, FourierFamily
+from planner.problem import Problem, build_problem
+from planner.solving import keep_limits, random_start, seeds_of
 from tests.postprocessors.independent import strut_lengths
 
 
@@ -31,14 +31,14 @@ def unknowns(hexapod_case: Case) -> np.ndarray:
 
 
 def rows(problem: Problem, unknowns: np.ndarray) -> np.ndarray:
-    return np.abs(ca.Function("rows", [problem.unknowns], [problem.rows])(unknowns).full()[:, 0])
+    return np.abs(ca.Function("rows", [problem.unknowns], [problem.sampling.rows])(unknowns).full()[:, 0])
 
 
 def box_shares(case: Case, some: FourierFamily, unknowns: np.ndarray) -> np.ndarray:
     """Largest share of each limit of pose, rate, acceleration and jerk on the grid."""
     box, motion = case.limits.motion, some.motion(unknowns).at(some.grid)
     half = np.ptp(box.pose, axis=0) / 2
-    values = [(motion.pose - some.home) / half, motion.rates / box.rate]
+    values = [(motion.pose - some.middle) / half, motion.rates / box.rate]
     values += [motion.accelerations / box.acceleration, motion.jerks / box.jerk]
     return np.array([np.abs(v).max() for v in values])
 
@@ -63,7 +63,7 @@ def test_limits_without_rows_are_kept_by_every_motion_that_keeps_the_rows(
         draw /= rows(problem, draw).max()
         allowed = 1.0 / np.cos(np.pi / 12)  # limits slip between the samples of the grid
         assert box_shares(hexapod_case, some, draw).max() <= allowed
-    assert problem.rows.shape[0] <= 4 * 6 * count
+    assert problem.sampling.rows.shape[0] <= 4 * 6 * count
 
 
 def test_strut_rows_are_the_struts_of_the_motion(problem: Problem, unknowns: np.ndarray, hexapod_case: Case):
@@ -77,24 +77,24 @@ def test_strut_rows_are_the_struts_of_the_motion(problem: Problem, unknowns: np.
     velocity = (after - before) / (2 * h) / box.strut_velocity_m_s
     acceleration = (after - 2 * now + before) / h**2 / box.strut_acceleration_m_s2
     expected = np.abs(np.hstack([length, velocity, acceleration]).T)
-    assert np.allclose(strut_shares(problem, 0.1 * unknowns), expected, atol=1e-5)
+    assert np.allclose(problem.limit_shares(0.1 * unknowns)[:18], expected, atol=1e-5)
 
 
 def test_strut_rows_enter_only_where_they_are_named(problem: Problem, unknowns: np.ndarray):
-    shares = strut_shares(problem, unknowns)
+    shares = problem.limit_shares(unknowns)
     active = np.zeros(shares.shape, dtype=bool)
     active[[0, 7, 16], [3, 0, 20]] = True
-    function = ca.Function("rows", [problem.unknowns], [problem.with_struts(active)])
+    function = ca.Function("rows", [problem.unknowns], [problem.constraints(active).rows])
     added = np.abs(function(unknowns).full()[len(rows(problem, unknowns)) :, 0])
     assert sorted(added) == pytest.approx(sorted(shares[active]))
-    assert problem.with_struts(np.zeros_like(active)).shape == problem.rows.shape
+    assert problem.constraints(np.zeros_like(active)).rows.shape == problem.sampling.rows.shape
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_random_start_is_inside_all_limits_and_far_from_rest(seed: int, problem: Problem, hexapod_case: Case):
     some = family(hexapod_case)
     start = random_start(seed, some, problem)
-    worst = max(rows(problem, start).max(), strut_shares(problem, start).max())
+    worst = max(rows(problem, start).max(), problem.limit_shares(start).max())
     assert worst <= START_SHARE * (1 + 1e-9)
     assert rows(problem, start).max() > 0.1
 

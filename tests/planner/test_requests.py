@@ -5,7 +5,7 @@ import re
 import pytest
 
 from cases.errors import HexciteError
-from planner.planning import Request
+from planner.request import Request
 from tests.helpers import one_line
 
 
@@ -13,9 +13,11 @@ from tests.helpers import one_line
     ("setting", "value", "words"),
     [
         ("criterion", "E", "criterion 'E' is unknown; choose A, D, K, N"),
-        ("criterion", "A", "criterion A is not optimised for this family yet; choose D"),
+        ("family", "chirp", "family 'chirp' is unknown; choose fourier, ptp"),
+        ("solver", "knitro", "solver 'knitro' is unknown; choose ipopt, sqp, slsqp"),
         ("order", 1, "order 1 is outside 2 to 7; 1 cannot start at rest"),
-        ("order", 8, "order 8 is outside 2 to 7"),
+        ("order", 0, "order 0 is outside 2 to 7"),
+        ("order", 50, "order 50 is outside 2 to 7"),
         ("period", 0.0, "period 0 s is not positive; choose about 3 s"),
         ("period", -3.0, "period -3 s"),
         ("period", float("nan"), "period nan s"),
@@ -41,3 +43,22 @@ def test_a_setting_outside_its_range_is_named_with_its_value(setting: str, value
 def test_a_whole_number_of_periods_may_be_a_rounded_one():
     Request("hexapod", period=0.1, duration=0.3)  # 0.3 / 0.1 is 2.9999999999999996
     Request("hexapod", period=0.7, duration=4.9)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"moves": 7}, "7 moves are outside 8 to 64"),
+        ({"moves": 65}, "65 moves are outside 8 to 64"),
+        (
+            {"moves": 40, "duration": 1.0},
+            "duration 1 s is too short for 40 moves; choose at least 2.4 s or fewer moves",
+        ),
+        ({"duration": float("nan")}, "duration nan s"),
+        ({"duration": -1.0}, "duration -1 s is too short"),
+    ],
+)
+def test_moves_and_their_duration_must_fit(settings: dict[str, float], words: str):
+    with pytest.raises(HexciteError, match=re.escape(words)) as caught:
+        Request("hexapod", family="ptp", **settings)
+    one_line(caught.value)
