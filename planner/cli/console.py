@@ -1,7 +1,7 @@
 """What commands print: one JSON object, or tables for people; progress goes to stderr, and only to a terminal."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Annotated, Any, Protocol
 
