@@ -111,7 +111,7 @@ def _with_a_third_of_the_last_feed(text: str) -> str:
     ("typed", "case"), [(SINUMERIK, CASE), (SINUMERIK, LINES_CASE), (TWINCAT, CASE)], ids=["poly", "lines", "twincat"]
 )
 def test_the_time_of_a_plan_comes_back_from_the_words(typed: Typed, case, speed: float):
-    from planner.fourier import FourierFamily
+    from planner.families.fourier import FourierFamily
     from postprocessors.program import excitation_program
 
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05), 12).motion(np.random.default_rng(0).normal(size=18) / 30)
