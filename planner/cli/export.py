@@ -10,14 +10,17 @@ from planner.cli.console import Json, print_json
 
 def export(
     result: Annotated[Path, typer.Argument(help="Result folder of hexcite identify or tare.")],
-    to: Annotated[str, typer.Option("--to", help="c (C99), st (IEC 61131-3), isg-load (#LIMIT LOAD), json.")],
+    to: Annotated[
+        str,
+        typer.Option("--to", help="c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), json."),
+    ],
     case: Annotated[
         str | None, typer.Option(help="Built-in name, folder or file; a result names its built-in case.")
     ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Export a result with warnings; they are written into the file.")
     ] = False,
-    build: Annotated[bool, typer.Option("--build", help="Compile it too (c: gcc).")] = False,
+    build: Annotated[bool, typer.Option("--build", help="Compile it too (c: gcc; linuxcnc: halcompile).")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write; for c a folder.")] = None,
     json: Json = False,
 ) -> None:

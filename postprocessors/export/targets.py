@@ -8,11 +8,12 @@ from pathlib import Path
 
 from cases.errors import FileProblem, HexciteError
 from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder
-from postprocessors.export.building import build_object
+from postprocessors.export.building import build_component, build_object
 from postprocessors.export.c99 import c_sources
 from postprocessors.export.calibration import Calibration
 from postprocessors.export.document import json_document
 from postprocessors.export.isg import isg_load
+from postprocessors.export.linuxcnc_component import linuxcnc_component
 from postprocessors.export.rendering import checked_name, default_name
 from postprocessors.export.structured_text import structured_text
 
@@ -35,6 +36,7 @@ class SingleFile:
 
 
 SINGLE_FILES = {
+    "linuxcnc": SingleFile(".comp", linuxcnc_component, named=True, build=build_component),
     "st": SingleFile(".st", structured_text, named=True),
     "json": SingleFile(".json", lambda calibration, _: json_document(calibration), named=False),
     "isg-load": SingleFile(".nc", lambda calibration, _: isg_load(calibration), named=False),
