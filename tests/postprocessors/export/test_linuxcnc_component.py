@@ -1,4 +1,4 @@
-"""The exported HAL component in a running LinuxCNC: no force where nothing touches, the force that was added where it was."""
+"""The exported HAL component in a running LinuxCNC: no force where nothing touches, where a force is added that one."""
 
 import os
 import shutil
