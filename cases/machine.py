@@ -90,14 +90,35 @@ class Machine(Part):
         return self
 
 
+class KeepOut(Part):
+    """A box in {B} that neither the origin nor a joint of the platform may enter: a table, a rack, a neighbour."""
+
+    name: str
+    x_mm: Range
+    y_mm: Range
+    z_mm: Range
+
+    @cached_property
+    def corners(self) -> Array:
+        """Lower and upper corner, shape (2, 3) [m]."""
+        return frozen(np.array([self.x_mm, self.y_mm, self.z_mm]).T * MM)
+
+
 class Workspace(Part):
     """What the machine can reach: the paper's is_valid."""
 
     x_mm: Range
+    """Relative to home, like `y_mm`."""
     y_mm: Range
     strut_length_mm: Range
     base_joint_angle_deg: Positive
     platform_joint_angle_deg: Positive
+    keep_out: tuple[KeepOut, ...] = ()
+
+    @cached_property
+    def plane(self) -> Array:
+        """Lower and upper limit of x and y relative to home, shape (2, 2) [m]."""
+        return frozen(np.array([self.x_mm, self.y_mm]).T * MM)
 
     @cached_property
     def strut_length(self) -> Array:

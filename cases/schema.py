@@ -64,6 +64,19 @@ class Case(Part):
             )
         return value
 
+    @model_validator(mode="after")
+    def _box_inside_workspace(self) -> "Case":
+        if self.workspace is None or self.limits is None:
+            return self
+        for name in ("x_mm", "y_mm"):
+            inner, outer = getattr(self.limits.motion, name), getattr(self.workspace, name)
+            if inner[0] < outer[0] or inner[1] > outer[1]:
+                raise ValueError(
+                    f"limits.motion.{name} = [{inner[0]:g}, {inner[1]:g}] reaches beyond workspace.{name} = "
+                    f"[{outer[0]:g}, {outer[1]:g}]; the motion box must lie inside, narrow it or widen the workspace"
+                )
+        return self
+
     @cached_property
     def gravity(self) -> Array:
         """Gravitational acceleration in {B}, shape (3,) [m/s^2]."""

@@ -106,7 +106,9 @@ class LimitReport:
         }
 
 
-def prove(trajectory: Trajectory, case: Case, rate: float = PROOF_RATE, offset: float = 0.0) -> LimitReport:
+def prove(
+    trajectory: Trajectory, case: Case, rate: float = PROOF_RATE, offset: float = 0.0, in_box: bool = True
+) -> LimitReport:
     """Checks every limit of `[limits.motion]` and `[workspace]` on a fine grid.
 
     Args:
@@ -114,15 +116,18 @@ def prove(trajectory: Trajectory, case: Case, rate: float = PROOF_RATE, offset: 
         case: its limits.
         rate: samples a second [1/s].
         offset: start of the trajectory on the clock that the report uses [s].
+        in_box: whether it must keep the pose box of `[limits.motion]`; positioning need only keep `[workspace]`.
 
     Raises:
         CaseError: the case has no machine or no limits.
     """
     steps = max(1, math.ceil(trajectory.duration * rate - 1e-9))
-    return prove_at(trajectory, case, np.linspace(0.0, trajectory.duration, steps + 1), offset)
+    return prove_at(trajectory, case, np.linspace(0.0, trajectory.duration, steps + 1), offset, in_box)
 
 
-def prove_at(trajectory: Trajectory, case: Case, instants: Array, offset: float = 0.0) -> LimitReport:
+def prove_at(
+    trajectory: Trajectory, case: Case, instants: Array, offset: float = 0.0, in_box: bool = True
+) -> LimitReport:
     """Checks every limit at given instants, shape (n,) [s]; see `prove`."""
     machine, workspace, limits = case.need_machine("the proof of limits")
     reports = []
@@ -131,7 +136,7 @@ def prove_at(trajectory: Trajectory, case: Case, instants: Array, offset: float 
         m = trajectory.at(t)
         part = Motion(t + offset, m.pose, m.rates, m.accelerations, m.jerks)
         with np.errstate(invalid="ignore"):  # what is no number counts as passed, and is reported so
-            reports.append(LimitReport(tuple(_checks(part, machine, workspace, limits.motion))))
+            reports.append(LimitReport(tuple(_checks(part, machine, workspace, limits.motion, in_box))))
     return worst_of(reports)
 
 
@@ -146,11 +151,17 @@ def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
     return LimitReport(tuple(worst.values()))
 
 
-def _checks(motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits) -> Iterable[LimitCheck]:
+def _checks(
+    motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits, in_box: bool
+) -> Iterable[LimitCheck]:
     home = machine.home.vector
     scale = np.array([1 / MM] * 3 + [1 / DEG] * 3)  # to mm and degrees for the report
-    low, high = limits.pose
-    yield from _by_kind("position", "mm", "angle", "deg", motion.t, motion.pose - home, low, high, scale)
+    offset = motion.pose - home
+    if in_box:
+        low, high = limits.pose
+        yield from _by_kind("position", "mm", "angle", "deg", motion.t, offset, low, high, scale)
+    low, high = workspace.plane
+    yield _worst("workspace position", "mm", ("x", "y"), motion.t, offset[:, :2], low, high, 1 / MM)
     yield from _by_kind(
         "velocity", "mm/s", "angular velocity", "deg/s", motion.t, motion.rates, -limits.rate, limits.rate, scale
     )
@@ -234,6 +245,7 @@ def _strut_vectors(motion: Motion, machine: Machine) -> tuple[Array, Array, Arra
 
 def _strut_checks(motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits) -> Iterable[LimitCheck]:
     strut, velocity, acceleration, normal = _strut_vectors(motion, machine)
+    yield from _keep_out_checks(motion, strut + machine.base.points, workspace)
     length = np.linalg.norm(strut, axis=2)
     along = np.einsum("nki,nki->nk", strut, velocity) / length
     # l l' = s s'; differentiated once more: l'^2 + l l'' = s' s' + s s''
@@ -249,6 +261,24 @@ def _strut_checks(motion: Motion, machine: Machine, workspace: Workspace, limits
     yield _worst("strut acceleration", "m/s^2", labels, motion.t, second, -a, a, 1.0)
     yield from _joint_checks(motion.t, strut / length[:, :, None], normal, workspace)
     yield _singularity_check(motion, strut / length[:, :, None], machine)
+
+
+def _keep_out_checks(motion: Motion, joints: Array, workspace: Workspace) -> Iterable[LimitCheck]:
+    """Distance of the platform's origin and joints from each box, along the axis that separates them most.
+
+    The ratio is 1 at the surface, above 1 inside, and falls to 0 at a distance of half the box's diagonal.
+    """
+    points = np.concatenate([motion.pose[:, None, :3], joints], axis=1)
+    labels = ("origin", *(f"joint {k}" for k in range(1, 7)))
+    for box in workspace.keep_out:
+        low, high = box.corners
+        distance = np.maximum(low - points, points - high).max(axis=2)
+        distance = np.nan_to_num(distance, nan=-np.inf)
+        row, column = np.unravel_index(int(np.argmin(distance)), distance.shape)
+        nearest = float(distance[row, column])
+        ratio = max(0.0, 1.0 - nearest / (float(np.linalg.norm(high - low)) / 2))
+        name = f"distance from {box.name} ({labels[column]})"
+        yield LimitCheck(name, nearest / MM, 0.0, "mm", ratio, float(motion.t[row]), Status.PROVEN)
 
 
 def _joint_checks(t: Array, direction: Array, normal: Array, workspace: Workspace) -> Iterable[LimitCheck]:

@@ -30,6 +30,9 @@ BY_TIME_LAW = ("acceleration", "jerk", "strut acceleration")
 def judge(part: Stretch, case: Case, guarantees: Guarantees, file: str, clock: float) -> tuple[LimitReport, float]:
     """Limits and duration [s] of a stretch that starts at `clock`.
 
+    Timed paths and moves with the trigger on are excitations, which keep the box of `[limits.motion]`; moves without it
+    take the machine to a place and keep `[workspace]`.
+
     Raises:
         ProgramError: a timed block that the controller cannot time as written.
     """
@@ -111,7 +114,7 @@ def _own_time(
     """Geometry and programmed speed are proven; what follows from the controller's law is predicted."""
     limits = case.need_machine("the check of a program")[2].motion
     count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
-    report = prove_at(motion, case, np.linspace(0.0, motion.duration, count + 1), clock)
+    report = prove_at(motion, case, np.linspace(0.0, motion.duration, count + 1), clock, part.trigger)
     asked = {c.name.split(" (")[0]: c for c in _asked(part, motion, case, clock)}
     for check in report.checks:
         kind = check.name.split(" (")[0]
@@ -178,7 +181,7 @@ def _at_its_end(part: Untimed, case: Case, guarantees: Guarantees, clock: float)
     machine, _, limits = case.need_machine("the check of a program")
     motion = limits.motion
     unknown = part.start is None
-    for check in prove(Standstill(part.end, 0.0), case, 1.0, clock).checks:
+    for check in prove(Standstill(part.end, 0.0), case, 1.0, clock, part.trigger).checks:
         match family(check.name):
             case "acceleration" | "strut acceleration" | "jerk" if unknown:
                 yield _own(check, _answer(check, guarantees))

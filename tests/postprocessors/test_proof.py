@@ -1,5 +1,6 @@
 """What the proof of a program says: which limit, where, how far, and who answers for it."""
 
+import numpy as np
 import pytest
 
 from cases.errors import ProgramError
@@ -39,12 +40,30 @@ def test_a_planned_program_is_proven_and_counts_its_time(hexapod_case: Case):
 def test_a_passed_limit_is_named_with_axis_value_limit_and_line(
     line: str, name: str, worst: float, limit: float, hexapod_case: Case
 ):
-    result = proof(typed(f"G4 P0.1\n{line}"), hexapod_case)
+    result = proof(typed(f"M64 P0\n{line}"), hexapod_case)
     (violation,) = [v for v in result.violations if v.check.name == name]
     assert violation.line == 5
     assert (violation.check.worst, violation.check.limit) == pytest.approx((worst, limit), rel=1e-4)
     with pytest.raises(ValueError, match=r"p.ngc, line 5: .*; slow down or change the move"):
         result.require()
+
+
+def test_positioning_keeps_the_workspace_and_an_excitation_the_narrower_box(hexapod_case: Case):
+    assert proof(typed("G1 X280 Z780 F3000"), hexapod_case).ok
+    assert not proof(typed("M64 P0\nG1 X280 Z780 F3000"), hexapod_case).ok
+    (violation,) = proof(typed("G1 Y-310 F3000"), hexapod_case).violations
+    assert (violation.check.name, violation.check.limit) == ("workspace position (y)", pytest.approx(-300))
+
+
+def test_a_box_to_keep_out_of_is_named_with_the_part_that_enters_it(hexapod_case: Case):
+    """The platform's joints stand 250 mm from its origin, at 42 and 138 degrees among others."""
+    post = {"name": "post", "x_mm": [250.0, 300.0], "y_mm": [150.0, 200.0], "z_mm": [0.0, 950.0]}
+    guarded = changed(hexapod_case, workspace__keep_out=[post])
+    assert proof(typed("G1 X50 F3000"), guarded).ok
+    (violation,) = proof(typed("G1 X70 F3000"), guarded).violations
+    assert violation.check.name == "distance from post (joint 1)"
+    assert violation.check.worst == pytest.approx(250 - 70 - 250 * np.cos(np.radians(42)), abs=0.05)
+    assert violation.check.ratio > 1.0
 
 
 def test_a_strut_that_would_have_to_be_too_long_is_named(hexapod_case: Case):
@@ -54,7 +73,7 @@ def test_a_strut_that_would_have_to_be_too_long_is_named(hexapod_case: Case):
 
 
 def test_the_worst_violation_comes_first(hexapod_case: Case):
-    result = proof(typed("G1 X260 F3000\nG1 X0 A40 F3000"), hexapod_case)
+    result = proof(typed("M64 P0\nG1 X260 F3000\nG1 X0 A40 F3000"), hexapod_case)
     ratios = [v.check.ratio for v in result.violations]
     assert ratios == sorted(ratios, reverse=True)
     assert result.violations[0].check.name == "angle (a)"

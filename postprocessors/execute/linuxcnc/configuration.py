@@ -30,6 +30,9 @@ ROUNDING = 1e-6
 UNBOUND = 1e6
 """LinuxCNC does not enforce strut velocity and acceleration on a path; any number beyond use will do [mm/s, mm/s^2]."""
 
+WIDEST = np.pi / 2
+"""Angles of the axes where only the struts limit them [rad]."""
+
 FOLLOWING_ERROR = 50.0
 """Struts "follow" one cycle late, 1 mm at 1 m/s: far below this, so that only a broken kinematics trips it [mm]."""
 
@@ -55,10 +58,27 @@ def sampler_format() -> str:
     return "".join(kind for kind, _ in CHANNELS)
 
 
-def ini_text(case: Case, home_lengths: Array, headroom: float) -> str:
+def pose_range(case: Case, box: bool) -> Array:
+    """Range of the axes relative to home, shape (2, 6) [m, rad].
+
+    The workspace limits x and y; whatever else its struts allow, whose limits LinuxCNC keeps too, the axes may do.
+
+    Args:
+        case: a case with machine, workspace and limits.
+        box: whether the narrower box of `[limits.motion]` holds.
+    """
+    _, workspace, limits = case.need_machine(PURPOSE)
+    if box:
+        return limits.motion.pose
+    reach = workspace.strut_length[1]
+    low, high = workspace.plane
+    return np.array([[*low, -reach, *[-WIDEST] * 3], [*high, reach, *[WIDEST] * 3]])
+
+
+def ini_text(case: Case, home_lengths: Array, headroom: float, box: bool = True) -> str:
     """The INI file.
 
-    Position limits of the axes are home plus `[limits.motion]`, those of the struts `[workspace]`. Velocity limits of
+    Position limits of the axes are `pose_range`, those of the struts `[workspace]`. Velocity limits of
     the axes are `[limits.motion]`, acceleration limits its multiple by `headroom`. The limits of the path
     as a whole are the diagonals of these boxes, so that they never bind before an axis does.
 
@@ -66,13 +86,14 @@ def ini_text(case: Case, home_lengths: Array, headroom: float) -> str:
         case: a case with machine, workspace, limits and controller.
         home_lengths: strut lengths at home, shape (6,) [m].
         headroom: acceleration limits as a multiple of the case's.
+        box: whether the axes keep the box of `[limits.motion]`, else `[workspace]`; see `pose_range`.
 
     Raises:
         CaseError: the case lacks one of these parts.
     """
     machine, workspace, limits = case.need_machine(PURPOSE)
     home = machine.home.vector / UNITS
-    low, high = home + limits.motion.pose / UNITS + ROUNDING * np.array([[-1.0], [1.0]])
+    low, high = home + pose_range(case, box) / UNITS + ROUNDING * np.array([[-1.0], [1.0]])
     velocity = limits.motion.rate / UNITS
     acceleration = headroom * limits.motion.acceleration / UNITS
     shortest, longest = workspace.strut_length / MM
@@ -152,7 +173,7 @@ def hal_text(case: Case) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_configuration(folder: Path, case: Case, home_lengths: Array, headroom: float) -> None:
+def write_configuration(folder: Path, case: Case, home_lengths: Array, headroom: float, box: bool = True) -> None:
     """Writes everything that LinuxCNC reads, except its program and its display, into a folder of its own.
 
     Args:
@@ -160,11 +181,12 @@ def write_configuration(folder: Path, case: Case, home_lengths: Array, headroom:
         case: a case with machine, workspace, limits and controller.
         home_lengths: strut lengths at home, shape (6,) [m].
         headroom: acceleration limits as a multiple of the case's.
+        box: whether the axes keep the box of `[limits.motion]`, else `[workspace]`; see `pose_range`.
 
     Raises:
         CaseError: the case lacks one of these parts.
     """
-    (folder / INI_FILE).write_text(ini_text(case, home_lengths, headroom), encoding="ascii")
+    (folder / INI_FILE).write_text(ini_text(case, home_lengths, headroom, box), encoding="ascii")
     (folder / HAL_FILE).write_text(hal_text(case), encoding="ascii")
     (folder / TOOL_FILE).write_text("T1 P1 Z0 D1\n", encoding="ascii")
     (folder / VARIABLE_FILE).write_text("", encoding="ascii")  # no offsets left over from another program

@@ -88,8 +88,8 @@ def run_linuxcnc(
     if not 0.0 < speedup < math.inf:
         raise ValueError(f"speedup is {speedup}, must be positive and finite")
     lines = _lines(program, content)
+    timed = any(timing.is_inverse_time(line) for line in lines)
     if headroom is None:
-        timed = any(timing.is_inverse_time(line) for line in lines)
         headroom = case.need_controller(configuration.PURPOSE).linuxcnc.acceleration_headroom if timed else 1.0
     durations = timing.dwells(program, lines)
     speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
@@ -99,7 +99,7 @@ def run_linuxcnc(
         check_syntax(program, lines, Path(name), START_LIMIT)
     for reserve in timing.RESERVES:
         copy = timing.with_dwells(lines, durations, speedup, reserve)
-        log, window = _session(program, copy, case, headroom, speedup, time_limit)
+        log, window = _session(program, copy, case, headroom, timed, speedup, time_limit)
         if not durations:
             return log
         timing.check_order(program, log)
@@ -111,14 +111,14 @@ def run_linuxcnc(
 
 
 def _session(
-    program: Path, lines: list[str], case: Case, headroom: float, speedup: float, time_limit: float
+    program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speedup: float, time_limit: float
 ) -> tuple[ControllerLog, tuple[int, int]]:
     """Runs the lines once; returns the log, and the rows between which the program ran."""
     machine, _, _ = case.need_machine(configuration.PURPOSE)
     home_lengths = Hexapod.of(case).strut_lengths(machine.home.vector[None])[0]
     with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
         folder = Path(name)
-        configuration.write_configuration(folder, case, home_lengths, headroom)
+        configuration.write_configuration(folder, case, home_lengths, headroom, timed)
         (folder / PROGRAM_FILE).write_bytes("\n".join(lines).encode("ascii"))
         (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
         (folder / configuration.DISPLAY_FILE).chmod(0o755)

@@ -171,8 +171,8 @@ def test_pose_limits_themselves_are_allowed(write: Callable[[str], Path], case: 
     [
         ("G21 G90 G94\nG1 X1\nM2\n", 2, "Cannot do g1 with zero feed rate"),
         ("G21 G94 F100\nG1 X2 Y3\nG93\n(again)\nG1 X2 Y3\nG94\nM2\n", 5, "F word missing with inverse time g1 move"),
-        ("G21 G90\nG0 X260\nM2\n", 2, "exceed X's positive limit"),
-        ("G21 G90 G94\nG64 P1\nG1 X1 F600\nG1 X2\nG1 C-20.1\nM2\n", 5, "exceed C's negative limit"),
+        ("G21 G90\nG0 X310\nM2\n", 2, "exceed X's positive limit"),
+        ("G21 G90 G94\nG64 P1\nG1 X1 F600\nG1 X2\nG1 Y-300.1\nM2\n", 5, "exceed Y's negative limit"),
         ("G21 G90\nG0 X1\n(MSG, M0) m 00\nM2\n", 3, "'(MSG, M0) m 00' waits for an operator; remove M0"),
     ],
 )
@@ -344,7 +344,12 @@ def settings(text: str) -> configparser.ConfigParser:
 
 
 def test_axes_have_the_limits_of_the_case_in_millimetres_and_degrees(case: Case) -> None:
-    ini = settings(configuration.ini_text(changed(case, machine__home__x_mm=7.0), np.full(6, 1.0), 1.0))
+    """In the narrower box of dense paths; without one the workspace and the struts limit them."""
+    moved = changed(case, machine__home__x_mm=7.0)
+    wide = settings(configuration.ini_text(moved, np.full(6, 1.0), 1.0, box=False))
+    assert wide.getfloat("AXIS_X", "MAX_LIMIT") == pytest.approx(307.0, abs=2e-6)
+    assert wide.getfloat("AXIS_C", "MIN_LIMIT") == pytest.approx(-90.0, abs=2e-6)
+    ini = settings(configuration.ini_text(moved, np.full(6, 1.0), 1.0))
     assert ini.getfloat("AXIS_X", "MIN_LIMIT") == pytest.approx(-243.0, abs=2e-6)
     assert ini.getfloat("AXIS_X", "MAX_LIMIT") == pytest.approx(257.0, abs=2e-6)
     assert ini.getfloat("AXIS_X", "MAX_LIMIT") >= 257.0
