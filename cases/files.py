@@ -28,7 +28,7 @@ class FolderKind:
 
 PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "plots"}))
 RUN = FolderKind("a run", frozenset({"recording.json", "recording.csv"}))
-RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json", "plots"}))
+RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"}))
 
 
 def _flush(path: Path) -> None:

@@ -125,14 +125,13 @@ class Plan:
 
 def save_plan(plan: Plan, folder: Path) -> None:
     """Writes a plan folder: plan.json, motion.csv, plots/."""
-    from planner.plots import trajectory_figure
+    from planner.plots import save_figure, trajectory_figure
 
     motion = sample(plan.motion, SAMPLE_RATE)
     with atomic_folder(folder, PLAN) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
         (part / "motion.csv").write_text(motion_csv(motion), encoding="utf-8")
-        (part / "plots").mkdir()
-        trajectory_figure(motion, plan.case).savefig(part / "plots" / "trajectory.svg")
+        save_figure(trajectory_figure(motion, plan.case), part / "plots", "trajectory")
 
 
 def motion_csv(motion: Motion) -> str:

@@ -1,5 +1,7 @@
 """Figures of plans and results, drawn with matplotlib; functions take data and return a Figure."""
 
+from pathlib import Path
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -13,6 +15,14 @@ from identification.result import Estimate
 Array = NDArray[np.float64]
 
 AXES = ("x", "y", "z", "a", "b", "c")
+PNG_DPI = 160
+
+
+def save_figure(figure: Figure, folder: Path, name: str) -> None:
+    """Writes a figure for papers: `name.svg` and `name.png`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / f"{name}.svg")
+    figure.savefig(folder / f"{name}.png", dpi=PNG_DPI)
 
 
 def trajectory_figure(motion: Motion, case: Case) -> Figure:
@@ -32,15 +42,15 @@ def trajectory_figure(motion: Motion, case: Case) -> Figure:
             row, (slice(0, 3), slice(3, 6)), (length_unit, angle_unit), scale, strict=True
         ):
             for k in range(part.start, part.stop):
-                ax.plot(motion.t, values[:, k] * factor, label=AXES[k], linewidth=1.2)
-            for bound in limit[:, part]:
-                ax.axhline(
-                    float(np.abs(bound).max() * np.sign(bound[0]) * factor), color="0.3", dashes=(4, 3), linewidth=0.9
-                )
+                (line,) = ax.plot(motion.t, values[:, k] * factor, label=AXES[k], linewidth=1.2)
+                for bound in limit[:, k] * factor:
+                    shared = bool(np.ptp(limit[:, part], axis=1).max() <= 1e-9 * np.abs(limit[:, part]).max())
+                    colour = "0.3" if shared else line.get_color()
+                    ax.axhline(float(bound), color=colour, dashes=(4, 3), linewidth=0.9)
             ax.set_ylabel(f"{name} [{unit}]")
             ax.grid(alpha=0.25)
     axes[0, 0].set_title("translations")
-    axes[0, 1].set_title("rotations (dashed: limits)")
+    axes[0, 1].set_title("rotations (dashed: limits, of one axis in its colour)")
     for ax in axes[0]:
         ax.legend(loc="upper right", ncols=3, fontsize="small")
     for ax in axes[-1]:

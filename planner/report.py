@@ -1,51 +1,138 @@
-"""The page of a demo run: one HTML file, no network, plots that can be zoomed."""
+"""The report page: one HTML file that needs no network, put together from tiles, tables, notes and figures.
 
-from importlib.metadata import version
+Values are typed here and drawn by the template, which escapes every text; plotly, the figures' data and the script
+are part of the file. Text from outside that goes into a figure passes `plain`, for plotly reads some HTML in labels.
+"""
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-import plotly.io
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 from numpy.typing import NDArray
-from plotly.subplots import make_subplots
-
-from cases.schema import Case
-from cases.units import DEG, MM
-from identification.motion import Trajectory, sample
-from identification.path import instants
-from identification.result import Estimate
-from planner.plots import AXES
-from planner.running import Outcome
+from plotly.io.json import to_json_plotly
+from plotly.offline import get_plotlyjs
 
 Array = NDArray[np.float64]
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # Okabe and Ito: told apart by everybody
-DRAWN_RATE = 100.0  # [1/s]: enough for the eye, keeps the page small
-LAYOUT = {
-    "template": "plotly_white",
-    "margin": {"l": 60, "r": 20, "t": 40, "b": 40},
-    "font": {"family": "system-ui, sans-serif", "size": 13},
-    "legend": {"orientation": "h", "y": 1.08, "x": 1.0, "xanchor": "right"},
-}
+MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
 
 
-def demo_page(case: Case, answer: dict[str, Any], outcome: Outcome, estimate: Estimate) -> str:
-    """The page of a demo.
+@dataclass(frozen=True, slots=True)
+class Tile:
+    """A figure that matters: `value` with its unit, and what it means in a line."""
+
+    value: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Tiles:
+    """The figures that matter, side by side."""
+
+    tiles: tuple[Tile, ...]
+    kind: str = "tiles"
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A paragraph."""
+
+    text: str
+    kind: str = "note"
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table; the first `left` columns hold words, the others numbers."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    left: int = 1
+    kind: str = "table"
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """An interactive figure.
 
     Args:
-        case: what it ran on.
-        answer: JSON answers of the steps: plan, post, check, run, identify, truth.
-        outcome: the run.
-        estimate: the result.
+        name: unique on the page, also the name of the file it is saved to from the browser.
+        figure: drawn in the colours of the page, so it sets none for text, grid and background.
+        note: caption.
+        half: may stand beside another one where the window is wide.
     """
-    figures = {
-        "trajectory": trajectory_figure(case, outcome.planned),
-        "limits": limits_figure(answer["check"]["limits"]),
-        "executed": executed_figure(outcome),
-        "residuals": residuals_figure(estimate),
-        "errors": errors_figure(answer["truth"]),
-    }
+
+    name: str
+    figure: go.Figure
+    note: str = ""
+    half: bool = False
+    kind: str = "plot"
+
+    @property
+    def data(self) -> Markup:
+        """The figure as JSON that is safe inside a script element."""
+        content = self.figure.to_dict()
+        content["layout"].pop("template", None)
+        return Markup(to_json_plotly(content))  # escapes <, > and /
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """The hexapod moving in 3-D, with buttons to play and a slider to scrub.
+
+    Args:
+        scene: what `planner.report_machine` makes of a motion.
+        note: caption.
+    """
+
+    scene: dict[str, Any]
+    note: str = ""
+    kind: str = "machine"
+
+    @property
+    def data(self) -> Markup:
+        """The scene as JSON that is safe inside a script element."""
+        return Markup(to_json_plotly(self.scene))
+
+
+Item = Tiles | Note | Table | Plot | Machine
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A heading and what stands below it."""
+
+    title: str
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A report.
+
+    Args:
+        title: heading.
+        lead: what was done, in a sentence or two.
+        inputs: what it was done with, versions too: names and values.
+        warnings: stand first.
+        sections: in order.
+    """
+
+    title: str
+    lead: str
+    inputs: tuple[tuple[str, str], ...]
+    warnings: tuple[str, ...]
+    sections: tuple[Section, ...]
+
+
+def render(page: Page) -> str:
+    """The page as HTML."""
     environment = Environment(
         loader=PackageLoader("planner"),
         autoescape=True,
@@ -53,122 +140,32 @@ def demo_page(case: Case, answer: dict[str, Any], outcome: Outcome, estimate: Es
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    worst = max(abs(r["error"]) / r["std"] for r in answer["truth"])
-    return environment.get_template("demo.html.j2").render(
-        version=version("hexcite"),
-        case=case,
-        steps=answer,
-        worst=worst,
-        delay=estimate.delay,
-        script=plotly.io.to_html(go.Figure(), include_plotlyjs="inline", full_html=False),
-        plots={name: _html(name, figure) for name, figure in figures.items()},
-    )
+    return environment.get_template("page.html.j2").render(page=page, plotly=Markup(get_plotlyjs()))
 
 
-def _html(name: str, figure: go.Figure) -> str:
-    figure.update_layout(**LAYOUT)
-    config = {"displaylogo": False, "responsive": True}
-    return str(plotly.io.to_html(figure, include_plotlyjs=False, full_html=False, div_id=f"plot-{name}", config=config))
+def plain(text: str) -> str:
+    """A text that plotly shows as it is: what looks like HTML in it stays text."""
+    return html.escape(text, quote=False)
 
 
-def trajectory_figure(case: Case, planned: Trajectory) -> go.Figure:
-    """Position, velocity and acceleration of the planned excitation with the limits of each."""
-    machine, _, limits = case.need_machine("the report")
-    box, motion = limits.motion, sample(planned, DRAWN_RATE)
-    rows = (
-        ("position", "mm", "deg", motion.pose - machine.home.vector, np.abs(box.pose).max(axis=0), 1 / MM, 1 / DEG),
-        ("velocity", "mm/s", "deg/s", motion.rates, box.rate, 1 / MM, 1 / DEG),
-        ("acceleration", "m/s²", "rad/s²", motion.accelerations, box.acceleration, 1.0, 1.0),
-    )
-    figure = make_subplots(rows=3, cols=2, shared_xaxes=True, vertical_spacing=0.05, horizontal_spacing=0.09)
-    for row, (name, length_unit, angle_unit, values, limit, to_length, to_angle) in enumerate(rows, start=1):
-        for column, (axes, unit, factor) in enumerate(
-            ((range(3), length_unit, to_length), (range(3, 6), angle_unit, to_angle)), start=1
-        ):
-            for k in axes:
-                line = {"color": COLOURS[k], "width": 1.6}
-                trace = go.Scatter(
-                    x=motion.t,
-                    y=values[:, k] * factor,
-                    name=AXES[k],
-                    line=line,
-                    legendgroup=AXES[k],
-                    showlegend=row == 1,
-                )
-                figure.add_trace(trace, row, column)
-            for value in np.unique(limit[list(axes)]) * factor:
-                for side in (-value, value):
-                    figure.add_hline(y=side, line={"color": "#888", "dash": "dash", "width": 1}, row=row, col=column)
-            figure.update_yaxes(title_text=f"{name} [{unit}]", row=row, col=column)
-    figure.update_xaxes(title_text="time [s]", row=3)
-    return figure.update_layout(height=760)
+def thinned(x: Array, y: Array, most: int = MOST_POINTS) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """A line with at most `most` points that looks the same: of each stretch its lowest and its highest sample.
+
+    Args:
+        x: shape (n,).
+        y: shape (n,).
+        most: points that are left, at least 4.
+    """
+    if len(x) <= most:
+        return x.astype(np.float32), y.astype(np.float32)
+    stretches = most // 2
+    edges = np.linspace(0, len(x), stretches + 1).astype(int)
+    kept = []
+    for start, end in pairwise(edges):
+        kept += sorted({start + int(np.argmin(y[start:end])), start + int(np.argmax(y[start:end]))})
+    return x[kept].astype(np.float32), y[kept].astype(np.float32)
 
 
-def limits_figure(limits: dict[str, dict[str, Any]]) -> go.Figure:
-    """Share of each proven limit that the program uses."""
-    proven = {k: v for k, v in limits.items() if v["status"] == "proven"}
-    names = [v["at"] for v in proven.values()][::-1]
-    shares = [100 * v["ratio"] for v in proven.values()][::-1]
-    words = [f"{v['worst']:.4g} of {v['limit']:.4g} {v['unit']}" for v in proven.values()][::-1]
-    bars = go.Bar(
-        x=shares, y=names, orientation="h", text=words, textposition="inside", insidetextanchor="start",
-        marker_color=COLOURS[5], textfont_color="#102a43",
-    )  # fmt: skip
-    figure = go.Figure(bars)
-    figure.add_vline(x=100, line={"color": COLOURS[1], "width": 2})
-    figure.update_xaxes(title_text="share of the limit [%]", range=[0, 108])
-    return figure.update_layout(height=110 + 30 * len(names))
-
-
-def executed_figure(outcome: Outcome) -> go.Figure:
-    """Accelerations along x, y, z that the controller really made, beside the planned ones."""
-    t = instants(outcome.run.trigger, DRAWN_RATE * 2)
-    executed = outcome.run.execution.kinematics(t)
-    planned = sample(outcome.planned, DRAWN_RATE * 2)
-    figure = go.Figure()
-    for k in range(3):
-        line = {"color": COLOURS[k], "width": 1}
-        figure.add_trace(go.Scatter(x=t - t[0], y=executed.twist_rate[:, k], name=f"{AXES[k]} executed", line=line))
-        dashed = {"color": COLOURS[k], "width": 2, "dash": "dot"}
-        figure.add_trace(go.Scatter(x=planned.t, y=planned.accelerations[:, k], name=f"{AXES[k]} planned", line=dashed))
-    figure.update_xaxes(title_text="time since the trigger [s]")
-    figure.update_yaxes(title_text="acceleration [m/s²]")
-    return figure.update_layout(height=380)
-
-
-def residuals_figure(estimate: Estimate) -> go.Figure:
-    """Force residuals over time (drawn thinned) and their distribution."""
-    residuals = estimate.residuals
-    stride = max(1, len(residuals) // 1500)
-    figure = make_subplots(rows=1, cols=2, column_widths=[0.75, 0.25], shared_yaxes=True, horizontal_spacing=0.03)
-    for k in range(6):
-        line = {"color": COLOURS[k], "width": 0.8}
-        y = residuals[::stride, k]
-        x = np.arange(len(y)) * stride
-        figure.add_trace(go.Scatter(x=x, y=y, name=f"f{k + 1}", line=line), 1, 1)
-    counts, edges = np.histogram(residuals, bins=80)
-    figure.add_trace(
-        go.Bar(y=(edges[1:] + edges[:-1]) / 2, x=counts, orientation="h", marker_color="#9aa5b1", showlegend=False),
-        1,
-        2,
-    )
-    figure.update_xaxes(title_text="sample", col=1)
-    figure.update_xaxes(title_text="count", col=2)
-    figure.update_yaxes(title_text="residual [N]", col=1)
-    return figure.update_layout(height=360)
-
-
-def errors_figure(rows: list[dict[str, Any]]) -> go.Figure:
-    """Estimate less truth in standard deviations, with the 95 % and the 4 sigma band."""
-    names = [r["name"] for r in rows]
-    errors = [r["error"] / r["std"] for r in rows]
-    figure = go.Figure()
-    for half, colour in ((4.0, "#eef3f8"), (1.96, "#d6e4f0")):
-        figure.add_hrect(y0=-half, y1=half, fillcolor=colour, line_width=0, layer="below")
-    bars = {"type": "constant", "value": 1.0, "color": "#102a43", "thickness": 1.2, "width": 5}
-    figure.add_trace(
-        go.Scatter(x=names, y=errors, mode="markers", marker={"color": COLOURS[0], "size": 9}, error_y=bars)
-    )
-    figure.add_hline(y=0, line={"color": "#102a43", "width": 1})
-    figure.update_yaxes(title_text="(estimate - truth) / std", range=[-5, 5])
-    return figure.update_layout(height=380, showlegend=False)
+def rows_of(rows: Sequence[Sequence[str]]) -> tuple[tuple[str, ...], ...]:
+    """Rows of a table that was made for the terminal."""
+    return tuple(tuple(row) for row in rows)

@@ -32,12 +32,15 @@ def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, qu
     """All steps; prints unless `quiet`; returns each step's JSON answer."""
     from cases.files import write_text
     from cases.loading import load_case
+    from identification.identify import identifiability
+    from identification.residuals import residuals_of
     from planner.cli.identify import make_result
     from planner.cli.plan import make_plan
     from planner.cli.post import check_program, make_program, show_check
     from planner.cli.run import make_recording
     from planner.comparison import truth_rows
-    from planner.report import demo_page
+    from planner.report import render
+    from planner.report_demo import demo_page
     from planner.request import Request
     from planner.running import best_controller
 
@@ -68,11 +71,13 @@ def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, qu
     step(6, "report")
     answer = {"plan": plan, "post": program, "check": check, "run": run, "identify": result, "truth": rows}
     report = output / "report.html"
-    write_text(report, demo_page(loaded, answer, outcome, estimate))
+    found = identifiability(outcome.recording, loaded, estimate)
+    left = residuals_of(outcome.recording, loaded, estimate)
+    write_text(report, render(demo_page(loaded, answer, outcome, estimate, found, left)))
     worst = max(abs(row["error"]) / row["std"] for row in rows)
     summary = {"report": str(report), "controller": run["controller"], "worst_error_in_std": worst}
     if not quiet:
-        print(f"every estimate lies within {worst:.2f} reported standard deviations of the truth")
+        print(f"largest error: {worst:.2f} reported standard deviations")
         print(f"report written: {report}")
     return summary | answer
 

@@ -100,7 +100,10 @@ def make_result(
     from identification.model import identification_model
     from identification.provenance import provenance
     from identification.recording import files_of, read_run
-    from planner.plots import identifiability_figure, residual_figure
+    from identification.residuals import residuals_of
+    from planner.plots import identifiability_figure, residual_figure, save_figure
+    from planner.report import render
+    from planner.report_identify import about_inputs, identify_page
 
     paths = [paths] if isinstance(paths, Path) else list(paths)
     wish = wish if isinstance(wish, Wish) else Wish(wish)
@@ -114,14 +117,16 @@ def make_result(
         estimate = estimate_parameters(recording, loaded, number, how, wish.terms)
         found = identifiability(recording, loaded, estimate)
         content = estimate.to_json() | provenance(files_of(paths))
-        answer = {"result": str(folder)} | content
+        answer = {"result": str(folder), "report": str(folder / "report.html")} | content
         answer["strongest_correlations"] = [{"pair": [a, b], "value": v} for a, b, v in found.strongest()]
         with atomic_folder(folder, RESULT) as part:
             (part / "result.json").write_text(json_text(content), encoding="utf-8")
-            (part / "plots").mkdir()
             (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")
-            residual_figure(estimate).savefig(part / "plots" / "residuals.svg")
-            identifiability_figure(found).savefig(part / "plots" / "identifiability.svg")
+            save_figure(residual_figure(estimate), part / "plots", "residuals")
+            save_figure(identifiability_figure(found), part / "plots", "identifiability")
+            left = residuals_of(recording, loaded, estimate)
+            page = identify_page(loaded, estimate, found, left, about_inputs(paths[0], content))
+            (part / "report.html").write_text(render(page), encoding="utf-8")
     if not quiet:
         show_result(answer)
     return answer, estimate
@@ -232,4 +237,4 @@ def show_result(answer: dict[str, Any]) -> None:
         print(note)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
-    print(f"result written: {answer['result']}")
+    print(f"result written: {answer['result']}, with its report {answer['report']}")

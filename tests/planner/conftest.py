@@ -11,7 +11,10 @@ import pytest
 
 from cases.loading import built_in_cases
 from planner.plan import SavedPlan, load_plan
+from tests.planner.browser import browser
 from tests.planner.command_line import ACCEPT, hexcite
+
+__all__ = ["browser"]
 
 
 @pytest.fixture(scope="session")

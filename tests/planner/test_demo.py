@@ -7,11 +7,23 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from playwright.sync_api import Browser
 
+from tests.planner.browser import opened
 from tests.planner.command_line import hexcite
 from tests.planner.json_answer import one_json_object
 
-PLOTS = ("trajectory", "limits", "executed", "residuals", "errors")
+PLOTS = (
+    "position-translation",
+    "jerk-rotation",
+    "limits",
+    "executed",
+    "forces",
+    "residuals",
+    "spectrum",
+    "errors",
+    "qr",
+)
 FETCHED = {"src", "href", "srcset", "data", "poster", "action", "background"}
 
 
@@ -102,6 +114,7 @@ def test_the_page_shows_every_plot_once(page: Page):
     assert [i for i in page.ids if i.startswith("plot-")] != []
     for name in PLOTS:
         assert page.ids.count(f"plot-{name}") == 1
+    assert page.ids.count("machine") == 1
 
 
 def test_the_page_says_what_is_simulated_and_what_nobody_enforces(page: Page):
@@ -116,3 +129,14 @@ def test_the_page_names_every_parameter_with_its_estimate(page: Page, demo: dict
         assert row["name"] in page.text
         scale = 1000 if row["unit"] == "m" else 1
         assert f"{row['estimate'] * scale:.6g}" in page.text
+
+
+def test_the_page_opens_in_a_browser(browser: Browser, demo: dict[str, Any]):
+    with opened(browser, Path(demo["report"])) as tab:
+        assert (tab.errors, tab.requests) == ([], [])
+        assert tab.page.locator("#machine canvas").count() > 0
+
+
+def test_the_page_counts_the_truths_inside_their_intervals(page: Page, demo: dict[str, Any]):
+    inside = sum(abs(r["error"]) <= 1.96 * r["std"] for r in demo["truth"])
+    assert f"{inside} of 20 truths lie in the 95 % interval" in page.text

@@ -16,7 +16,9 @@ PACKAGES = ("cases", "identification", "planner", "postprocessors")
 DATA = (
     "cases/hexapod/case.toml",
     "cases/ft_wrist/case.toml",
-    "planner/templates/demo.html.j2",
+    "planner/templates/page.html.j2",
+    "planner/templates/page.css",
+    "planner/templates/page.js",
     "postprocessors/execute/linuxcnc/warp.c",
     "postprocessors/execute/linuxcnc/driver.py",
 )
@@ -94,4 +96,4 @@ def test_the_report_finds_its_template_outside_the_checkout(python: Path, tmp_pa
     code = (
         "from jinja2 import Environment, PackageLoader as L; print(Environment(loader=L('planner')).list_templates())"
     )
-    assert "demo.html.j2" in run(python, "-c", code, cwd=tmp_path)
+    assert "page.html.j2" in run(python, "-c", code, cwd=tmp_path)

@@ -1,0 +1,70 @@
+"""Forces of a run beside what the identified model says, sample by sample, and the spectrum of what is left."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import welch
+
+from cases.schema import Case
+from identification.evaluation import moving_run, standstills
+from identification.model import identification_model
+from identification.recording import Recording
+from identification.result import Estimate
+
+Array = NDArray[np.float64]
+
+MOST_SAMPLES = 60_000  # of the recording: a minute at 1 kHz says what its forces look like, and hours do not fit
+SEGMENT = 1024  # samples of a periodogram: 1 Hz at 1 kHz
+
+
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """Recorded forces and the model's, at every recorded sample of the excitation (standstills: at each of them).
+
+    Args:
+        t: time, shape (n,) [s]; of standstills their number from 1.
+        forces: as recorded, shape (n, 6) [N, or N and N m].
+        predicted: A u behind the evaluation's filter, the delay put right, shape (n, 6).
+        step: time between samples [s]; None for standstills.
+    """
+
+    t: Array
+    forces: Array
+    predicted: Array
+    step: float | None
+
+    @property
+    def values(self) -> Array:
+        """Recorded less predicted, shape (n, 6)."""
+        return np.asarray(self.forces - self.predicted)
+
+    def spectrum(self) -> tuple[Array, Array]:
+        """Amplitude spectral density of each channel, by Welch's method: frequencies [Hz] and [N/sqrt(Hz)], (k, 6).
+
+        Raises:
+            ValueError: standstills have no spectrum.
+        """
+        if self.step is None:
+            raise ValueError("standstills have no spectrum")
+        frequency, power = welch(self.values, 1.0 / self.step, nperseg=min(SEGMENT, len(self.t)), axis=0)
+        return frequency, np.sqrt(power)
+
+
+def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residuals:
+    """What a run recorded beside what its own estimate says, at most the first `MOST_SAMPLES`.
+
+    Args:
+        recording: the run of the estimate.
+        case: its case.
+        estimate: gives model, parameters and delay.
+    """
+    model = identification_model(case, estimate.model, estimate.terms)
+    if recording.t is None:
+        data = standstills(recording, case, model)
+        count = np.arange(1.0, data.samples + 1.0)
+        return Residuals(count, data.forces, data.regressors @ estimate.values, None)
+    run = moving_run(recording, case, model)
+    every = replace(run, rows=np.arange(run.rows[0], min(run.rows[-1] + 1, run.rows[0] + MOST_SAMPLES)))
+    predicted = every.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
+    return Residuals(every.t, every.recorded_forces, predicted, run.filter.step)

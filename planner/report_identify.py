@@ -1,0 +1,127 @@
+"""The page of an identification: parameters with error bars, what determines them, and what the model leaves."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from cases.files import read_json
+from cases.schema import Case
+from identification.identifiability import Identifiability
+from identification.recording import force_columns
+from identification.residuals import Residuals
+from identification.result import Estimate
+from planner.report import Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.report_figures import (
+    distribution_plot,
+    forces_plot,
+    identifiability_plots,
+    parameters_plot,
+    residuals_plot,
+    spectrum_plot,
+)
+
+PARAMETER_COLUMNS = ("parameter", "value", "std (28)", "std robust", "95 % from", "to", "unit")
+
+
+def identify_page(
+    case: Case, estimate: Estimate, found: Identifiability, residuals: Residuals, inputs: Sequence[tuple[str, str]]
+) -> Page:
+    """The page of `hexcite identify`.
+
+    Args:
+        case: of the recording.
+        estimate: the result.
+        found: what the run determines.
+        residuals: of the recorded forces.
+        inputs: where the recording came from, names and values.
+    """
+    what = "averaged standstills" if residuals.step is None else "samples"
+    return Page(
+        title=f"Identification: {case.title}",
+        lead=f"Model {estimate.model} identified from {estimate.samples} {what} of {estimate.source}.",
+        inputs=(("case", f"{case.name} (hash {case.hash})"), ("recording", estimate.source), *inputs),
+        warnings=estimate.warnings,
+        sections=(
+            Section("Parameters with error bars", (_headline(estimate), *parameter_items(estimate))),
+            Section("What the run determines", identifiability_items(found)),
+            Section("Forces and residuals", residual_items(case, residuals)),
+        ),
+    )
+
+
+def _headline(estimate: Estimate) -> Tiles:
+    tiles = [
+        Tile(_with_error(estimate, "m", 1.0, "kg"), "mass, with its standard deviation"),
+        Tile(_with_error(estimate, "zC", 1e3, "mm"), "centre of gravity, z"),
+        Tile(f"{estimate.s0_N:.3g} N", "rms of the force residuals"),
+        Tile(f"{estimate.condition:.3g}", f"condition of the scaled regressor, rank {estimate.rank}"),
+    ]
+    return Tiles(tuple(tiles))
+
+
+def _with_error(estimate: Estimate, name: str, scale: float, unit: str) -> str:
+    value = estimate.physical[name]
+    std = max(value.std, value.std_robust)
+    return f"{value.value * scale:.6g} ± {std * scale:.2g} {unit}"
+
+
+def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
+    """Figure and table of the parameters."""
+    rows = []
+    for name, p in estimate.physical.items():
+        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        low, high = p.interval(estimate.freedom)
+        values = (p.value * scale, low * scale, high * scale)
+        value, low_text, high_text = (f"{v:.6g}" for v in values)
+        rows.append((name, value, f"{p.std * scale:.2g}", f"{p.std_robust * scale:.2g}", low_text, high_text, unit))
+    items: list[Item] = [
+        parameters_plot({name: value._asdict() for name, value in estimate.physical.items()}),
+        Table(PARAMETER_COLUMNS, tuple(rows)),
+        Note("std (28) takes the noise as white; std robust allows for residuals that are correlated in time."),
+    ]
+    if estimate.delay is not None:
+        lag, std = estimate.delay.value * 1e3, estimate.delay.std * 1e3
+        items.append(Note(f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."))
+    return tuple(items)
+
+
+def identifiability_items(found: Identifiability) -> tuple[Item, ...]:
+    """Correlation, QR and the strongest pairs."""
+    rows = tuple((f"{a} ~ {b}", f"{value:+.3f}") for a, b, value in found.strongest())
+    return (*identifiability_plots(found), Table(("strongest correlations", "value"), rows))
+
+
+def residual_items(case: Case, residuals: Residuals) -> tuple[Item, ...]:
+    """Forces, residuals over time, their distribution and spectrum."""
+    channels = force_columns(case)
+    plots: list[Plot] = [forces_plot(residuals, channels), residuals_plot(residuals, channels)]
+    plots.append(distribution_plot(residuals))
+    if residuals.step is not None:
+        plots.append(spectrum_plot(residuals, channels, case.recording.filter_cutoff_Hz))
+    rms = (residuals.values**2).mean(axis=0) ** 0.5
+    table = Table(
+        ("channel", "rms of the residual"), tuple((c, f"{r:.4g}") for c, r in zip(channels, rms, strict=True))
+    )
+    return (*plots, table)
+
+
+def about_inputs(recording: Path, provenance: dict[str, Any]) -> tuple[tuple[str, str], ...]:
+    """Where a run came from, for the page's inputs.
+
+    Args:
+        recording: file, or folder of `hexcite run`.
+        provenance: `inputs` and `versions` of a result.
+    """
+    words = [(i["file"], f"SHA-256 {i['sha256']}") for i in provenance["inputs"]]
+    words += provenance["versions"].items()
+    file = recording / "recording.json"
+    if not file.is_file():
+        return (("origin", "recorded on a machine: nothing says that it was simulated"), *words)
+    return (*run_inputs(read_json(file, "hexcite run")), *words)
+
+
+def run_inputs(about: dict[str, Any]) -> tuple[tuple[str, str], ...]:
+    """What `recording.json`, or the answer of a run, says about it."""
+    keys = ("controller", "program", "program_hash", "seed", "payload", "simulation_source")
+    simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
+    return (("origin", simulated), *((key, str(about[key])) for key in keys if about.get(key) is not None))

@@ -1,0 +1,195 @@
+"""The report page in a real browser: no network, fits every width, reads in the dark, shows text as text."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser
+from playwright.sync_api import Page as Tab
+
+from cases.schema import Case
+from identification.executed import PoseExecution
+from identification.hexapod import Hexapod
+from identification.motion import sample
+from identification.recording import write_recording
+from identification.simulate import simulate_recording
+from planner.report import Note, Page, Section, Table, plain, render, thinned
+from planner.report_figures import motion_plots
+from planner.report_machine import moving_machine, posing_machine
+from tests.helpers import Harmonic
+from tests.planner.browser import Opened, opened
+from tests.planner.command_line import call
+
+HOSTILE = "<img src=x onerror=\"document.title='taken over'\"><b>column</b></script>"
+FITS = "document.documentElement.scrollWidth <= window.innerWidth"
+STICKS_OUT = """[...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll, .plot')
+    && e.getBoundingClientRect().right > window.innerWidth + 1).map(e => e.outerHTML.slice(0, 80))"""
+
+
+@pytest.fixture(scope="module")
+def motion() -> Harmonic:
+    return Harmonic(seed=3, duration=4.0)
+
+
+@pytest.fixture(scope="module")
+def page_file(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A page with everything that outsiders can name named in HTML."""
+    plots = motion_plots(hexapod_case, sample(motion, 200.0))
+    plots[0].figure.update_traces(name=plain(HOSTILE))
+    wide = tuple(f"a wide column {k}" for k in range(30))
+    page = Page(
+        title=HOSTILE,
+        lead=HOSTILE,
+        inputs=((HOSTILE, HOSTILE),),
+        warnings=(HOSTILE,),
+        sections=(
+            Section(HOSTILE, (Note(HOSTILE), Table(wide, ((HOSTILE, *wide[1:]),)), *plots)),
+            Section("machine", (moving_machine(hexapod_case, motion, HOSTILE),)),
+        ),
+    )
+    file = tmp_path_factory.mktemp("page") / "report.html"
+    file.write_text(render(page), encoding="utf-8")
+    return file
+
+
+@pytest.fixture(scope="module")
+def result_page(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of an identification whose recording has HTML for a name."""
+    folder = tmp_path_factory.mktemp("result")
+    execution = PoseExecution(Hexapod.of(hexapod_case), motion)
+    recording = simulate_recording(hexapod_case, execution, np.array([[0.3, 3.7]]), seed=1)
+    file = folder / "<img src=x onerror=\"document.title='taken over'\">.csv"
+    write_recording(file, recording, hexapod_case)
+    assert call("identify", file, "--case", "hexapod", "-o", folder / "result").code == 0
+    return folder / "result" / "report.html"
+
+
+@pytest.fixture(scope="module")
+def tab(browser: Browser, page_file: Path) -> Iterator[Opened]:
+    """The page on a wide screen by day."""
+    with opened(browser, page_file) as tab:
+        yield tab
+
+
+def test_nothing_overflows_and_nothing_fails_on_a_wide_screen(tab: Opened):
+    assert tab.page.evaluate(FITS)
+    assert tab.page.evaluate(STICKS_OUT) == []
+    assert (tab.errors, tab.requests) == ([], [])
+
+
+def test_what_looks_like_html_stays_text(tab: Opened):
+    assert tab.page.title() == f"hexcite: {HOSTILE}"
+    for place in ("h1", ".lead", ".warnings li", "h2", "figcaption", "td"):
+        assert HOSTILE in tab.page.locator(place).all_inner_texts(), place
+    assert tab.page.locator("img").count() == 0
+    assert "<b>column</b>" in tab.page.locator(".legendtext").first.text_content()
+
+
+def _machine(tab: Tab, position: int) -> bytes:
+    tab.evaluate(
+        """(k) => { const s = document.getElementById('scrub'); s.value = k; s.dispatchEvent(new Event('input')); }""",
+        position,
+    )
+    tab.wait_for_timeout(300)
+    return tab.locator("#machine").screenshot()
+
+
+def test_the_machine_moves_when_scrubbed(tab: Opened):
+    first, later = _machine(tab.page, 0), _machine(tab.page, 70)
+    assert first != later
+    assert "1.40 of 4.00 s" in tab.page.locator("#instant").inner_text()
+
+
+def test_the_machine_plays_to_the_end_and_stops(tab: Opened):
+    _machine(tab.page, 180)
+    tab.page.locator("#play").click()
+    tab.page.wait_for_function("document.getElementById('scrub').value === '200'", timeout=60_000)
+    tab.page.wait_for_function("document.getElementById('play').textContent === 'Play'")
+    assert "4.00 of 4.00 s" in tab.page.locator("#instant").inner_text()
+    assert tab.errors == []
+
+
+def test_platform_joints_on_the_page_are_where_the_struts_end(tab: Opened, hexapod_case: Case, motion: Harmonic):
+    """The page turns the joints with its own code: strut lengths that it draws are those of the kinematics."""
+    _machine(tab.page, 70)
+    struts = tab.page.evaluate("(({x, y, z}) => [x, y, z])(document.getElementById('machine').data[2])")
+    ends = np.array(struts, dtype=float).T.reshape(6, 3, 3)
+    drawn = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    true = Hexapod.of(hexapod_case).strut_lengths(motion.at([70 * 4.0 / 200]).pose)[0] * 1e3
+    np.testing.assert_allclose(drawn, true, atol=1e-2)
+
+
+def _luminance(colour: str) -> float:
+    """Relative luminance of a CSS colour, as WCAG 2 defines it."""
+    channels = np.array([float(v) for v in re.findall(r"[\d.]+", colour)[:3]]) / 255
+    linear = np.where(channels <= 0.03928, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+def _require_readable(tab: Tab, dark: bool) -> None:
+    """Contrast of at least 4.5 to 1 (WCAG 2, AA), in figures as in text."""
+    paper = _luminance(tab.evaluate("getComputedStyle(document.body).backgroundColor"))
+    assert (paper < 0.1) == dark
+    for place, colour in (("h1", "color"), (".note", "color"), ("th", "color"), (".xtitle", "fill")):
+        ink = _luminance(tab.evaluate(f"getComputedStyle(document.querySelector('{place}')).{colour}"))
+        assert (max(ink, paper) + 0.05) / (min(ink, paper) + 0.05) >= 4.5, place
+
+
+def test_text_is_readable_by_day(tab: Opened):
+    _require_readable(tab.page, dark=False)
+
+
+def test_a_narrow_page_by_night_fits_and_is_readable(browser: Browser, page_file: Path):
+    with opened(browser, page_file, 400, "dark") as tab:
+        assert tab.page.evaluate(FITS)
+        assert tab.page.evaluate(STICKS_OUT) == []
+        assert (tab.errors, tab.requests) == ([], [])
+        _require_readable(tab.page, dark=True)
+
+
+def test_an_identification_has_its_page(browser: Browser, result_page: Path):
+    with opened(browser, result_page) as tab:
+        names = {"parameters", "correlation", "qr", "forces", "residuals", "distribution", "spectrum"}
+        assert {f"plot-{n}" for n in names} <= set(
+            tab.page.evaluate("[...document.querySelectorAll('.plot')].map(e=>e.id)")
+        )
+        assert "onerror" in tab.page.locator(".lead").inner_text()
+        assert tab.page.locator("img").count() == 0
+        assert (tab.errors, tab.requests) == ([], [])
+
+
+def test_figures_for_papers_lie_beside_the_page(result_page: Path):
+    plots = {p.name for p in (result_page.parent / "plots").iterdir()}
+    assert plots == {f"{name}.{kind}" for name in ("residuals", "identifiability") for kind in ("svg", "png")}
+
+
+def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, motion: Harmonic, tmp_path: Path):
+    poses = motion.at(np.linspace(0.0, 4.0, 7)).pose
+    page = Page("poses", "", (), (), (Section("machine", (posing_machine(hexapod_case, poses, ""),)),))
+    file = tmp_path / "report.html"
+    file.write_text(render(page), encoding="utf-8")
+    with opened(browser, file) as tab:
+        _machine(tab.page, 4)
+        assert tab.page.locator("#instant").inner_text() == "pose 5 of 7"
+
+
+def test_twenty_seconds_are_at_most_three_megabytes_beside_plotly(hexapod_case: Case):
+    from plotly.offline import get_plotlyjs
+
+    motion = Harmonic(seed=0, duration=20.0)
+    page = Page("long", "", (), (), (Section("motion", (
+        *motion_plots(hexapod_case, sample(motion, 1000.0)), moving_machine(hexapod_case, motion, ""),
+    )),))  # fmt: skip
+    assert len(render(page)) - len(get_plotlyjs()) < 3e6
+
+
+def test_a_thinned_line_keeps_its_extremes():
+    x = np.linspace(0.0, 1.0, 50_000)
+    y = np.random.default_rng(0).normal(size=50_000)
+    y[31_234], y[777] = 40.0, -40.0
+    kept_x, kept_y = thinned(x, y)
+    assert len(kept_x) == len(kept_y) <= 2000
+    assert (kept_y.max(), kept_y.min()) == (40.0, -40.0)
+    assert np.all(np.diff(kept_x) >= 0.0)
