@@ -10,9 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from identification.coloured import coloured_covariance
 from identification.contact import Contact, find_contacts, touched
 from identification.estimator import independent_poses, require_alive
 from identification.estimators import Method, Problem, gauss_markov_of, method, robust_of
@@ -36,7 +38,7 @@ SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtere
 MOST_TOUCHED = 0.25  # of the samples in contact; more is no identification run
 LEAST_SERIES = 50  # samples that tell an autocorrelation
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
-SANDWICHED = ("gauss-markov", "consistent")  # their robust covariance is that of a series in time, which poses are not
+SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
 
 
@@ -220,6 +222,11 @@ def _with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> _Mov
             f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they of one run?"
         )
     fit = how.estimator(problem)(augmented, forces, names)
+    if how.name in SANDWICHED and not how.priors:
+        basis = block_diag(selection.basis, np.eye(1))
+        coloured = coloured_covariance(augmented @ basis, fit.residuals, fit.weights)
+        if coloured is not None:
+            fit = replace(fit, covariance_robust=basis @ coloured @ basis.T)
     _require_sense(model, fit)
     residuals = run.recorded_forces - matrices @ fit.values[:-1]
     value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < DELAY_TOLERANCE else 0.0)

@@ -3,10 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import lfilter
 
 from cases.schema import Case
 from identification.executed import Execution
 from identification.identify import identify
+from identification.model import identification_model
+from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.simulate import simulate_recording, true_forces
 from planner.comparison import truth_rows
@@ -49,3 +52,37 @@ def coverage(case: Case, execution: Execution, trigger: np.ndarray, seeds: int) 
             worst = max(worst, abs(row["error"]) / row["std"])
             pairs += 1
     return Coverage(100 * inside_white / pairs, 100 * inside_robust / pairs, worst)
+
+
+@dataclass(frozen=True, slots=True)
+class ColouredCoverage:
+    """Shares of (seed, parameter) pairs inside the 95 % intervals, in %; width of the robust ones over the true one."""
+
+    white: float
+    robust: float
+    width: float
+
+
+def coloured_coverage(
+    case: Case, execution: Execution, trigger: np.ndarray, seeds: int, corner: float = 20.0
+) -> ColouredCoverage:
+    """The same with noise behind a first-order low-pass of so many Hz, and linear parameters."""
+    simulation = case.need_simulation("the coverage study")
+    first = simulate_recording(case, execution, trigger, 0)
+    assert first.t is not None
+    late = simulation.force_delay + simulation.force_sampling_offset_cycles / simulation.encoder_rate_Hz
+    clean = true_forces(case, execution, first.t - late)
+    truth = linear_parameters(identification_model(case, 9), simulation.parameters)
+    keep = np.exp(-2 * np.pi * corner / simulation.encoder_rate_Hz)
+    values, white, robust = [], [], []
+    for seed in range(seeds):
+        drawn = np.random.default_rng(2000 + seed).normal(size=(len(clean) + 1000, 6))
+        noise = np.sqrt(1 - keep**2) * lfilter([1.0], [1.0, -keep], drawn, axis=0)[1000:]
+        run = Recording(f"seed {seed}", first.t, first.struts, None, clean + noise, first.trigger)
+        estimate = identify(run, case, 9)
+        values.append(estimate.values)
+        white.append(np.sqrt(np.diag(estimate.covariance)))
+        robust.append(np.sqrt(np.diag(estimate.covariance_robust)))
+    errors, spread = np.abs(np.array(values) - truth), np.std(values, axis=0, ddof=1)
+    inside = [100.0 * float(np.mean(errors <= 1.96 * np.array(s))) for s in (white, robust)]
+    return ColouredCoverage(inside[0], inside[1], float(np.median(np.median(robust, axis=0) / spread)))
