@@ -166,13 +166,13 @@ def test_a_motion_without_clock_is_no_list_of_standstills() -> None:
 
 def test_a_motion_slower_than_anything_that_counts_as_moving_is_still_evaluated() -> None:
     """A standstill by speed, but not by pose: without a trigger all of it counts, and the warning says so."""
-    case = CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"filter_cutoff_Hz": 1.0})})
-    case = simulated(case, encoder_rate_Hz=10.0)
+    case = CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"filter_cutoff_Hz": 2.0})})
+    case = simulated(case, encoder_rate_Hz=20.0)
     slow = PoseExecution(Hexapod.of(CASE), Harmonic(duration=2000.0))
     recording = replace(simulate_recording(case, slow, np.array([[0.0, 1.0]]), 0, "run.csv"), trigger=None)
     estimate = identify(recording, case, 5)
     assert any("never faster than 1 mm/s" in w for w in estimate.warnings)
-    assert estimate.samples > 0.99 * 2000 * 10 - 200
+    assert estimate.samples > 0.99 * 2000 * 20 - 200
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=0.2)
 
 
