@@ -15,6 +15,7 @@ from cases.controller import Controller
 from cases.errors import CaseError
 from cases.machine import Limits, Machine, Workspace
 from cases.parts import Array, Part, Vector, frozen
+from cases.poses import Poses
 from cases.recording import RecordingFormat
 from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation
 from cases.units import MINUTE, MM
@@ -38,6 +39,7 @@ class Case(Part):
     machine: Machine | None = None
     workspace: Workspace | None = None
     limits: Limits | None = None
+    poses: Poses | None = None
     controller: Controller | None = None
     nominal: RigidBody | None = None
     simulation: Simulation | None = None
@@ -111,6 +113,12 @@ class Case(Part):
         if self.limits is None:
             self.missing("limits.motion", purpose)
         return self.machine, self.workspace, self.limits
+
+    def need_poses(self, purpose: str) -> Poses:
+        """Poses of quasi-static measurement; raises CaseError where the case has none."""
+        if self.poses is None:
+            self.missing("poses", purpose)
+        return self.poses
 
     def need_controller(self, purpose: str) -> Controller:
         """Controller settings; raises CaseError where the case has none."""

@@ -1,0 +1,220 @@
+"""Criteria A, D, K, N of Table 4 for sets of poses: exact values after a removal or an addition, and cheap bounds.
+
+With F the sum of A^T A over the set, all in one scaling, each criterion is a value that is better the larger it is. A
+`Screen` bounds from above what the value can be after the removal of each pose, in O(1) a pose and step: Algorithm 1
+then evaluates only poses that can still be the best, and removes the same ones as if it evaluated all.
+"""
+
+from abc import ABC, abstractmethod
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Screen(Protocol):
+    """Upper bounds of a criterion after the removal of each of n poses, valid while poses are removed."""
+
+    def upper(self, information: Array) -> Array:
+        """Bound for each pose, shape (n,)."""
+        ...
+
+    def learn(self, information: Array, rows: Index, values: Array) -> None:
+        """Takes note of exact values of some poses at this information."""
+        ...
+
+
+class PoseCriterion(Protocol):
+    """A criterion of pose sets."""
+
+    letter: str
+
+    def value(self, information: Array) -> Array:
+        """Value of one or more informations, shape (..., u, u) -> (...); -inf where singular."""
+        ...
+
+    def after_removal(self, information: Array, regressors: Array) -> Array:
+        """Value without each pose: F - A_j^T A_j, shape (k, 6, u) -> (k,)."""
+        ...
+
+    def after_addition(self, information: Array, regressors: Array) -> Array:
+        """Value with each pose: F + A_j^T A_j, shape (k, 6, u) -> (k,)."""
+        ...
+
+    def screen(self, regressors: Array, information: Array) -> Screen:
+        """A fresh screen: nearly exact for `information`, valid for whatever removals leave of it."""
+        ...
+
+
+def _products(regressors: Array) -> Array:
+    return np.asarray(regressors.transpose(0, 2, 1) @ regressors)
+
+
+def _eigenvalues(information: Array) -> Array:
+    """Ascending; what rounding makes negative is 0."""
+    return np.asarray(np.maximum(np.linalg.eigvalsh(information), 0.0))
+
+
+def _leverage(information: Array, regressors: Array) -> tuple[Array, Array]:
+    """Y_j = A_j F^-1, and A_j F^-1 A_j^T, shapes (k, 6, u) and (k, 6, 6)."""
+    inverse = np.linalg.inv(information)
+    weighted = (regressors.reshape(-1, len(inverse)) @ inverse).reshape(regressors.shape)
+    return weighted, weighted @ regressors.transpose(0, 2, 1)
+
+
+class DOptimal:
+    """Log det F (31)."""
+
+    letter = "D"
+
+    def value(self, information: Array) -> Array:
+        """Log det, -inf where singular."""
+        sign, logdet = np.linalg.slogdet(information)
+        return np.where(sign > 0, logdet, -np.inf)
+
+    def after_removal(self, information: Array, regressors: Array) -> Array:
+        """Log det F + log det(1 - A F^-1 A^T)."""
+        return self.value(information) + self.value(np.eye(6) - _leverage(information, regressors)[1])
+
+    def after_addition(self, information: Array, regressors: Array) -> Array:
+        """Log det F + log det(1 + A F^-1 A^T)."""
+        return self.value(information) + self.value(np.eye(6) + _leverage(information, regressors)[1])
+
+    def screen(self, regressors: Array, information: Array) -> Screen:
+        """Losses only grow while poses are removed: an old loss bounds the present one."""
+        return _StaleGains(self, self.after_removal(information, regressors) - self.value(information))
+
+
+class _StaleGains:
+    def __init__(self, criterion: DOptimal, gains: Array) -> None:
+        self.criterion, self.gains = criterion, gains
+
+    def upper(self, information: Array) -> Array:
+        return np.asarray(self.criterion.value(information) + self.gains)
+
+    def learn(self, information: Array, rows: Index, values: Array) -> None:
+        self.gains[rows] = values - self.criterion.value(information)
+
+
+class AOptimal:
+    """-trace F^-1 (30)."""
+
+    letter = "A"
+
+    def value(self, information: Array) -> Array:
+        """Minus the sum of the variances, -inf where singular."""
+        values = _eigenvalues(information)
+        with np.errstate(divide="ignore"):
+            return np.asarray(-np.sum(1.0 / values, axis=-1))
+
+    def after_removal(self, information: Array, regressors: Array) -> Array:
+        """-trace F^-1 - trace((1 - A F^-1 A^T)^-1 A F^-2 A^T)."""
+        weighted, leverage = _leverage(information, regressors)
+        left = np.eye(6) - leverage
+        values, vectors = np.linalg.eigh(left)
+        turned = vectors.transpose(0, 2, 1) @ weighted
+        with np.errstate(divide="ignore"):
+            loss = np.sum(np.sum(turned**2, axis=2) / np.maximum(values, 0.0), axis=1)
+        return np.asarray(self.value(information) - loss)
+
+    def after_addition(self, information: Array, regressors: Array) -> Array:
+        """-trace F^-1 + trace((1 + A F^-1 A^T)^-1 A F^-2 A^T)."""
+        weighted, leverage = _leverage(information, regressors)
+        solved = np.linalg.solve(np.eye(6) + leverage, weighted)
+        return np.asarray(self.value(information) + np.sum(solved * weighted, axis=(1, 2)))
+
+    def screen(self, regressors: Array, information: Array) -> Screen:
+        """Trace M^-1 >= 2 trace X - trace X M X for every symmetric X; X is the inverse when the screen was made."""
+        inverse: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
+        rows = (regressors.reshape(-1, len(inverse)) @ inverse).reshape(len(regressors), -1)
+        return _FixedInverse(inverse, np.einsum("nk,nk->n", rows, rows))
+
+
+class _FixedInverse:
+    def __init__(self, inverse: Array, seen: Array) -> None:
+        self.inverse, self.seen = inverse, seen
+
+    def upper(self, information: Array) -> Array:
+        common = 2.0 * np.trace(self.inverse) - np.sum((self.inverse @ information) * self.inverse)
+        return np.asarray(-(common + self.seen))
+
+    def learn(self, information: Array, rows: Index, values: Array) -> None:
+        pass  # bounds of a fixed inverse do not sharpen
+
+
+class _Extremes(ABC):
+    """Criteria of the smallest and the largest eigenvalue of F."""
+
+    @abstractmethod
+    def of(self, smallest: Array, largest: Array) -> Array:
+        """Value from both."""
+
+    def value(self, information: Array) -> Array:
+        """Value, -inf where singular."""
+        values = _eigenvalues(information)
+        return self.of(values[..., 0], values[..., -1])
+
+    def after_removal(self, information: Array, regressors: Array) -> Array:
+        """From the eigenvalues of F - A^T A."""
+        return self.value(information - _products(regressors))
+
+    def after_addition(self, information: Array, regressors: Array) -> Array:
+        """From the eigenvalues of F + A^T A."""
+        return self.value(information + _products(regressors))
+
+    def screen(self, regressors: Array, information: Array) -> Screen:
+        """Ritz values in the two lowest and the two highest eigenvectors when the screen was made."""
+        directions = np.linalg.eigh(information)[1][:, [0, 1, -2, -1]]
+        seen = (regressors.reshape(-1, len(directions)) @ directions).reshape(len(regressors), 6, 4)
+        pairs = ((0, 0), (0, 1), (1, 1), (2, 2), (2, 3), (3, 3))
+        products = np.array([np.einsum("nk,nk->n", seen[:, :, i], seen[:, :, j]) for i, j in pairs])
+        return _FixedDirections(self, directions, products)
+
+
+class _FixedDirections:
+    def __init__(self, criterion: _Extremes, directions: Array, products: Array) -> None:
+        self.criterion, self.directions, self.products = criterion, directions, products
+
+    def upper(self, information: Array) -> Array:
+        whole = self.directions.T @ information @ self.directions
+        seen = self.products
+        low = _outer_eigenvalue(whole[0, 0] - seen[0], whole[0, 1] - seen[1], whole[1, 1] - seen[2], -1.0)
+        high = _outer_eigenvalue(whole[2, 2] - seen[3], whole[2, 3] - seen[4], whole[3, 3] - seen[5], 1.0)
+        return self.criterion.of(np.maximum(low, 0.0), np.maximum(high, 0.0))
+
+    def learn(self, information: Array, rows: Index, values: Array) -> None:
+        pass  # bounds of fixed directions do not sharpen
+
+
+def _outer_eigenvalue(a: Array, b: Array, c: Array, side: float) -> Array:
+    """Lower (side -1) or upper (side 1) eigenvalue of [[a, b], [b, c]]."""
+    half = (a - c) / 2
+    return np.asarray((a + c) / 2 + side * np.sqrt(half * half + b * b))
+
+
+class KOptimal(_Extremes):
+    """-mu_1 / mu_u (32)."""
+
+    letter = "K"
+
+    def of(self, smallest: Array, largest: Array) -> Array:
+        """Minus the condition of the regressor."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(smallest > 0.0, -np.sqrt(largest / smallest), -np.inf)
+
+
+class NOptimal(_Extremes):
+    """mu_u^2 / mu_1 (33)."""
+
+    letter = "N"
+
+    def of(self, smallest: Array, largest: Array) -> Array:
+        """The noise amplification index; -inf where the smallest eigenvalue is 0."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(smallest > 0.0, smallest / np.sqrt(largest), -np.inf)
+
+
+POSE_CRITERIA: dict[str, PoseCriterion] = {c.letter: c for c in (AOptimal(), DOptimal(), KOptimal(), NOptimal())}

@@ -1,0 +1,163 @@
+"""Algorithm 1: from many poses to few, each time without the pose that the criterion misses least.
+
+As printed, the last line removes for A and K, which are minimised, the most useful pose; the sign is corrected. For K
+the text can be read in two ways, both of which are here: the best value after the removal (`reduce_best`), or the
+smallest change in either direction (`reduce_smallest_change`), since the condition can improve by a removal.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.poses.criteria import Index, PoseCriterion, Screen
+from planner.poses.regressors import total_information
+
+Array = NDArray[np.float64]
+
+TIE = 1e-10  # relative; the first of equally good removals is taken, so that symmetric grids give one answer anywhere
+CHUNK = 16  # poses that are evaluated together at first
+REFRESH = 48  # evaluations in one step after which new bounds are cheaper
+FEW = 60  # poses from which on the information is summed anew and the rank is watched at every step
+MOST_EXHAUSTIVE = 2500  # poses that `reduce_smallest_change` starts from: it evaluates all of them at every step
+
+
+@dataclass(frozen=True, slots=True)
+class Reduction:
+    """What Algorithm 1 did.
+
+    Args:
+        removed: indices of the poses in the order of their removal, shape (n - r,).
+        values: of the criterion after each removal, shape (n - r,).
+        kept: indices of the poses that are left, ascending, shape (r,).
+    """
+
+    removed: Index
+    values: Array
+    kept: Index
+
+    def kept_at(self, count: int) -> Index:
+        """The poses that were left when there were `count` of them, ascending."""
+        back = len(self.removed) - (count - len(self.kept))
+        return np.sort(np.r_[self.kept, self.removed[back:]])
+
+
+def full_rank(regressors: Array) -> bool:
+    """Whether poses together determine all parameters: singular values against the paper's numerical zero (Fig. 3)."""
+    rows = regressors.reshape(-1, regressors.shape[2])
+    if len(rows) < rows.shape[1]:
+        return False
+    singular = np.linalg.svd(rows, compute_uv=False)
+    return bool(singular[-1] > len(rows) * np.finfo(float).eps * singular[0])
+
+
+def reduce_best(
+    regressors: Array, criterion: PoseCriterion, count: int, done: Callable[[int], None] = lambda _: None
+) -> Reduction:
+    """Removes, again and again, the pose without which the criterion is best; exactly, but only looks where it must.
+
+    Stops early where every further removal would lose rank: `kept` then is the smallest set that the algorithm finds.
+
+    Args:
+        regressors: scaled, of all poses, shape (n, 6, u); together of full rank.
+        criterion: what to keep large.
+        count: poses to keep at least.
+        done: called with the number of poses that are left, after each removal.
+    """
+    members: Index = np.arange(len(regressors))  # of the screen; `alive` are those that are not yet removed
+    alive = np.ones(len(members), dtype=bool)
+    information = total_information(regressors)
+    present, screen = regressors, criterion.screen(regressors, information)
+    removed, values = [], []
+    for size in range(len(regressors), count, -1):
+        found = None
+        if size > FEW:
+            found = _best_removal(present, criterion, screen, information, alive, REFRESH)
+        if found is None:  # the bounds have become loose, or the sum wants to be exact
+            members = members[alive]
+            present, alive = regressors[members], np.ones(size, dtype=bool)
+            information = total_information(present)
+            screen = criterion.screen(present, information)
+            found = _best_removal(present, criterion, screen, information, alive, size)
+        assert found is not None
+        position, value = found
+        alive[position] = False
+        if not np.isfinite(value) or (size <= FEW and not full_rank(present[alive])):
+            alive[position] = True
+            break
+        removed.append(members[position])
+        values.append(value)
+        information = information - present[position].T @ present[position]
+        done(size - 1)
+    return Reduction(np.array(removed, dtype=np.int64), np.array(values), members[alive])
+
+
+def _best_removal(
+    regressors: Array,
+    criterion: PoseCriterion,
+    screen: Screen,
+    information: Array,
+    alive: NDArray[np.bool_],
+    most: int,
+) -> tuple[int, float] | None:
+    """Position and value of the best removal; None where more than `most` poses would have to be evaluated.
+
+    Poses are evaluated in the order of their bounds until no bound reaches the best value found.
+    """
+    pending = np.where(alive, screen.upper(information), -np.inf)
+    exact = np.full(len(alive), -np.inf)
+    best, evaluated, chunk = -np.inf, 0, CHUNK
+    while True:
+        rows = np.argpartition(-pending, chunk)[:chunk] if chunk < len(pending) else np.arange(len(pending))
+        rows = rows[(pending[rows] > -np.inf) & (pending[rows] >= _tied(best))]
+        if not len(rows):
+            break
+        if evaluated + len(rows) > max(most, CHUNK):
+            return None
+        exact[rows] = criterion.after_removal(information, regressors[rows])
+        screen.learn(information, rows, exact[rows])
+        pending[rows] = -np.inf
+        best = max(best, float(exact[rows].max()))
+        evaluated += len(rows)
+        chunk *= 2
+    if not np.isfinite(best):
+        return int(np.argmax(alive)), -np.inf
+    first = int(np.argmax(exact >= _tied(best)))
+    return first, float(exact[first])
+
+
+def _tied(best: float) -> float:
+    """The value from which another counts as equally good."""
+    return best - TIE * abs(best) if np.isfinite(best) else best
+
+
+def reduce_smallest_change(
+    regressors: Array, criterion: PoseCriterion, count: int, done: Callable[[int], None] = lambda _: None
+) -> Reduction:
+    """Removes, again and again, the pose whose removal changes the criterion least, for the better or the worse.
+
+    Args: see `reduce_best`; at most 2500 poses, since all are evaluated at every step.
+
+    Raises:
+        ValueError: too many poses.
+    """
+    if len(regressors) > MOST_EXHAUSTIVE:
+        raise ValueError(f"{len(regressors)} poses; at most {MOST_EXHAUSTIVE}")
+    left: Index = np.arange(len(regressors))
+    products = regressors.transpose(0, 2, 1) @ regressors
+    removed, values = [], []
+    while len(left) > count:
+        information = products[left].sum(axis=0)
+        now, after = float(criterion.value(information)), criterion.value(information - products[left])
+        change = np.abs(after - now)
+        position = int(np.argmax(change <= change.min() + TIE * abs(now)))
+        if not np.isfinite(after[position]) or (
+            len(left) <= FEW and not full_rank(regressors[np.delete(left, position)])
+        ):
+            break
+        removed.append(left[position])
+        values.append(float(after[position]))
+        left = np.delete(left, position)
+        done(len(left))
+    return Reduction(np.array(removed, dtype=np.int64), np.array(values), left)

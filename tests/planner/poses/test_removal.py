@@ -1,0 +1,126 @@
+"""Algorithm 1 removes what an exhaustive search removes, ends at full rank, and keeps what the paper says is kept."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from planner.poses.criteria import POSE_CRITERIA, PoseCriterion
+from planner.poses.regressors import total_information
+from planner.poses.removal import Reduction, full_rank, reduce_best, reduce_smallest_change
+from tests.planner.poses.conftest import Setting
+
+LETTERS = tuple(POSE_CRITERIA)
+
+
+def by_definition(letter: str, matrix: NDArray[np.float64]) -> float:
+    """Table 4 from the singular values of the stacked regressor."""
+    mu = np.linalg.svd(matrix.reshape(-1, matrix.shape[2]), compute_uv=False)
+    return {
+        "A": -float(np.sum(mu**-2)), "D": 2 * float(np.log(mu).sum()),
+        "K": -float(mu[0] / mu[-1]), "N": float(mu[-1] ** 2 / mu[0]),
+    }[letter]  # fmt: skip
+
+
+def exhaustive(regressors: NDArray[np.float64], letter: str, count: int) -> list[int]:
+    """Algorithm 1 word by word, with the sign corrected."""
+    left = list(range(len(regressors)))
+    while len(left) > count:
+        values = [by_definition(letter, regressors[[k for k in left if k != j]]) for j in left]
+        left.pop(int(np.argmax(values)))
+    return left
+
+
+@pytest.mark.parametrize("letter", LETTERS)
+def test_the_fast_algorithm_keeps_the_poses_of_the_slow_one(sample: Setting, letter: str) -> None:
+    some = sample.regressors[:100]
+    found = reduce_best(some, POSE_CRITERIA[letter], 20)
+    assert found.kept.tolist() == exhaustive(some, letter, 20)
+    assert found.values[-1] == pytest.approx(by_definition(letter, some[found.kept]), rel=1e-9)
+    assert sorted([*found.removed, *found.kept]) == list(range(100))
+
+
+def test_the_fast_algorithm_keeps_its_word_where_bounds_must_be_renewed(grid: Setting) -> None:
+    """Against exact values of every removal, step by step, on the symmetric grid, where many are equally good."""
+    for criterion in POSE_CRITERIA.values():
+        left, found = np.arange(480), reduce_best(grid.regressors, criterion, 400)
+        for pose, value in zip(found.removed, found.values, strict=True):
+            information = total_information(grid.regressors[left])
+            products = grid.regressors[left].transpose(0, 2, 1) @ grid.regressors[left]
+            assert value == pytest.approx(criterion.value(information - products).max(), rel=1e-9)
+            left = left[left != pose]
+
+
+@pytest.mark.parametrize("letter", LETTERS)
+@pytest.mark.parametrize("change", ["after_removal", "after_addition"])
+def test_values_after_a_change_are_those_of_the_changed_set(sample: Setting, letter: str, change: str) -> None:
+    criterion, information = POSE_CRITERIA[letter], total_information(sample.regressors[:40])
+    if change == "after_removal":
+        quick = criterion.after_removal(information, sample.regressors[:40])
+        slow = [by_definition(letter, np.delete(sample.regressors[:40], k, axis=0)) for k in range(40)]
+    else:
+        quick = criterion.after_addition(information, sample.regressors[40:60])
+        slow = [by_definition(letter, sample.regressors[[*range(40), k]]) for k in range(40, 60)]
+    np.testing.assert_allclose(quick, slow, rtol=1e-9)
+
+
+@pytest.mark.parametrize("letter", LETTERS)
+def test_bounds_are_never_passed_while_poses_are_removed(sample: Setting, letter: str) -> None:
+    criterion, regressors = POSE_CRITERIA[letter], sample.regressors
+    screen = criterion.screen(regressors, total_information(regressors))
+    left = np.arange(len(regressors))
+    for _ in range(60):
+        information = total_information(regressors[left])
+        exact = criterion.after_removal(information, regressors[left])
+        upper = screen.upper(information)[left]
+        assert np.all(exact <= upper + 1e-9 * np.abs(exact))
+        left = np.delete(left, 0)
+
+
+def smallest(found: Reduction) -> int:
+    return len(found.kept)
+
+
+@pytest.mark.parametrize("letter", LETTERS)
+def test_14_parameters_need_3_poses_of_6_sensors_and_the_algorithm_gets_there(grid: Setting, letter: str) -> None:
+    """The paper's row "Min. poses" has 3 (A, N) and 4 (D, K); the theoretical minimum is 14 / 6, rounded up."""
+    found = reduce_best(grid.regressors, POSE_CRITERIA[letter], 1)
+    assert smallest(found) == 3
+    assert full_rank(grid.regressors[found.kept])
+    for pose in found.kept:
+        assert not full_rank(grid.regressors[found.kept[found.kept != pose]])
+
+
+def test_earlier_stages_of_a_reduction_are_kept(grid: Setting) -> None:
+    all_the_way, halfway = (reduce_best(grid.regressors, POSE_CRITERIA["D"], n) for n in (1, 30))
+    np.testing.assert_array_equal(all_the_way.kept_at(30), halfway.kept)
+
+
+def test_both_readings_of_k_reduce_and_differ(grid: Setting) -> None:
+    best = reduce_best(grid.regressors, POSE_CRITERIA["K"], 30)
+    change = reduce_smallest_change(grid.regressors, POSE_CRITERIA["K"], 30)
+    assert set(best.kept) != set(change.kept)
+    assert best.values[-1] > change.values[-1]  # what looks for the best condition finds the better one
+    start = -np.linalg.cond(grid.regressors.reshape(-1, 14))
+    assert abs(change.values[0] - start) <= np.min(
+        np.abs([by_definition("K", np.delete(grid.regressors, k, axis=0)) - start for k in range(0, 480, 37)])
+    ) * (1 + 1e-9)  # fmt: skip
+
+
+def test_the_smallest_change_is_refused_for_sets_it_cannot_search(grid: Setting) -> None:
+    many = np.concatenate([grid.regressors] * 6)
+    with pytest.raises(ValueError, match="at most 2500"):
+        reduce_smallest_change(many, POSE_CRITERIA["K"], 30)
+
+
+def test_poses_far_out_and_strongly_tilted_are_preferred(grid: Setting) -> None:
+    """Section 6: high absolute positions and large inclinations are preferred (Figure 4)."""
+    kept = reduce_best(grid.regressors, POSE_CRITERIA["D"], 30).kept
+    radius = np.hypot(grid.poses[:, 0], grid.poses[:, 1])
+    tilt = np.cos(grid.poses[:, 3]) * np.cos(grid.poses[:, 4])
+    assert radius[kept].mean() > 1.1 * radius.mean()
+    assert np.mean(tilt[kept] < np.cos(np.deg2rad(15.0))) > 0.65
+
+
+def test_every_criterion_is_a_pose_criterion() -> None:
+    criteria: list[PoseCriterion] = list(POSE_CRITERIA.values())
+    assert [c.letter for c in criteria] == ["A", "D", "K", "N"]
