@@ -243,14 +243,23 @@ def _strut_vectors(motion: Motion, machine: Machine) -> tuple[Array, Array, Arra
     return strut, velocity, acceleration, turn[:, :, 2]
 
 
-def _strut_checks(motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits) -> Iterable[LimitCheck]:
-    strut, velocity, acceleration, normal = _strut_vectors(motion, machine)
-    yield from _keep_out_checks(motion, strut + machine.base.points, workspace)
+def strut_motion(motion: Motion, machine: Machine) -> tuple[Array, Array, Array]:
+    """Strut lengths [m], velocities and accelerations of a motion, each of shape (n, 6)."""
+    return _along(*_strut_vectors(motion, machine)[:3])
+
+
+def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
     length = np.linalg.norm(strut, axis=2)
     along = np.einsum("nki,nki->nk", strut, velocity) / length
     # l l' = s s'; differentiated once more: l'^2 + l l'' = s' s' + s s''
     second = np.einsum("nki,nki->nk", velocity, velocity) + np.einsum("nki,nki->nk", strut, acceleration)
-    second = (second - along**2) / length
+    return length, along, (second - along**2) / length
+
+
+def _strut_checks(motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits) -> Iterable[LimitCheck]:
+    strut, velocity, acceleration, normal = _strut_vectors(motion, machine)
+    yield from _keep_out_checks(motion, strut + machine.base.points, workspace)
+    length, along, second = _along(strut, velocity, acceleration)
     labels = tuple(f"strut {k}" for k in range(1, 7))
     six = np.ones(6)
     low = max(limits.strut_length[0], workspace.strut_length[0])

@@ -23,12 +23,14 @@ class Language:
             line and column at anything that it does not understand.
         guarantees: what the controller answers for when it runs a program that was read.
         tolerance: how far its paths may be off the plan beside rounding, shape (6,) [m, rad].
+        same: raises ProgramError where a reading is not the program; None where blocks read back one by one.
     """
 
     write: Callable[[Program, Case], bytes]
     read: Callable[[bytes, str, Case], Reading]
     guarantees: Callable[[Reading, Case], Guarantees]
     tolerance: Callable[[Case], Array] = lambda case: np.zeros(6)
+    same: Callable[[Program, Reading, Case], None] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +41,15 @@ class Dialect:
         name: on the command line.
         description: one line for people.
         suffixes: of its files, in lower case, the usual one first.
-        load: imports and returns what it can do.
+        load: imports and returns what it can do with files of a suffix, by default the usual one.
+        start: what the machine does first, for the program's header.
     """
 
     name: str
     description: str
     suffixes: tuple[str, ...]
-    load: Callable[[], Language]
+    load: Callable[..., Language]
+    start: str = "first to home at a safe feed from wherever the machine stands: keep that way clear"
 
     @property
     def suffix(self) -> str:
@@ -53,7 +57,7 @@ class Dialect:
         return self.suffixes[0]
 
 
-def _linuxcnc() -> Language:
+def _linuxcnc(suffix: str = "") -> Language:
     from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
     from postprocessors.linuxcnc import write_linuxcnc
     from postprocessors.reading.linuxcnc import read_linuxcnc_bytes
@@ -63,7 +67,7 @@ def _linuxcnc() -> Language:
     )
 
 
-def _sinumerik() -> Language:
+def _sinumerik(suffix: str = "") -> Language:
     from postprocessors.promises import sinumerik_guarantees, sinumerik_tolerance
     from postprocessors.reading.sinumerik import read_sinumerik
     from postprocessors.sinumerik import write_sinumerik
@@ -71,12 +75,21 @@ def _sinumerik() -> Language:
     return Language(write_sinumerik, read_sinumerik, sinumerik_guarantees, sinumerik_tolerance)
 
 
-def _twincat() -> Language:
+def _twincat(suffix: str = "") -> Language:
     from postprocessors.promises import twincat_guarantees
     from postprocessors.reading.twincat import read_twincat
     from postprocessors.twincat import write_twincat
 
     return Language(write_twincat, read_twincat, twincat_guarantees)
+
+
+def _setpoints(suffix: str = ".csv") -> Language:
+    from postprocessors.promises import setpoint_guarantees
+    from postprocessors.reading.setpoints import read_setpoints
+    from postprocessors.setpoints import require_same, write_csv, write_parquet
+
+    write = write_parquet if suffix == ".parquet" else write_csv
+    return Language(write, read_setpoints, setpoint_guarantees, same=require_same)
 
 
 DIALECTS = {
@@ -99,6 +112,13 @@ DIALECTS = {
             "TwinCAT CNC (TF5200) and ISG: G01 with exact stop, #SPLINE, #HSC or #CONTOUR MODE, arcs",
             (".nc", ".cnc"),
             _twincat,
+        ),
+        Dialect(
+            "setpoints",
+            "a table row by row for every control cycle: pose, struts, their rates and accelerations, trigger",
+            (".csv", ".parquet"),
+            _setpoints,
+            "the machine must stand at home when the table starts",
         ),
     )
 }

@@ -46,6 +46,6 @@ def read_program(file: Path, case: Case, name: str | None = None) -> ProgramFile
         content = file.read_bytes()
     except OSError as error:
         raise ProgramError(file, 0, 0, f"cannot be read ({error.strerror}); name a program file") from error
-    language = dialect.load()
+    language = dialect.load(file.suffix.lower())
     reading = language.read(content, str(file), case)
     return ProgramFile(file, dialect, content, reading, language.guarantees(reading, case))

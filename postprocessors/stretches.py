@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from cases.errors import ProgramError
 from identification.motion import TimedPoints
 from identification.polynomial import Piece, PolynomialMotion
-from postprocessors.reading.words import Move, Pause, Polynomial, Reading, Switch, Timing, Turn
+from identification.tabulated import Tabulated
+from postprocessors.reading.words import Move, Pause, Polynomial, Reading, Rows, Stand, Switch, Timing, Turn
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ class Timed:
     """
 
     lines: tuple[int, ...]
-    points: TimedPoints | PolynomialMotion
+    points: TimedPoints | PolynomialMotion | Tabulated
     trigger: bool
 
     def line_at(self, time: float) -> int:
@@ -131,11 +132,22 @@ class _Grouping:
                 yield self._untimed(event)
             elif isinstance(event, Pause):
                 yield Still(event.line, event.duration, self.trigger)
+            elif isinstance(event, Rows):
+                yield self._rows(event)
+            elif isinstance(event, Stand):
+                self.pose = event.pose
             else:
                 self.trigger = event.on
         yield from self._finish_timed()
         if self.waiting is not None:
             raise self.error(self.waiting.line, "the trigger waits for a next motion that never comes; use M64 or M65")
+
+    def _rows(self, event: Rows) -> Timed:
+        self.pose = event.poses[-1]
+        times = np.asarray(np.arange(len(event.poses)) * event.cycle, dtype=float)
+        lines = tuple(range(event.line + 1, event.line + len(times)))
+        points = Tabulated(times, event.poses, event.rates, event.accelerations)
+        return Timed(lines, points, self.trigger)
 
     def _settle_trigger(self) -> None:
         if self.waiting is not None:

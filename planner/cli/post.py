@@ -64,10 +64,12 @@ def make_program(
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
         f"case {saved.case.name}, hash {saved.case.hash}",
         f"plan {plan.resolve().name}: {saved.data['family']}, {saved.motion.duration:g} s at speed {speed:g}",
-        "first to home at a safe feed from wherever the machine stands: keep that way clear",
+        language.start,
     )
     with status(f"writing and proving {file.name}", quiet):
-        written = proven_program(saved.motion, saved.case, language.load(), str(file), header, speed, accepted)
+        written = proven_program(
+            saved.motion, saved.case, language.load(file.suffix.lower()), str(file), header, speed, accepted
+        )
     with atomic_file(file) as part:
         part.write_bytes(written.content)
     proof = written.proof

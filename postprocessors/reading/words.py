@@ -87,6 +87,38 @@ class Polynomial:
 
 
 @dataclass(frozen=True, slots=True)
+class Stand:
+    """The machine must stand here before the program starts: the program itself does not bring it there.
+
+    Args:
+        line: of the program.
+        pose: shape (6,) [m, rad].
+    """
+
+    line: int
+    pose: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """A path given row by row, from rest to rest.
+
+    Args:
+        line: of the program that holds its first row; the others follow line by line.
+        cycle: time from row to row [s].
+        poses: shape (k, 6) [m, rad].
+        rates: shape (k, 6) [m/s, rad/s].
+        accelerations: shape (k, 6) [m/s^2, rad/s^2].
+    """
+
+    line: int
+    cycle: float
+    poses: Array
+    rates: Array
+    accelerations: Array
+
+
+@dataclass(frozen=True, slots=True)
 class Pause:
     """Standing still for `duration` [s]."""
 
@@ -109,7 +141,7 @@ class Switch:
     at_once: bool
 
 
-Event = Move | Turn | Polynomial | Pause | Switch
+Event = Stand | Move | Turn | Polynomial | Rows | Pause | Switch
 
 
 @dataclass(frozen=True, slots=True)

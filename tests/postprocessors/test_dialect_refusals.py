@@ -168,7 +168,7 @@ def test_more_blocks_than_the_memory_holds_are_refused(typed: Typed):
         typed.read(typed.text("G1 G60 X1 F300\n" * 20), small)
 
 
-@pytest.mark.parametrize("name", ["sinumerik", "twincat"])
+@pytest.mark.parametrize("name", ["sinumerik", "twincat", "setpoints"])
 def test_a_case_without_settings_of_a_dialect_is_told_the_missing_table(name: str):
     controller = CASE.controller.model_copy(update={name: None})
     case = CASE.model_copy(update={"controller": controller})

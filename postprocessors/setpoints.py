@@ -1,0 +1,190 @@
+"""Writes tables of setpoints, one row a control cycle: the one form of a program that carries time exactly.
+
+The machine must stand at home when the table starts. Motions last a whole number of cycles: each is slowed by less than
+one. Rates and accelerations are those of the motion, not differences; strut lengths and their derivatives are (7), (8)
+and the derivative of (8).
+"""
+
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cases.errors import ProgramError
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.hexapod import Hexapod
+from identification.motion import Array, Joined, Motion, TimedPoints, Trajectory
+from postprocessors.program import (
+    Arc,
+    Comment,
+    Dwell,
+    PointToPoint,
+    Program,
+    Slowed,
+    SplinePath,
+    TimedPath,
+    ToHome,
+    Trigger,
+)
+from postprocessors.reading.words import Reading
+from postprocessors.stretches import Timed, stretches
+
+FORMAT = "hexcite setpoints 1"
+METADATA = b"hexcite"
+COORDINATES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
+COLUMNS = ["t_s", *COORDINATES, *(f"v_{c}_s" for c in COORDINATES), *(f"acc_{c}_s2" for c in COORDINATES)]
+COLUMNS += [f"l{k}_mm" for k in range(1, 7)] + [f"ld{k}_mm_s" for k in range(1, 7)]
+COLUMNS += [*(f"ldd{k}_mm_s2" for k in range(1, 7)), "trigger"]
+# Poses, rates, accelerations: so fine that jerks, the differences of accelerations, keep seven digits.
+DECIMALS = [6] + [12] * 6 + [9] * 6 + [6] * 6 + [9] * 6 + [7] * 6 + [5] * 6 + [0]
+SAME = 1e-9  # [m, rad] that a table may be off the plan: rounding
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """A stretch of whole cycles.
+
+    Args:
+        motion: None for a standstill.
+        cycles: how many.
+        on: whether the trigger is on.
+    """
+
+    motion: Trajectory | None
+    cycles: int
+    on: bool
+
+
+def _parts(program: Program, cycle: float) -> Iterator[_Part]:
+    moving: list[Trajectory] = []
+    on = False
+
+    def joined() -> Iterator[_Part]:
+        if moving:
+            motion = Joined(tuple(moving)) if len(moving) > 1 else moving[0]
+            cycles = max(1, int(np.ceil(motion.duration / cycle - 1e-6)))
+            yield _Part(Slowed(motion, motion.duration / (cycles * cycle)), cycles, on)
+            moving.clear()
+
+    for block in program.blocks:
+        match block:
+            case PointToPoint() | Arc():
+                moving.append(block.move)
+            case SplinePath():
+                moving.append(block.motion)
+            case TimedPath():
+                source = TimedPoints.through(block.times, block.poses) if block.source is None else block.source
+                moving.append(source)
+            case Dwell():
+                yield from joined()
+                yield _Part(None, max(1, int(np.ceil(block.duration / cycle - 1e-6))), on)
+            case Trigger():
+                yield from joined()
+                on = block.on
+            case Comment() | ToHome():
+                pass
+    yield from joined()
+
+
+def _sampled(part: _Part, cycle: float) -> list[Array]:
+    """Poses, rates and accelerations at the rows of a part but its first; the last at rest."""
+    assert part.motion is not None
+    t = np.minimum(np.arange(1, part.cycles + 1) * cycle, part.motion.duration)
+    at = part.motion.at(t)
+    values = [np.array(v) for v in (at.pose, at.rates, at.accelerations)]
+    values[1][-1] = values[2][-1] = 0.0
+    return values
+
+
+def _motion(program: Program, case: Case) -> tuple[Motion, Array]:
+    """All rows, and whether the trigger is on in the cycle that each begins."""
+    cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
+    home = next(b.pose for b in program.blocks if isinstance(b, ToHome))
+    rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, 6))], [np.zeros((1, 6))]]
+    trigger: list[Array] = []
+    for part in _parts(program, cycle):
+        if part.motion is None:
+            stand = np.tile(rows[0][-1][-1], (part.cycles, 1))
+            values = [stand, np.zeros_like(stand), np.zeros_like(stand)]
+        else:
+            values = _sampled(part, cycle)
+        for column, value in zip(rows, values, strict=True):
+            column.append(value)
+        trigger.append(np.full(part.cycles, float(part.on)))
+    pose, rates, accelerations = (np.vstack(column) for column in rows)
+    time = np.asarray(np.arange(len(pose)) * cycle, dtype=float)
+    last = [b.on for b in program.blocks if isinstance(b, Trigger)][-1:]
+    states = np.concatenate([*trigger, [float(any(last))]])
+    return Motion(time, pose, rates, accelerations, np.zeros_like(pose)), states
+
+
+def _values(program: Program, case: Case) -> Array:
+    """The table in the units of its columns."""
+    motion, trigger = _motion(program, case)
+    function = Hexapod.of(case).strut_motion.map(len(motion.t))
+    struts = [np.array(v.full()).T / MM for v in function(motion.pose.T, motion.rates.T, motion.accelerations.T)]
+    units = np.r_[np.full(3, MM), np.full(3, DEG)]
+    poses = [v / units for v in (motion.pose, motion.rates, motion.accelerations)]
+    return np.column_stack([motion.t, *poses, *struts, trigger])
+
+
+def _header(program: Program, case: Case) -> list[str]:
+    cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle_ms
+    lines = [
+        f"format: {FORMAT}",
+        f"cycle_ms: {cycle:g}",
+        "units: as the columns say; t_s from the start",
+        "pose: origin of the platform in the base frame; R = Rz(c) Ry(b) Rx(a), angles not wrapped",
+        "struts: l1 to l6 with first (ld) and second (ldd) derivatives",
+        "start: the machine must stand in the first row's pose",
+        *(f"note: {line}" for line in program.header),
+    ]
+    return ["# " + line.encode("ascii", "replace").decode("ascii").replace("\n", " ") for line in lines]
+
+
+def write_csv(program: Program, case: Case) -> bytes:
+    """The table as CSV, plain ASCII.
+
+    Args:
+        program: what to do.
+        case: kinematics and cycle.
+
+    Raises:
+        CaseError: the case has no machine or no settings of this dialect.
+    """
+    values = _values(program, case)
+    rounded = np.column_stack([np.round(v, d) for v, d in zip(values.T, DECIMALS, strict=True)]) + 0.0  # no -0
+    row = ",".join(f"%.{d}f" for d in DECIMALS)
+    lines = [*_header(program, case), ",".join(COLUMNS), *(row % tuple(v) for v in rounded)]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def write_parquet(program: Program, case: Case) -> bytes:
+    """The table as Parquet with all digits; header lines in the metadata. Otherwise as `write_csv`."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    values = _values(program, case)
+    columns = [pa.array(np.ascontiguousarray(column)) for column in values.T]
+    table = pa.table(columns, names=COLUMNS)
+    table = table.replace_schema_metadata({METADATA: "\n".join(_header(program, case)).encode("ascii")})
+    sink = io.BytesIO()
+    parquet.write_table(table, sink)
+    return sink.getvalue()
+
+
+def require_same(program: Program, reading: Reading, case: Case) -> None:
+    """Raises ProgramError unless the table, as read back, is the program's motion row by row."""
+    cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
+    read = [s for s in stretches(reading) if isinstance(s, Timed)]
+    written = [p for p in _parts(program, cycle) if p.motion is not None]
+    if len(read) != len(written):
+        raise ProgramError(reading.file, 0, 0, f"{len(read)} paths where {len(written)} were written; report this")
+    for part, stretch in zip(written, read, strict=True):
+        assert part.motion is not None
+        rows = part.motion.at(np.minimum(stretch.points.times, part.motion.duration)).pose
+        near = len(stretch.points.times) == part.cycles + 1 and part.on == stretch.trigger
+        if not (near and np.all(np.abs(stretch.points.at(stretch.points.times).pose - rows) <= SAME)):
+            raise ProgramError(reading.file, stretch.lines[0], 0, "a path reads back differently; report this")
