@@ -51,7 +51,7 @@ def moves(case=CASE) -> Program:
 
 
 def harmonic() -> Program:
-    from planner.fourier import FourierFamily
+    from planner.families.fourier import FourierFamily
 
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05), 12).motion(np.random.default_rng(0).normal(size=18) / 30)
     return excitation_program(motion, CASE, ())
