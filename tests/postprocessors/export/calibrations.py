@@ -1,6 +1,7 @@
 """Saved results as `hexcite identify` writes them, with parameters that a test chooses."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.loading import load_case
+from cases.recording import Drives
 from cases.schema import Case
 from identification.model import Model, identification_model
 from identification.parameters import body_parameters, physical_form
@@ -51,6 +53,20 @@ def write_result(folder: Path, machine: Case, number: int, values: Array | None 
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "result.json").write_text(json.dumps(data | changes), encoding="utf-8")
     return folder
+
+
+DRIVES = {
+    "order": [2, 1, 3, 6, 5, 4],
+    "sign": [1.0, -1.0, 1.0, 1.0, -1.0, -1.0],
+    "offset_mm": [500.0, 510.0, 520.0, 530.0, 540.0, 550.0],
+}
+"""Strut k = sign_k * drive order_k + offset_k."""
+
+
+def with_drives(made: Calibration) -> Calibration:
+    """The calibration of a machine whose case says how drives move its struts."""
+    recording = made.case.recording.model_copy(update={"drives": Drives.model_validate(DRIVES)})
+    return replace(made, case=made.case.model_copy(update={"recording": recording}))
 
 
 def calibration(folder: Path, name: str, number: int, values: Array | None = None, **changes: Any) -> Calibration:

@@ -79,6 +79,12 @@ class Compiled:
         assert self(function, *arguments, self.external) == OK
         return np.array(self.external)
 
+    def struts_of_drives(self, drives: Array, order: int) -> Array:
+        """Strut lengths or their derivatives."""
+        struts = Six()
+        getattr(self.library, f"{self.name}_struts_of_drives")(Six(*drives), ctypes.c_int(order), struts)
+        return np.array(struts)
+
     @property
     def steps(self) -> int:
         """Of the forward kinematics in the latest call."""

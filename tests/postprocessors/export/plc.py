@@ -182,6 +182,16 @@ class Plc:
                 cell.write(value)
         self._run(self.units[name.lower()], scope)
 
+    def function(self, name: str, shared: Scope, **inputs: int) -> Any:
+        """Calls a function: variables that it shares, and values."""
+
+        def argument(key: str, value: Any) -> Any:
+            return tree.InputParameterAssignment(tree.SimpleVariable(key, False), value)
+
+        arguments = [argument(key, tree.SimpleVariable(key, False)) for key in shared]
+        arguments += [argument(key, tree.Integer(str(value), None)) for key, value in inputs.items()]
+        return self._call(name.lower(), arguments, shared)
+
     def _run(self, unit: Unit, scope: Scope) -> None:
         with contextlib.suppress(_Return):
             self._statements(unit.body, scope, list(unit.runs))

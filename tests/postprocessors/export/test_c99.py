@@ -14,7 +14,7 @@ from identification.motion import Standstill
 from identification.simulate import simulate_recording
 from postprocessors.export.c99 import MOST_STEPS, RING, c_sources, window_of
 from tests.helpers import HOME, Harmonic, simulated
-from tests.postprocessors.export.calibrations import calibration
+from tests.postprocessors.export.calibrations import calibration, with_drives
 from tests.postprocessors.export.compiled import BAD_INPUT, FILLING, NOT_CLOSED, OK, Chain, Compiled
 from tests.postprocessors.export.physics import external, states
 
@@ -62,6 +62,15 @@ def test_error_terms_of_ones_own_choice_are_carried(tmp_path: Path) -> None:
         found = compiled.wrench("from_pose", s.pose[k], s.rates[k], s.accelerations[k], s.forces[k])
         assert np.abs(found - expected).max() <= ROUNDING * max(np.abs(expected).max(), np.abs(s.forces[k]).max())
     assert "model 6 (K1, K5)" in c_sources(made, "x").header
+
+
+def test_struts_follow_from_drives_as_the_case_states(tmp_path: Path) -> None:
+    compiled = Compiled(with_drives(calibration(tmp_path, "hexapod", 9)), tmp_path)
+    q = np.arange(1.0, 7.0)
+    expected = [2.0 + 0.5, -1.0 + 0.51, 3.0 + 0.52, 6.0 + 0.53, -5.0 + 0.54, -4.0 + 0.55]
+    np.testing.assert_allclose(compiled.struts_of_drives(q, 0), expected, rtol=1e-15)
+    for order in (1, 2):
+        np.testing.assert_array_equal(compiled.struts_of_drives(q, order), [2.0, -1.0, 3.0, 6.0, -5.0, -4.0])
 
 
 @pytest.mark.parametrize("number", [0, 3, 4, 6, 8])

@@ -30,7 +30,8 @@ Array = NDArray[np.float64]
 HERE = Path(__file__).parent
 CASE = load_case("hexapod")
 PUSH = np.array([30.0, -20.0, 50.0, 4.0, -3.0, 2.0])
-LATE = 2e-3  # the sensors' 4 cycles after the pose, less the 2 by which LinuxCNC's struts follow it
+LATE_AFTER_POSE = 4e-3  # the sensors, in cycles of 1 ms
+LATE = 2e-3  # the same less the 2 cycles by which LinuxCNC's struts follow its pose
 # Rapid moves, in which nothing but the machine's own limits bounds the acceleration. The push is on in the second half.
 PROGRAM = """G17 G21 G40 G49 G54 G80 G90 G94 G64
 G0 X120 Y-80 Z930 A8 B-6 C10
@@ -41,7 +42,7 @@ G0 X-100 Y-120 Z940 A-8 B-9 C12
 G0 X140 Y40 Z870 A10 B4 C-8
 G0 X0 Y0 Z900 A0 B0 C0
 M65 P1
-G0 X20 Y0 Z900 A0 B0 C0
+G0 X60 Y0 Z900 A5 B0 C0
 M2
 """
 
@@ -67,14 +68,23 @@ def folder() -> Iterator[Path]:
 
 
 class Logged(NamedTuple):
-    """What the rig logged, one row a cycle: whether the push was on, whether outputs were valid, wrench and poses."""
+    """What the rig logged, one row a cycle.
+
+    Args:
+        push: whether the force was added.
+        valid: whether outputs were valid.
+        wrench: of an instance that sees struts, shape (n, 6) [N, N m].
+        found: x, y and a that it finds, shape (n, 3) [mm, degrees].
+        commanded: the same as commanded.
+        tared: wrench of an instance that sees the pose, and is tared while the force is added.
+    """
 
     push: NDArray[np.bool_]
     valid: NDArray[np.bool_]
-    steps: Array
     wrench: Array
     found: Array
     commanded: Array
+    tared: Array
 
 
 def simulator(folder: Path, u: Array) -> Path:
@@ -105,22 +115,26 @@ def logged(tools: None, folder: Path, tmp_path_factory: pytest.TempPathFactory) 
     source = folder / "hexapod_force.comp"
     source.write_text(linuxcnc_component(made, "hexapod_force"), encoding="ascii")
     modules = [build_component(source), simulator(folder, u)]
-    hal = "loadrt simforce\nloadrt hexapod_force\naddf simforce.0 servo-thread 3\naddf hexapod-force.0 servo-thread 4\n"
-    hal += "net push motion.digital-out-01 => simforce.0.push\n"
+    hal = "loadrt simforce\nloadrt hexapod_force count=2\naddf simforce.0 servo-thread 3\n"
+    hal += "addf hexapod-force.0 servo-thread 4\naddf hexapod-force.1 servo-thread 5\n"
+    hal += "setp hexapod-force.1.from-pose 1\n"
+    hal += f"setp hexapod-force.1.delay {LATE_AFTER_POSE!r}\n"
+    hal += "net push motion.digital-out-01 => simforce.0.push hexapod-force.1.tare\n"
     for k in range(6):
-        hal += f"net pose-{k} => simforce.0.pose-{k}\n"
+        hal += f"net pose-{k} => simforce.0.pose-{k} hexapod-force.1.pose-{k}\n"
         hal += f"net strut-{k} => hexapod-force.0.strut-{k}\n"
-        hal += f"net force-{k} simforce.0.force-{k} => hexapod-force.0.force-{k}\n"
-    one = "hexapod-force.0"
-    pins = [("b", "@push"), ("b", f"{one}.valid"), ("s", f"{one}.steps")]
-    pins += [("f", f"{one}.{axis}") for axis in ("fx", "fy", "fz", "mx", "my", "mz")]
-    pins += [("f", f"{one}.platform-{k}") for k in range(6)]
-    pins += [("f", f"@pose-{k}") for k in range(5)]  # a sampler has 20 pins
+        hal += f"net force-{k} simforce.0.force-{k} => hexapod-force.0.force-{k} hexapod-force.1.force-{k}\n"
+    axes = ("fx", "fy", "fz", "mx", "my", "mz")
+    pins = [("b", "@push"), ("b", "hexapod-force.0.valid")]
+    pins += [("f", f"hexapod-force.0.{axis}") for axis in axes]
+    pins += [("f", f"hexapod-force.0.platform-{k}") for k in (0, 1, 3)]
+    pins += [("f", f"@pose-{k}") for k in (0, 1, 3)]
+    pins += [("f", f"hexapod-force.1.{axis}") for axis in axes]  # a sampler has 20 pins
     session = folder / "session"
     session.mkdir()
     session.chmod(0o755)
     rows = run_rig(session, CASE, PROGRAM, hal, modules, pins)
-    return Logged(rows[:, 0] != 0, rows[:, 1] != 0, rows[:, 2], rows[:, 3:9], rows[:, 9:15], rows[:, 15:])
+    return Logged(rows[:, 0] != 0, rows[:, 1] != 0, rows[:, 2:8], rows[:, 8:11], rows[:, 11:14], rows[:, 14:])
 
 
 def filtered_noise() -> Array:
@@ -164,11 +178,23 @@ def test_the_machine_really_moved_and_the_pose_is_its(logged: Logged) -> None:
     late = 2 + round(window_of(CASE).half * 1e3) + round(LATE * 1e3)
     rows = np.flatnonzero(logged.valid)
     rows = rows[rows >= late]
-    error = logged.found[rows, :5] - logged.commanded[rows - late]
-    scale = np.array([MM, MM, MM, DEG, DEG])
-    assert np.abs(error * scale).max() < 2e-4  # what the window does to a pose at 6 m/s^2
-    assert logged.steps[rows[1:]].max() <= 3
+    error = logged.found[rows] - logged.commanded[rows - late]
+    assert np.abs(error * [MM, MM, DEG]).max() < 2e-4  # what the window does to a pose at 6 m/s^2
     assert logged.valid[60:].all()
+
+
+@pytest.mark.linuxcnc
+def test_a_second_instance_from_the_pose_is_tared_by_its_pin(logged: Logged) -> None:
+    """Tared while a force acts, it takes that force for zero: without it, it reads about its opposite."""
+    ends = np.flatnonzero(np.diff(logged.push.astype(int)) < 0)
+    (end,) = ends
+    before, after = settled(logged, push=False), settled(logged, push=False)
+    before[end:], after[: end + 1] = False, False
+    assert before.sum() > 300
+    assert after.sum() > 50
+    assert np.all(np.sqrt(np.mean(logged.tared[before] ** 2, axis=0)) < 1.3 * filtered_noise())
+    # The window still held forces without push when the tare began, and with it when it ended: 2 % of the samples.
+    np.testing.assert_allclose(logged.tared[after].mean(axis=0), -PUSH, rtol=0.04, atol=0.4)
 
 
 @pytest.mark.usefixtures("tools")

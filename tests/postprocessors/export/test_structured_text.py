@@ -17,9 +17,9 @@ from postprocessors.export.c99 import MOST_STEPS
 from postprocessors.export.calibration import Calibration
 from postprocessors.export.structured_text import structured_text
 from tests.helpers import HOME
-from tests.postprocessors.export.calibrations import calibration
+from tests.postprocessors.export.calibrations import calibration, with_drives
 from tests.postprocessors.export.physics import external, states
-from tests.postprocessors.export.plc import Plc, Scope
+from tests.postprocessors.export.plc import Cell, Plc, Scope
 
 CASE = load_case("hexapod")
 ROUNDING = 1e-12
@@ -77,9 +77,19 @@ def test_the_function_block_computes_the_papers_model(made: Calibration, block: 
         assert np.abs(strutted - expected).max() <= ROUNDING * scale
 
 
-@pytest.mark.parametrize("number", [0, 4])
-def test_a_force_torque_sensors_block_needs_no_struts(number: int, tmp_path: Path) -> None:
-    case = load_case("ft_wrist")
+def test_struts_follow_from_drives_as_the_case_states(tmp_path: Path) -> None:
+    text = structured_text(with_drives(calibration(tmp_path, "hexapod", 0)), "hexapod_force")
+    begin = text.index("FUNCTION F_HexapodForceStrutsOfDrives")
+    plc = Plc().load(text[begin : text.index("END_FUNCTION", begin)] + "END_FUNCTION\n")
+    expected = [2.0 + 0.5, -1.0 + 0.51, 3.0 + 0.52, 6.0 + 0.53, -5.0 + 0.54, -4.0 + 0.55]
+    for order, values in ((0, expected), (1, [2.0, -1.0, 3.0, 6.0, -5.0, -4.0])):
+        drives, struts = Cell("LREAL[]", [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), Cell("LREAL[]", [0.0] * 6)
+        plc.function("F_HexapodForceStrutsOfDrives", {"drives": drives, "struts": struts}, order=order)
+        np.testing.assert_allclose(struts.value, values, rtol=1e-15)
+
+
+def test_a_force_torque_sensors_block_needs_no_struts(tmp_path: Path) -> None:
+    case, number = load_case("ft_wrist"), 4
     made = calibration(tmp_path, "ft_wrist", number)
     block = Block(Plc().load(structured_text(made, "ft_wrist_force")), "FB_FtWristForce")
     u = dict(zip(made.model.names, made.result.values, strict=True))

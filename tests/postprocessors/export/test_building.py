@@ -1,0 +1,91 @@
+"""What a compiler does not take is told in one line; sanitizers find nothing in the exported C."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cases.errors import ExecutionError
+from postprocessors.export import building
+from postprocessors.export.building import build_object
+from postprocessors.export.c99 import c_sources
+from tests.helpers import one_line
+from tests.postprocessors.export.calibrations import calibration
+
+DRIVER = r"""
+#include <math.h>
+#include <stdio.h>
+#include "hexapod_force.h"
+
+int main(void)
+{
+    static hexapod_force_model model;
+    static hexapod_force_signals signals;
+    hexapod_force_sample sample;
+    const double odd[] = { 1.3, -4.0, 0.0, 1e300, -1e300, 0.9, NAN };
+    double position[6], force[6], external[6];
+    int half, n, k, good = 0;
+
+    hexapod_force_init(&model);
+    for (half = 1; half <= 127; half += 21) {
+        hexapod_force_signals_init(&signals, 1e-3, half * 1e-3, (half - 60) * 0.3e-3);
+        for (n = 0; n < 700; n++) {
+            for (k = 0; k < 6; k++) {
+                position[k] = n % 311 == 310 ? odd[(n + k) % 7] : 1.02 + 1e-5 * ((n * (k + 3)) % 97);
+                force[k] = n;
+            }
+            if (hexapod_force_signals_push(&signals, position, force, &sample) == HEXAPOD_FORCE_OK)
+                good += hexapod_force_from_struts(&model, sample.position, sample.velocity, sample.acceleration,
+                    sample.force, external) == HEXAPOD_FORCE_OK;
+            hexapod_force_from_struts(&model, odd, position, position, force, external);
+            hexapod_force_from_pose(&model, position, odd, position, force, external);
+            hexapod_force_tare_add(&model);
+        }
+        hexapod_force_tare_end(&model);
+    }
+    printf("%d\n", good);
+    return 0;
+}
+"""
+
+
+@pytest.mark.usefixtures("gcc")
+def test_sanitizers_find_nothing(tmp_path: Path) -> None:
+    """Windows and delays of all lengths, jumps, values that are no numbers: no bounds are left, nothing overflows."""
+    sources = c_sources(calibration(tmp_path, "hexapod", 9), "hexapod_force")
+    (tmp_path / "hexapod_force.h").write_text(sources.header, encoding="ascii")
+    (tmp_path / "hexapod_force.c").write_text(sources.source, encoding="ascii")
+    (tmp_path / "driver.c").write_text(DRIVER, encoding="ascii")
+    flags = ["-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    build = subprocess.run(
+        ["gcc", *flags, "-o", "driver", "driver.c", "hexapod_force.c", "-lm"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    if build.returncode != 0 and "cannot find" in build.stderr:
+        pytest.skip("gcc has no sanitizers here; install libasan and libubsan")
+    assert build.returncode == 0, build.stderr
+    run = subprocess.run([tmp_path / "driver"], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert int(run.stdout) > 500
+
+
+@pytest.mark.usefixtures("gcc")
+def test_a_file_that_gcc_refuses_is_named_with_what_it_says(tmp_path: Path) -> None:
+    source = tmp_path / "model.c"
+    source.write_text("int f(void) { return g; }\n", encoding="ascii")
+    with pytest.raises(ExecutionError, match=r"model.c: gcc refuses it \(.*error: 'g' undeclared") as caught:
+        build_object(source)
+    one_line(caught.value)
+
+
+def test_a_compiler_that_hangs_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    hanging = tmp_path / "gcc"
+    hanging.write_text("#!/bin/sh\nexec /bin/sleep 60\n", encoding="ascii")
+    hanging.chmod(0o755)
+    monkeypatch.setattr(building, "SYSTEM_PATH", str(tmp_path))
+    monkeypatch.setattr(building, "TIME_LIMIT", 0.2)
+    with pytest.raises(ExecutionError, match=r"model.c: gcc did not end within 0.2 s") as caught:
+        build_object(tmp_path / "model.c")
+    one_line(caught.value)
