@@ -1,7 +1,9 @@
 """The information limit of a case: what no motion inside its limits can exceed; computed once, then kept.
 
-F* is the D-optimal approximate design over the motion box of pose, rates and accelerations; see
-`planner.bounds.design` for the algorithm and `planner.bounds.certificate` for the proof.
+Two bounds. Over the motion box of pose, rates and accelerations: the D-optimal approximate design, see
+`planner.bounds.design` and its proof in `planner.bounds.certificate`. Tighter: the best design that also has the
+moments of a closed motion with limited jerk, see `planner.bounds.moments`, `planner.bounds.tight` and the proof in
+`planner.bounds.tight_certificate`.
 """
 
 from collections.abc import Callable
@@ -22,14 +24,24 @@ from identification.model import Model
 from identification.reference import reference_scaling
 from planner.bounds.design import Design, optimal_design
 from planner.bounds.features import box_features
+from planner.bounds.tight import tight_design
 
 Array = NDArray[np.float64]
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
 ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound that ran out of time, an estimate"
+TIGHT = (
+    "convex optimisation under moment constraints, with exchange; largest Lagrangian proven by branch and bound over "
+    "angles, rates and accelerations"
+)
+TIGHT_ESTIMATE = (
+    "convex optimisation under moment constraints, with exchange; largest Lagrangian by a search that ran out of time "
+    "for its proof, an estimate"
+)
 VERSION = 2  # of the method: a new one does not read old cache files
 GAP = 1e-3  # of dmax / u - 1: log det F* is then known to u GAP = 0.02, an efficiency to 0.1 %
-TIME_LIMIT = 120.0  # [s]; the built-in cases need 1 to 20 s
+TIGHT_GAP = 0.01  # of the Lagrangian's maximum; the design found lies further below
+TIME_LIMIT = 120.0  # [s]; over the box the built-in cases need 1 to 20 s
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +50,8 @@ class Bound:
 
     Args:
         logdet: the bound, log det F + u log(dmax / u).
-        dmax: largest directional derivative over the box: proven, or the largest that was met.
+        dmax: largest directional derivative over the box, of the tighter bound largest Lagrangian: proven, or the
+            largest that was met.
         parameters: u.
         method: how the design and dmax were found.
         certified: whether the bound is proven; otherwise it is an estimate.
@@ -87,16 +100,62 @@ def box_bound(
     Raises:
         CaseError: the case has no machine or no limits.
     """
+    file = _file("box", case, model, cache, weights)
+    known = _known(file, model)
+    if known is not None and (known.certified or not renew):
+        return known
+    return _kept(file, compute_bound(case, model, weights, time_limit, progress))
+
+
+def tight_bound(
+    case: Case,
+    model: Model,
+    cache: Path | None = None,
+    weights: Array | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Bound:
+    """The bound under the moment constraints of closed motions; arguments and errors as in `box_bound`.
+
+    It takes a minute or two. More time makes it tighter: it is computed again, and the tighter of the new and the known
+    one is kept.
+
+    Raises:
+        HexciteError: the convex optimisation failed.
+    """
+    file = _file("tight", case, model, cache, weights)
+    known = _known(file, model)
+    found = compute_tight_bound(case, model, weights, time_limit, progress)
+    if known is not None and (known.certified, -known.logdet) >= (found.certified, -found.logdet):
+        return known
+    return _kept(file, found)
+
+
+def known_tight_bound(
+    case: Case, model: Model, cache: Path | None = None, weights: Array | None = None
+) -> Bound | None:
+    """What `tight_bound` has found before, or None."""
+    return _known(_file("tight", case, model, cache, weights), model)
+
+
+def _file(kind: str, case: Case, model: Model, cache: Path | None, weights: Array | None) -> Path:
     folder = cache if cache is not None else user_cache_path("hexcite") / "bounds"
-    file = folder / f"{case.hash}-model{model.number}-{_label(weights)}-v{VERSION}.json"
-    if file.is_file():
-        try:
-            known = _read(file, len(model.parameters))
-            if known.certified or not renew:
-                return known
-        except (FileProblem, KeyError, TypeError, ValueError):
-            file.unlink(missing_ok=True)  # a cache holds nothing that cannot be computed again
-    bound = compute_bound(case, model, weights, time_limit, progress)
+    return folder / f"{case.hash}-model{model.number}-{kind}-{_label(weights)}-v{VERSION}.json"
+
+
+def _known(file: Path, model: Model) -> Bound | None:
+    """The bound of a cache file, or None; a damaged file is removed."""
+    if not file.is_file():
+        return None
+    try:
+        return _read(file, len(model.parameters))
+    except (FileProblem, KeyError, TypeError, ValueError):
+        with suppress(OSError):  # a cache holds nothing that cannot be computed again
+            file.unlink(missing_ok=True)
+        return None
+
+
+def _kept(file: Path, bound: Bound) -> Bound:
     with suppress(FileProblem):  # without a writable cache it is computed anew each time
         write_text(file, json_text(asdict(bound)))
     return bound
@@ -139,6 +198,22 @@ def compute_bound(
     features = box_features(case, model, reference_scaling(case, model), weights)
     design = optimal_design(features, GAP, monotonic() + time_limit, progress)
     return _bound(design, len(model.parameters))
+
+
+def compute_tight_bound(
+    case: Case,
+    model: Model,
+    weights: Array | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Bound:
+    """Computes the tighter bound; arguments as in `box_bound`."""
+    features = box_features(case, model, reference_scaling(case, model), weights)
+    design = tight_design(case, features, TIGHT_GAP, monotonic() + time_limit, progress)
+    size = len(model.parameters)
+    logdet, proven = (design.logdet + size * float(np.log(value / size)) for value in (design.dmax, design.proven))
+    method = TIGHT if design.certified else TIGHT_ESTIMATE
+    return Bound(logdet, design.dmax, size, method, design.certified, design.attained, proven)
 
 
 def _bound(design: Design, size: int) -> Bound:

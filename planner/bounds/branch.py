@@ -87,33 +87,34 @@ def maximise(
     met: list[tuple[float, Array]] = []
     lower, cells, told = -np.inf, 0, monotonic()
 
-    def bound(lows: Array, highs: Array) -> None:
+    def bound(lows: Array, highs: Array, parents: Array) -> None:
         nonlocal lower, cells
         found = bounding(lows, highs)
+        upper = np.minimum(found.upper, parents)
         for k in range(len(lows)):
             cells += 1
-            heapq.heappush(heap, (-float(found.upper[k]), cells, lows[k], highs[k], int(found.split[k])))
+            heapq.heappush(heap, (-float(upper[k]), cells, lows[k], highs[k], int(found.split[k])))
             lower = max(lower, float(found.lower[k]))
             if found.lower[k] > tolerable:
                 met.append((float(found.lower[k]), found.point[k]))
 
-    bound(low, high)
+    bound(low, high, np.full(len(low), np.inf))
     while -heap[0][0] > (wanted := max(enough, lower + enough - tolerable)) and monotonic() < deadline:
         batch = [heapq.heappop(heap)]
         while heap and len(batch) < BATCH and -heap[0][0] > wanted:
             batch.append(heapq.heappop(heap))
-        lows, highs = [], []
-        for _, _, cell_low, cell_high, split in batch:
+        lows, highs, parents = [], [], []
+        for upper, _, cell_low, cell_high, split in batch:
             middle = (cell_low[split] + cell_high[split]) / 2
             left, right = cell_high.copy(), cell_low.copy()
             left[split], right[split] = middle, middle
             lows += [cell_low, right]
             highs += [left, cell_high]
-        bound(np.array(lows), np.array(highs))
+            parents += [-upper, -upper]
+        bound(np.array(lows), np.array(highs), np.array(parents))
         if monotonic() - told > REPORT:
             told = monotonic()
             progress(f"largest value between {lower:.4f} and {-heap[0][0]:.4f}, {len(heap)} cells open")
-    upper = -heap[0][0]
     met.sort(key=lambda m: -m[0])
     points = np.array([p for _, p in met]) if met else np.empty((0, 0))
-    return Maximum(upper, lower, points, cells)
+    return Maximum(-heap[0][0], lower, points, cells)

@@ -28,7 +28,7 @@ from planner.bounds.features import PAIRS, Features
 Array = NDArray[np.float64]
 
 NODES = np.array(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3, indexing="ij")).reshape(3, 27).T
-_CONTROL = np.array(np.meshgrid(*[[0, 1, 2]] * 3, indexing="ij")).reshape(3, 27).T
+CONTROL = np.array(np.meshgrid(*[[0, 1, 2]] * 3, indexing="ij")).reshape(3, 27).T
 _INTERPOLATION = np.sqrt(2.0)  # norm of the interpolation at -h, 0, h: 1 + max(sin t/sin h - (1-cos t)/(1-cos h))
 WIDEST = np.pi / 4  # [rad] of a half width: the enclosure needs less than pi / 2
 
@@ -84,7 +84,7 @@ def rate_products(low: Array, high: Array) -> Array:
     single = np.stack([low, (low + high) / 2, high], axis=1)
     square = np.stack([low**2, low * high, high**2], axis=1)
     columns = [
-        square[:, _CONTROL[:, i], i] if i == j else single[:, _CONTROL[:, i], i] * single[:, _CONTROL[:, j], j]
+        square[:, CONTROL[:, i], i] if i == j else single[:, CONTROL[:, i], i] * single[:, CONTROL[:, j], j]
         for i, j in PAIRS
     ]
     return np.stack(columns, axis=-1)

@@ -11,18 +11,19 @@ from planner.cli.console import Json, print_json, status_text
 def bound(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
+    tight: Annotated[bool, typer.Option("--tight", help="Count on closed motions with limited jerk; minutes.")] = False,
     time_limit: Annotated[float, typer.Option(help="Stop after this many seconds; the answer is an estimate.")] = 120.0,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
     json: Json = False,
 ) -> None:
     """The most information that any motion inside the limits can carry, with its certificate."""
-    answer = information_limit(case, model, time_limit, output, quiet=json)
+    answer = information_limit(case, model, tight, time_limit, output, quiet=json)
     if json:
         print_json(answer)
 
 
 def information_limit(
-    case: str, model_number: int, time_limit: float, output: Path | None, quiet: bool
+    case: str, model_number: int, tight: bool, time_limit: float, output: Path | None, quiet: bool
 ) -> dict[str, Any]:
     """Computes, prints unless `quiet`; returns the JSON answer."""
     from math import isfinite
@@ -32,7 +33,7 @@ def information_limit(
     from cases.files import json_text, write_text
     from cases.loading import load_case
     from identification.model import identification_model
-    from planner.bound import box_bound
+    from planner.bound import box_bound, tight_bound
 
     if not (isfinite(time_limit) and time_limit > 0.0):
         raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")
@@ -41,12 +42,16 @@ def information_limit(
     model = identification_model(loaded, model_number)
     began = perf_counter()
     with status_text(f"information limit of {loaded.name}, model {model_number}", quiet) as tell:
-        found = box_bound(loaded, model, time_limit=time_limit, renew=True, progress=tell)
+        if tight:
+            found = tight_bound(loaded, model, time_limit=time_limit, progress=tell)
+        else:
+            found = box_bound(loaded, model, time_limit=time_limit, renew=True, progress=tell)
     answer = {
         "case": loaded.name,
         "case_hash": loaded.hash,
         "model": model_number,
-        "over": "motion box",
+        "over": "closed motions in the motion box" if tight else "motion box",
+        "tight": tight,
         "weights": "equal",
         "logdet_bound": found.logdet,
         "logdet_design": found.design_logdet,

@@ -10,7 +10,7 @@ import pytest
 from cases.schema import Case
 from identification.model import identification_model
 from planner import bound as bound_module
-from planner.bound import Bound, box_bound
+from planner.bound import Bound, box_bound, known_tight_bound, tight_bound
 from tests.postprocessors.changed_case import changed
 
 KNOWN = Bound(1.25, 10.01, 10, "as computed", True, 1.24, 1.25)
@@ -124,3 +124,21 @@ def test_an_estimate_is_known_as_one_and_renewed_on_request(
     assert box_bound(hexapod_case, model, tmp_path, renew=True) == KNOWN
     assert box_bound(hexapod_case, model, tmp_path, renew=True) == KNOWN
     assert not answers
+
+
+def test_the_tighter_bound_is_kept_apart_and_only_ever_gets_tighter(
+    monkeypatch: pytest.MonkeyPatch, computed: list[str], hexapod_case: Case, tmp_path: Path
+):
+    model = identification_model(hexapod_case, 0)
+    loose, tight, hasty = replace(KNOWN, logdet=1.1), replace(KNOWN, logdet=0.9), replace(HASTY, logdet=0.5)
+    answers = [hasty, loose, tight, loose, hasty]
+    monkeypatch.setattr(bound_module, "compute_tight_bound", lambda *_: answers.pop(0))
+    assert known_tight_bound(hexapod_case, model, tmp_path) is None
+    ask(hexapod_case, tmp_path)
+    assert known_tight_bound(hexapod_case, model, tmp_path) is None
+    kept = []
+    while answers:
+        kept.append(tight_bound(hexapod_case, model, tmp_path))
+        assert known_tight_bound(hexapod_case, model, tmp_path) == kept[-1]
+    assert kept == [hasty, loose, tight, tight, tight]
+    assert ask(hexapod_case, tmp_path) == KNOWN

@@ -28,6 +28,14 @@ def test_people_read_that_it_is_proven(cache: Path):
     assert told.err == ""
 
 
+def test_the_tighter_bound_is_lower_and_says_what_it_counts_on(cache: Path):
+    box = call("bound", "hexapod", "--model", 0, "--json").json()
+    tight = call("bound", "hexapod", "--model", 0, "--tight", "--time-limit", 12, "--json").json()
+    assert tight["tight"]
+    assert "closed motions" in tight["over"]
+    assert tight["logdet_design"] < tight["logdet_bound"] < box["logdet_bound"] - 0.3
+
+
 def test_people_read_that_it_is_not(cache: Path):
     told = call("bound", "hexapod", "--model", 1, "--time-limit", 1e-6)
     assert told.code == 0

@@ -1,0 +1,193 @@
+"""The D-optimal design among those that a closed motion can have: box and moment constraints, with a dual bound.
+
+For every design G that meets the constraints, every positive definite F and all multipliers of `Multipliers`, with
+h = d - l over the box: trace(F^-1 G) = mean d <= max h, since mean l <= 0. Concavity of log det, and the best factor on
+F, give log det G <= log det F + u log(max h / u). Convex optimisation over given states (log det, Clarabel) gives F and
+the multipliers; states where h is large come in, until max h is near u. The least bound of all rounds counts.
+"""
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import HexciteError
+from cases.schema import Case
+from planner.bounds.branch import maximise
+from planner.bounds.features import Features
+from planner.bounds.moments import Moments, Multipliers, combined, mixed, motion_moments
+from planner.bounds.tight_certificate import TightDerivative, first_tight_cells
+
+Array = NDArray[np.float64]
+
+SEED = 0
+FIRST_STATES = 1000
+CLIMBERS = 400  # states from which h is climbed in a round
+RANDOM = 8000  # states among which these are chosen
+SWEEPS = 4
+NEGLIGIBLE = 1e-7  # weights below are dropped
+ROUNDS = 60
+KEPT = 0.6  # share of the best dual point so far in the next one: without it the multipliers swing from round to round
+MOST_KEPT = 400  # states from round to round
+SEARCHING = 0.6  # share of the time; the rest is for the proof
+LEVELS = (-1.0, -0.5, 0.0, 0.5, 1.0)
+STEPS = (0.15, 0.05, 0.015)
+_ACTIVE = (0, 1, 2, 3, 4, 5, 9, 10, 11, 12, 13, 14, 15, 16, 17)  # rates of x, y, z are eliminated
+
+
+@dataclass(frozen=True, slots=True)
+class TightDesign:
+    """What was found.
+
+    Args:
+        logdet: log det F of the dual point that gives the bound.
+        attained: log det of the best design that was found.
+        dmax: largest h: proven, or the largest that was met.
+        proven: proven largest h.
+        certified: whether `dmax` is proven.
+    """
+
+    logdet: float
+    attained: float
+    dmax: float
+    proven: float
+    certified: bool
+
+
+def tight_design(
+    case: Case,
+    features: Features,
+    gap: float,
+    deadline: float,
+    progress: Callable[[str], None] = lambda _: None,
+    rounds: int = ROUNDS,
+) -> TightDesign:
+    """Finds the design, its bound and, as far as time allows, the proof.
+
+    Args:
+        case: gives the limits.
+        features: of the case and model.
+        gap: wanted (max h) / u - 1, and how far the proven maximum may lie above the largest value that was met.
+        deadline: `time.monotonic()` at which to stop [s]; the last part is kept for the proof.
+        progress: told the state of things now and then.
+        rounds: of the exchange, at most; each makes the bound tighter.
+    """
+    size = features.coefficients.shape[-1]
+    moments = motion_moments(case, features)
+    draw = np.random.default_rng(SEED)
+    states = _candidates(FIRST_STATES, draw)
+    enough = monotonic() + SEARCHING * (deadline - monotonic())
+    best: tuple[float, Array, Multipliers, float] | None = None
+    attained = -np.inf
+    for _ in range(rounds):
+        weights, multipliers = _best_weights(features, moments, states)
+        matrices = features.matrices(states)
+        information = np.einsum("n,nki,nkj->ij", weights, matrices, matrices, optimize=True)
+        attained = max(attained, float(np.linalg.slogdet(information)[1]))
+        inverse = np.linalg.inv(information)
+        here = TightDerivative(features, features.form(inverse), multipliers)
+        if best is not None:
+            inverse = KEPT * best[1] + (1.0 - KEPT) * inverse
+            multipliers = mixed(best[2], multipliers, KEPT)
+        derivative = TightDerivative(features, features.form(inverse), multipliers)
+        used = weights > NEGLIGIBLE
+        climbed, values = climb(derivative, states[used], draw)
+        largest = float(values.max())
+        bound = size * float(np.log(largest / size)) - float(np.linalg.slogdet(inverse)[1])
+        if best is None or bound < best[0]:
+            best = (bound, inverse, multipliers, largest)
+        progress(f"log det between {attained:.4f} and about {best[0]:.4f}; {int(used.sum())} states")
+        if best[0] - attained <= size * gap / 2 or monotonic() > enough:
+            break
+        value = np.where(used, np.inf, here.at(states))
+        kept = np.argsort(-value)[:MOST_KEPT]
+        states = np.vstack([states[kept], climbed[here.at(climbed) > size]])
+    assert best is not None
+    _, inverse, multipliers, largest = best
+    derivative = TightDerivative(features, features.form(inverse), multipliers)
+    logdet = -float(np.linalg.slogdet(inverse)[1])
+    wanted = max(size, largest) * (1.0 + gap)
+    maximum = maximise(derivative, *first_tight_cells(features), wanted, wanted, deadline, progress)
+    certified = maximum.upper <= max(wanted, maximum.lower) * (1.0 + 1e-9)
+    dmax = maximum.upper if certified else max(largest, maximum.lower)
+    return TightDesign(logdet, attained, max(dmax, size), max(maximum.upper, size), certified)
+
+
+def _candidates(count: int, draw: np.random.Generator) -> Array:
+    """Random states on corners, edges and in between: accelerations need not be at their limits."""
+    states = draw.choice([-1.0, 1.0], (count, 18))
+    states[:, 3:6] = draw.choice(LEVELS, (count, 3))
+    states[:, 9:12] = draw.choice([-1.0, 0.0, 1.0], (count, 3))
+    between = draw.random((count, 1)) < 0.6
+    states[:, 12:] = np.where(between, draw.choice(LEVELS, (count, 6)), states[:, 12:])
+    states[:, 6:9] = 0.0
+    return states
+
+
+def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[Array, Multipliers]:
+    """Weights that maximise log det under the constraints, and the multipliers."""
+    cp: Any = import_module("cvxpy")  # takes 2 s to import, and has no types
+
+    size = features.coefficients.shape[-1]
+    matrices = features.matrices(states)
+    products = np.einsum("nki,nkj->nij", matrices, matrices, optimize=True).reshape(len(states), -1)
+    monomials = Moments.monomials(states)
+    weights = cp.Variable(len(states), nonneg=True)
+    information = cp.reshape(products.T @ weights, (size, size), order="C")
+    equal = (monomials @ moments.equal.T).T @ weights == 0
+    at_most = (monomials @ moments.at_most.T - moments.constant).T @ weights <= 0
+    total = cp.sum(weights) == 1
+    problem = cp.Problem(cp.Maximize(cp.log_det((information + information.T) / 2)), [total, equal, at_most])
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of inaccuracy: every multiplier gives a bound, and the proof checks it
+            problem.solve(solver=cp.CLARABEL)
+    except cp.SolverError as error:
+        raise HexciteError(f"the tight information limit was not found (Clarabel: {error})") from error
+    if weights.value is None:
+        raise HexciteError(f"the tight information limit was not found (Clarabel: {problem.status})")
+    found = np.maximum(weights.value, 0.0)
+    return found / found.sum(), combined(moments, equal.dual_value, at_most.dual_value)
+
+
+def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) -> tuple[Array, Array]:
+    """Distinct local maxima of h, coordinate by coordinate from many starts; states and values."""
+    random = _candidates(RANDOM, draw)
+    chosen = np.argsort(-derivative.at(random))[:CLIMBERS]
+    states = np.vstack([random[chosen], known])
+    values = derivative.at(states)
+
+    def attempt(k: int, level: Array | float) -> None:
+        moved = states.copy()
+        moved[:, k] = np.clip(level, -1.0, 1.0)
+        new = derivative.at(moved)
+        better = new > values + 1e-9
+        states[better], values[better] = moved[better], new[better]
+
+    for _ in range(SWEEPS):
+        for k in draw.permutation(_ACTIVE):
+            if k >= 12:  # quadratic: three values tell the vertex
+                low, mid, high = (derivative.at(_with(states, k, v)) for v in (-1.0, 0.0, 1.0))
+                bend = (low + high) / 2 - mid
+                vertex = np.where(bend < -1e-12, (low - high) / np.minimum(4 * bend, -1e-12), np.sign(high - low))
+                attempt(k, vertex)
+            levels = (-1.0, 1.0) if k < 3 or k >= 12 else LEVELS
+            for level in levels:
+                attempt(k, level)
+            if k >= 3 and k < 12:
+                for step in STEPS:
+                    attempt(k, states[:, k] + step)
+                    attempt(k, states[:, k] - step)
+    _, first = np.unique(np.round(states, 3), axis=0, return_index=True)
+    return states[first], values[first]
+
+
+def _with(states: Array, k: int, value: float) -> Array:
+    moved = states.copy()
+    moved[:, k] = value
+    return moved
