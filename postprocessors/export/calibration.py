@@ -31,7 +31,7 @@ class Calibration:
         model: the identification model.
         hexapod: kinematics, None where the case has no machine.
         physical: physical parameters by name.
-        recording: what they were identified from.
+        recording: what they were identified from, and what the offsets were tared with.
         samples: how many samples that were.
         s0: (27).
         result_hash: of the file of the result.
@@ -97,6 +97,8 @@ def load_calibration(path: Path, case_name: str | None, force: bool) -> Calibrat
     try:
         names, warnings = list(data["linear"]["names"]), tuple(str(w) for w in data["warnings"])
         recording, samples, s0 = str(data["recording"]), int(data["samples"]), float(data["s0"])
+        if "tared_with" in data:
+            recording += f", tared with {data['tared_with']}"
         robust = {name: float(entry["std_robust"]) for name, entry in data["parameters"].items()}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error

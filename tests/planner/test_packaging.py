@@ -21,6 +21,13 @@ DATA = (
     "planner/templates/page.js",
     "postprocessors/execute/linuxcnc/warp.c",
     "postprocessors/execute/linuxcnc/driver.py",
+    "postprocessors/export/calibration.schema.json",
+    "postprocessors/export/templates/component.comp.jinja",
+    "postprocessors/export/templates/declarations.c.jinja",
+    "postprocessors/export/templates/definitions.c.jinja",
+    "postprocessors/export/templates/header.h.jinja",
+    "postprocessors/export/templates/model.st.jinja",
+    "postprocessors/export/templates/source.c.jinja",
 )
 
 

@@ -100,6 +100,14 @@ def test_a_result_that_does_not_fit_is_named(
     assert list(here.iterdir()) == []
 
 
+def test_a_tared_result_says_so(tmp_path: Path, here: Path) -> None:
+    result = write_result(tmp_path / "result", CASE, 9, tared_with="still.csv")
+    for target in TARGETS:
+        answer = call("export", result, "--to", target, "--json").json()
+        assert "from run.csv, tared with still.csv" in Path(answer["file"]).read_text() or target == "json"
+    assert json.loads(Path("hexapod_force.json").read_text())["origin"]["recording"] == "run.csv, tared with still.csv"
+
+
 def test_a_negative_mass_is_no_machine(tmp_path: Path, here: Path) -> None:
     from tests.postprocessors.export.calibrations import identification_model, plausible
 
