@@ -112,6 +112,30 @@ class Standstill:
 
 
 @dataclass(frozen=True, slots=True)
+class Measurement:
+    """Standing still to be measured: settling first, then what is averaged.
+
+    Args:
+        pose: shape (6,) [m, rad].
+        settle: waited before [s].
+        average: measured, with the trigger on [s].
+    """
+
+    pose: Array
+    settle: float
+    average: float
+
+    @property
+    def duration(self) -> float:
+        """Settling and averaging [s]."""
+        return self.settle + self.average
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        return Standstill(self.pose, self.duration).at(t)
+
+
+@dataclass(frozen=True, slots=True)
 class Joined:
     """Trajectories one after the other.
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
 from identification.circle import CircularMove
-from identification.motion import Joined, Motion, Standstill, Trajectory
+from identification.motion import Joined, Measurement, Motion, Standstill, Trajectory
 from identification.polynomial import PolynomialMotion
 from identification.profile import StraightMove
 
@@ -196,7 +196,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     """What a motion is to a controller.
 
     Straight and circular moves stay what they are, joined motions become their parts in order, standstills dwells,
-    polynomials splines; whatever else becomes a timed path.
+    polynomials splines, measurements dwells with the trigger on in the second; whatever else becomes a timed path.
 
     Args:
         name: what it is for.
@@ -212,6 +212,9 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
         return (Arc(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
     if isinstance(trajectory, Standstill):
         return (Dwell(trajectory.duration),)  # as long at any speed
+    if isinstance(trajectory, Measurement):
+        settle = (Dwell(trajectory.settle),) if trajectory.settle > 0.0 else ()
+        return (*settle, Trigger(True), Dwell(trajectory.average), Trigger(False))
     if isinstance(trajectory, PolynomialMotion):
         return (SplinePath(name, trajectory.slowed(speed)),)
     return (timed_path(name, trajectory, block, speed),)
@@ -219,6 +222,9 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
 
 def excitation_program(trajectory: Trajectory, case: Case, header: tuple[str, ...], speed: float = 1.0) -> Program:
     """Home, approach, settle, the excitation between trigger on and off, settle, back home.
+
+    Where the motion contains measurements, the trigger is on in these alone: moves between them only take the machine
+    to a place.
 
     Approach and return are point-to-point moves where the excitation consists of such moves, else timed paths: a
     controller that is set up to follow dense paths may accelerate as hard as it can in a move that it times itself.
@@ -252,6 +258,9 @@ def excitation_program(trajectory: Trajectory, case: Case, header: tuple[str, ..
             blocks.append(timed_path(name, move, controller.block, speed))
 
     straight("approach", home, first)
-    blocks += [Dwell(controller.settle_s), Trigger(True), *excitation, Trigger(False), Dwell(controller.settle_s)]
+    if any(isinstance(b, Trigger) for b in excitation):
+        blocks += excitation
+    else:
+        blocks += [Dwell(controller.settle_s), Trigger(True), *excitation, Trigger(False), Dwell(controller.settle_s)]
     straight("return", last, home)
     return Program(header, tuple(blocks))

@@ -10,7 +10,7 @@ import traceback
 import typer
 
 from cases.errors import HexciteError
-from planner.cli import bound, cases, demo, export, force, identify, plan, post, run
+from planner.cli import bound, cases, demo, export, force, identify, plan, poses, post, run
 from planner.interruption import Interrupted, ctrl_c_raises
 
 app = typer.Typer(
@@ -24,6 +24,7 @@ app = typer.Typer(
 app.command("cases")(cases.list_cases)
 app.add_typer(cases.app, name="case")
 app.command("plan")(plan.plan)
+app.command("poses")(poses.poses)
 app.command("post")(post.post)
 app.command("check")(post.check)
 app.command("run")(run.run)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.circle import CircularMove, Plane
-from identification.motion import Joined, Standstill, Trajectory
+from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.polynomial import Piece, PolynomialMotion
 from identification.profile import Profile, StraightMove
 from planner.families.fourier import FourierMotion
@@ -56,6 +56,9 @@ def _part(part: Trajectory) -> dict[str, Any]:
         }
     if isinstance(part, Standstill):
         return {"kind": "pause", "pose_m_rad": part.pose.tolist(), "duration_s": part.duration}
+    if isinstance(part, Measurement):
+        times = {"settle_s": part.settle, "average_s": part.average}
+        return {"kind": "measure", "pose_m_rad": part.pose.tolist(), **times}
     raise TypeError(f"no entry for {type(part).__name__}")
 
 
@@ -128,6 +131,9 @@ def _read_part(entry: dict[str, Any]) -> Trajectory:
         )
     if entry["kind"] == "pause":
         return Standstill(_numbers(entry, "pose_m_rad", 6), _positive(entry, "duration_s"))
+    if entry["kind"] == "measure":
+        settle, average = _positive(entry, "settle_s", zero=True), _positive(entry, "average_s")
+        return Measurement(_numbers(entry, "pose_m_rad", 6), settle, average)
     raise ValueError("kind")
 
 

@@ -1,0 +1,92 @@
+"""`hexcite poses`: chooses poses for quasi-static identification and writes a plan folder."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, print_json, print_table, progress, status
+
+
+def poses(
+    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
+    criterion: Annotated[str, typer.Option(help="What to optimise: A, D, K or N.")] = "D",
+    count: Annotated[
+        int | None, typer.Option(help="Poses; by default 30, or with forward until one more gains too little.")
+    ] = None,
+    method: Annotated[
+        str, typer.Option(help="backward (Algorithm 1), backward-change, forward, exchange, refine, or all.")
+    ] = "refine",
+    model: Annotated[int, typer.Option(help="Identification model, 0 to 5.")] = 5,
+    candidates: Annotated[
+        int | None, typer.Option(help="Quasi-random candidates to sample; by default the grid of the case.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the sample.")] = 0,
+    noise: Annotated[
+        float | None, typer.Option(help="Scatter of an averaged force in N; by default that of the sensors' noise.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to write; named after the case by default.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Choose the poses that tell most when measured standing still, and the fastest way through them."""
+    from planner.poses.request import PoseRequest
+
+    request = PoseRequest(case, criterion, count, method, model, candidates, seed, noise)
+    answer = make_poses(request, output, quiet=json)
+    if json:
+        print_json(answer)
+
+
+def make_poses(request: Any, output: Path | None, quiet: bool) -> dict[str, Any]:
+    """Plans, saves, prints unless `quiet`; returns the JSON answer."""
+    from cases.files import PLAN, check_folder
+    from cases.loading import find_case, load_case
+    from planner.poses.plan import plan_poses, save_pose_plan
+
+    found = find_case(request.case_file)
+    loaded = load_case(request.case_file)
+    folder = output if output is not None else Path(f"{loaded.name}-poses")
+    check_folder(folder, PLAN, [found])
+    case_file = request.case_file
+    if found.is_relative_to(Path.cwd()) or Path(case_file).exists():
+        case_file = str(found.resolve())  # found again from any folder
+    steps = loaded.poses.grid_size if request.candidates is None and loaded.poses else request.candidates or 1
+    with progress("choosing poses", steps, quiet) as counted:
+        plan = plan_poses(request, loaded, case_file, lambda left: counted(f"{left} poses"))
+    with status("writing", quiet):
+        save_pose_plan(plan, folder)
+    answer = {"plan": str(folder)} | plan.to_json()
+    answer.pop("moves")
+    if not quiet:
+        _show(answer, plan)
+    return answer
+
+
+def _show(answer: dict[str, Any], plan: Any) -> None:
+    from identification.model import identification_model
+    from identification.parameters import physical_form
+    from planner.poses.request import METHODS, Method
+
+    form = physical_form(identification_model(plan.case, plan.request.model))
+    rows = []
+    for p in form.parameters:
+        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        rows.append([p.name, f"{answer['predicted_std'][p.name] * scale:.4g}", unit])
+    print(f"{METHODS[Method(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
+    print(f"predicted for averaged forces that scatter by {answer['assumed_noise_N']:.3g} N:")
+    print_table("Standard deviations", ("parameter", "std", "unit"), rows)
+    print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")
+    print(
+        f"D-efficiency {answer['efficiency']:.3f} of the best design over the candidates (lower bound), "
+        f"{answer['efficiency_space']:.3f} over the whole pose space (estimate)"
+    )
+    print(
+        f"condition {answer['condition']:.3g} in reference scaling; {answer['fewest_poses']} of these poses keep rank"
+    )
+    print(
+        f"measured in {answer['duration_s']:.1f} s: travel {answer['travel_s']:.1f} s "
+        f"({answer['travel_in_order_of_choice_s']:.1f} s in the order of choice), settling and averaging the rest"
+    )
+    print(f"plan written: {answer['plan']} (chosen in {answer['select_s']:.1f} s)")

@@ -1,0 +1,92 @@
+"""Which poses to plan: settings as a user states them, refused before any work where they cannot be met."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from cases.errors import HexciteError
+from planner.poses.criteria import POSE_CRITERIA
+
+USUAL = 30  # poses of the paper's reduced sets
+MOST_FORWARD = 200  # poses that forward adding stops at, saturated or not
+
+
+class Method(StrEnum):
+    """How poses are chosen."""
+
+    BACKWARD = "backward"
+    BACKWARD_CHANGE = "backward-change"
+    FORWARD = "forward"
+    EXCHANGE = "exchange"
+    REFINE = "refine"
+    ALL = "all"
+
+
+METHODS = {
+    Method.BACKWARD: "Algorithm 1: removes the pose without which the criterion is best",
+    Method.BACKWARD_CHANGE: "Algorithm 1 in its other reading: removes the pose that changes the criterion least",
+    Method.FORWARD: "adds the most useful pose until one more gains less than 1 %",
+    Method.EXCHANGE: "Algorithm 1, then exchanges poses while that helps",
+    Method.REFINE: "Algorithm 1, exchanges, then moves the poses freely in the workspace",
+    Method.ALL: "every candidate",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class PoseRequest:
+    """What to plan.
+
+    Args:
+        case_file: name or file of the case.
+        criterion: letter of Table 4.
+        count: poses; None: 30, or with `forward` until the criterion saturates.
+        method: one of METHODS.
+        model: number in Table 2, 0 to 5.
+        candidates: quasi-random candidates; None: the grid of the case.
+        seed: of these.
+        noise: standard deviation of an averaged force [N]; None: the sensors' noise, averaged as white noise.
+    """
+
+    case_file: str
+    criterion: str = "D"
+    count: int | None = None
+    method: str = Method.REFINE
+    model: int = 5
+    candidates: int | None = None
+    seed: int = 0
+    noise: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.criterion not in POSE_CRITERIA:
+            raise HexciteError(f"criterion {self.criterion!r} is unknown; choose {', '.join(POSE_CRITERIA)}")
+        if self.method not in set(Method):
+            raise HexciteError(f"method {self.method!r} is unknown; choose {', '.join(Method)}")
+        if self.method == Method.ALL and self.count is not None:
+            raise HexciteError("method all measures every candidate; leave --count out, or choose another method")
+        if self.noise is not None and not 0.0 < self.noise < float("inf"):
+            raise HexciteError(f"noise {self.noise:g} N is not positive; give the scatter of an averaged force")
+        if self.seed < 0:
+            raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
+
+    def wanted(self, available: int, parameters: int) -> int:
+        """Poses to choose from `available` ones for a model with `parameters`.
+
+        Raises:
+            HexciteError: more than there are, or fewer than can determine the model.
+        """
+        if self.method == Method.ALL:
+            return available
+        fewest = -(-parameters // 6)
+        count = self.count if self.count is not None else min(USUAL, available)
+        if self.count is None and self.method == Method.FORWARD:
+            count = min(MOST_FORWARD, available)
+        if count < fewest:
+            raise HexciteError(
+                f"{count} poses give {6 * max(count, 0)} forces for {parameters} parameters of model {self.model}; ask "
+                f"for {fewest} or more, about {USUAL} for useful standard deviations"
+            )
+        if count > available:
+            raise HexciteError(
+                f"{count} poses are asked for, only {available} candidates are valid; ask for fewer, take smaller "
+                "steps in [poses], or sample more with --candidates"
+            )
+        return count

@@ -1,0 +1,91 @@
+"""How long the machine travels between poses: straight moves from rest to rest, timed by ruckig.
+
+Moves keep every limit of `[limits.motion]` that concerns velocity, acceleration and jerk; where a strut would be too
+fast, the whole move is slowed. On the way the machine must be able to stand at every place.
+"""
+
+from itertools import combinations, pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import InfeasiblePlan
+from cases.schema import Case
+from identification.evaluate import over_samples
+from identification.hexapod import Hexapod
+from identification.profile import Profile, StraightMove, fastest_profile
+from planner.poses.validity import ROUNDING, margins_of
+from postprocessors.execute.ruckig_law import RuckigLaw
+
+Array = NDArray[np.float64]
+
+INSTANTS = 41  # of a move, at which its struts are looked at
+MARGIN = 1.0 - 1e-3  # share of the strut limits that moves are slowed to, for what happens between the instants
+
+
+def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
+    """The fastest straight move within the limits, those of the struts included.
+
+    Args:
+        case: its limits.
+        start: shape (6,) [m, rad].
+        end: different from start, shape (6,) [m, rad].
+    """
+    limits = case.need_machine("moves between poses")[2].motion
+    move = StraightMove.fastest(start, end, limits.rate, limits.acceleration, limits.jerk)
+    assert isinstance(move.profile, Profile)
+    slowness = float(_slowness(case, start[None], end[None], [move.profile])[0])
+    return move if slowness <= 1.0 else StraightMove(move.start, move.end, move.profile.slowed(1.0 / slowness))
+
+
+def travel_times(case: Case, poses: Array) -> Array:
+    """Duration of the fastest move between each two poses by ruckig, infinite where there is no way, shape (n, n) [s].
+
+    Args:
+        case: its limits.
+        poses: shape (n, 6) [m, rad].
+    """
+    limits = case.need_machine("moves between poses")[2].motion
+    pairs = np.array(list(combinations(range(len(poses)), 2)), dtype=int).reshape(-1, 2)
+    start, end = poses[pairs[:, 0]], poses[pairs[:, 1]]
+    way = np.maximum(np.abs(end - start), 1e-12)
+    rows = [(limit / way).min(axis=1) for limit in (limits.rate, limits.acceleration, limits.jerk)]
+    profiles = [fastest_profile(1.0, *row) for row in zip(*rows, strict=True)]
+    durations = np.array([RuckigLaw.within(*map(float, row)).duration for row in zip(*rows, strict=True)])
+    durations = durations * np.maximum(_slowness(case, start, end, profiles), 1.0)
+    durations[~_passable(case, start, end)] = np.inf
+    times = np.zeros((len(poses), len(poses)))
+    times[pairs[:, 0], pairs[:, 1]] = times[pairs[:, 1], pairs[:, 0]] = durations
+    return times
+
+
+def require_ways(times: Array, order: NDArray[np.int64]) -> None:
+    """Raises InfeasiblePlan, naming the poses, where an order passes a place at which the machine cannot stand."""
+    for a, b in pairwise(order):
+        if not np.isfinite(times[a, b]):
+            raise InfeasiblePlan(
+                f"there is no straight way from pose {a} to pose {b} inside the workspace (0 is home); choose other "
+                "poses or widen the workspace"
+            )
+
+
+def _slowness(case: Case, start: Array, end: Array, profiles: list[Profile]) -> Array:
+    """By how much each move must be slowed for the struts' sake; below 1 where it need not be, shape (n,)."""
+    limits = case.need_machine("moves between poses")[2].motion
+    share = np.linspace(0.0, 1.0, INSTANTS)
+    laws = np.array([profile.at(share * profile.duration)[:3] for profile in profiles])  # (n, 3, instants)
+    way = (end - start)[:, None, :]
+    pose = start[:, None, :] + laws[:, 0, :, None] * way
+    rates, accelerations = (laws[:, k, :, None] * way for k in (1, 2))
+    flat = [np.ascontiguousarray(v.reshape(-1, 6)) for v in (pose, rates, accelerations)]
+    _, velocity, acceleration = over_samples(Hexapod.of(case).strut_motion, *flat)
+    fast = np.abs(velocity).reshape(len(start), -1).max(axis=1) / limits.strut_velocity_m_s
+    hard = np.abs(acceleration).reshape(len(start), -1).max(axis=1) / limits.strut_acceleration_m_s2
+    return np.asarray(np.maximum(fast, np.sqrt(hard)) / MARGIN)
+
+
+def _passable(case: Case, start: Array, end: Array) -> NDArray[np.bool_]:
+    share = np.linspace(0.0, 1.0, INSTANTS)[:, None]
+    pose = start[:, None, :] + share * (end - start)[:, None, :]
+    margins = margins_of(case, pose.reshape(-1, 6)).reshape(len(start), -1)
+    return np.asarray(np.all(margins >= -ROUNDING, axis=1))
