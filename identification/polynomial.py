@@ -76,12 +76,14 @@ class PolynomialMotion:
         time = np.asarray(t, dtype=float)
         starts = self.times
         which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.pieces) - 1)
+        local = np.clip(time - starts[which], 0.0, np.diff(starts)[which])[:, None]
+        degree = max(len(p.coefficients) for p in self.pieces)
+        table = np.zeros((degree, len(self.pieces), 6))
+        for k, piece in enumerate(self.pieces):
+            table[: len(piece.coefficients), k] = piece.coefficients
         values = np.zeros((4, len(time), 6))
-        for k in np.unique(which):
-            rows, piece = which == k, self.pieces[k]
-            local = np.clip(time[rows] - starts[k], 0.0, piece.duration)
-            coefficients = piece.coefficients
-            for order in range(4):
-                values[order, rows] = np.polynomial.polynomial.polyval(local, coefficients).T
-                coefficients = np.polynomial.polynomial.polyder(coefficients)
+        for order in range(4):
+            for coefficient in table[::-1]:  # Horner's rule
+                values[order] = values[order] * local + coefficient[which]
+            table = table[1:] * np.arange(1, len(table))[:, None, None]
         return Motion(time, *values)

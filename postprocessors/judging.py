@@ -19,9 +19,9 @@ from identification.profile import StraightMove
 from postprocessors.guarantees import Guarantees, family
 from postprocessors.joints import joint_checks
 from postprocessors.predicted import predicted
+from postprocessors.sampling import telling_instants
 from postprocessors.stretches import Still, Stretch, Timed, Untimed
 
-SAMPLES_A_BLOCK = 100
 FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration
 OWN = ", untimed moves"  # names apart what a controller does by itself, lest it hide what is proven
 BY_TIME_LAW = ("acceleration", "jerk", "strut acceleration")
@@ -38,7 +38,7 @@ def judge(part: Stretch, case: Case, guarantees: Guarantees, file: str, clock: f
     """
     if isinstance(part, Timed):
         _require_timing(part, guarantees, file)
-        report = prove_at(part.points, case, _instants(part.points.times), clock)
+        report = prove_at(part.points, case, telling_instants(part.points, part.points.times, case), clock)
         if isinstance(part.points, PolynomialMotion):
             limits = case.need_machine("the check of a program")[2].motion
             steps = tuple(joint_checks(part.points, limits, guarantees.shortest_block, clock))
@@ -75,16 +75,6 @@ def _require_timing(part: Timed, guarantees: Guarantees, file: str) -> None:
             f"the timed block takes {steps[k]:.4g} s; how {guarantees.controller} moves within more than "
             f"{guarantees.longest_block:g} s is not known: write shorter blocks, or a move at a feed (G94, G61)",
         )
-
-
-def _instants(times: Array) -> Array:
-    """10 kHz in blocks of up to 10 ms, a hundred instants in each longer one: slow programs need no fine grid."""
-    steps = np.diff(times)
-    counts = np.clip(np.ceil(steps * PROOF_RATE - 1e-9), 1, SAMPLES_A_BLOCK).astype(int)
-    first = np.repeat(np.cumsum(counts) - counts, counts)
-    share = (np.arange(counts.sum()) - first) / np.repeat(counts, counts)
-    inside = np.repeat(times[:-1], counts) + share * np.repeat(steps, counts)
-    return np.append(inside, times[-1])
 
 
 def _timed(check: LimitCheck, guarantees: Guarantees) -> LimitCheck:

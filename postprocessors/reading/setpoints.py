@@ -12,7 +12,7 @@ from cases.controller_setpoints import Setpoints
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import MM
-from identification.limits import strut_motion
+from identification.limited import strut_motion
 from identification.motion import Array, Motion
 from postprocessors.reading.setpoint_table import COLUMNS, UNITS, Table, read_table
 from postprocessors.reading.words import Event, Pause, Reading, Rows, Stand, Switch

@@ -1,0 +1,195 @@
+"""What a case limits, computed from a sampled motion in NumPy from the definitions; see `limits`."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.machine import Machine, MotionLimits, Workspace
+from cases.units import DEG, MM
+from identification.motion import Motion
+
+Array = NDArray[np.float64]
+
+_COORDINATES: tuple[str, ...] = ("x", "y", "z", "a", "b", "c")
+_STRUTS = tuple(f"strut {k}" for k in range(1, 7))
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Something that is limited, one row an instant and one column a coordinate or strut.
+
+    Args:
+        name: of the limit.
+        unit: of values and limits times `scale`.
+        labels: of the columns.
+        values: shape (n, k).
+        limits: the limit on the side on which each value lies, shape (n, k).
+        ratio: share of the limit that is used, infinite where a value is no number, shape (n, k).
+        scale: to the unit.
+    """
+
+    name: str
+    unit: str
+    labels: tuple[str, ...]
+    values: Array
+    limits: Array
+    ratio: Array
+    scale: float
+
+    @classmethod
+    def between(
+        cls, name: str, unit: str, labels: tuple[str, ...], values: Array, low: Array, high: Array, scale: float
+    ) -> "Quantity":
+        """Two-sided limits: the share is the distance from their middle over half their width."""
+        middle, half = (low + high) / 2, (high - low) / 2
+        ratio = np.nan_to_num(np.abs(values - middle) / half, nan=np.inf)
+        return cls(name, unit, labels, values, np.where(values >= middle, high, low), ratio, scale)
+
+
+def limited_quantities(
+    motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits, in_box: bool
+) -> Iterable[Quantity]:
+    """Everything that a case limits, at each instant of a motion.
+
+    Args:
+        motion: sampled.
+        machine: its geometry and home.
+        workspace: what it can reach.
+        limits: of moving excitations.
+        in_box: whether the pose box of `limits` holds; else only the workspace limits the pose.
+    """
+    scale = np.array([1 / MM] * 3 + [1 / DEG] * 3)  # to mm and degrees for the report
+    offset = motion.pose - machine.home.vector
+    if in_box:
+        yield from _by_kind("position", "mm", "angle", "deg", offset, limits.pose[0], limits.pose[1], scale)
+    low, high = workspace.plane[0], workspace.plane[1]
+    yield Quantity.between("workspace position", "mm", ("x", "y"), offset[:, :2], low, high, 1 / MM)
+    v, a, j = limits.rate, limits.acceleration, limits.jerk
+    one = np.ones(6)
+    yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -v, v, scale)
+    yield from _by_kind("acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one)
+    yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", motion.jerks, -j, j, one)
+    yield from _of_the_struts(motion, machine, workspace, limits)
+
+
+def _by_kind(
+    length_name: str,
+    length_unit: str,
+    angle_name: str,
+    angle_unit: str,
+    values: Array,
+    low: Array,
+    high: Array,
+    scale: Array,
+) -> Iterable[Quantity]:
+    """Translations and rotations of a derivative of the coordinates."""
+    for name, unit, axes in ((length_name, length_unit, slice(0, 3)), (angle_name, angle_unit, slice(3, 6))):
+        yield Quantity.between(
+            name, unit, _COORDINATES[axes], values[:, axes], low[axes], high[axes], float(scale[axes][0])
+        )
+
+
+def _axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    """A rotation about one axis and its first and second time derivative, shapes (n, 3, 3)."""
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    generator = np.zeros((3, 3))
+    generator[j, i], generator[i, j] = 1.0, -1.0
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.zeros((len(angle), 3, 3))
+    turn[:, axis, axis] = 1.0
+    turn[:, i, i] = turn[:, j, j] = c
+    turn[:, j, i], turn[:, i, j] = s, -s
+    first = turn @ generator
+    second = first @ generator
+    rate_, acceleration_ = rate[:, None, None], acceleration[:, None, None]
+    return turn, first * rate_, second * rate_**2 + first * acceleration_
+
+
+def _strut_vectors(motion: Motion, machine: Machine) -> tuple[Array, Array, Array, Array]:
+    """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
+    angles, rates, accelerations = motion.pose[:, 3:], motion.rates[:, 3:], motion.accelerations[:, 3:]
+    x0, x1, x2 = _axis_rotation(0, angles[:, 0], rates[:, 0], accelerations[:, 0])
+    y0, y1, y2 = _axis_rotation(1, angles[:, 1], rates[:, 1], accelerations[:, 1])
+    z0, z1, z2 = _axis_rotation(2, angles[:, 2], rates[:, 2], accelerations[:, 2])
+    zy, xz = z0 @ y0, y0 @ x0
+    turn = zy @ x0
+    first = z1 @ xz + z0 @ y1 @ x0 + zy @ x1
+    second = z2 @ xz + z0 @ y2 @ x0 + zy @ x2 + 2 * (z1 @ y1 @ x0 + z1 @ y0 @ x1 + z0 @ y1 @ x1)
+    points = machine.platform.points.T
+    strut = motion.pose[:, None, :3] + (turn @ points).transpose(0, 2, 1) - machine.base.points
+    velocity = motion.rates[:, None, :3] + (first @ points).transpose(0, 2, 1)
+    acceleration = motion.accelerations[:, None, :3] + (second @ points).transpose(0, 2, 1)
+    return strut, velocity, acceleration, turn[:, :, 2]
+
+
+def strut_motion(motion: Motion, machine: Machine) -> tuple[Array, Array, Array]:
+    """Strut lengths [m], velocities and accelerations of a motion, each of shape (n, 6)."""
+    return _along(*_strut_vectors(motion, machine)[:3])
+
+
+def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    length = np.linalg.norm(strut, axis=2)
+    along = np.einsum("nki,nki->nk", strut, velocity) / length
+    # l l' = s s'; differentiated once more: l'^2 + l l'' = s' s' + s s''
+    second = np.einsum("nki,nki->nk", velocity, velocity) + np.einsum("nki,nki->nk", strut, acceleration)
+    return length, along, (second - along**2) / length
+
+
+def _of_the_struts(motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits) -> Iterable[Quantity]:
+    strut, velocity, acceleration, normal = _strut_vectors(motion, machine)
+    yield from _keep_out(motion, strut + machine.base.points, workspace)
+    length, along, second = _along(strut, velocity, acceleration)
+    six = np.ones(6)
+    low = max(limits.strut_length[0], workspace.strut_length[0])
+    high = min(limits.strut_length[1], workspace.strut_length[1])
+    v, a = limits.strut_velocity_m_s * six, limits.strut_acceleration_m_s2 * six
+    yield Quantity.between("strut length", "mm", _STRUTS, length, low * six, high * six, 1 / MM)
+    yield Quantity.between("strut velocity", "m/s", _STRUTS, along, -v, v, 1.0)
+    yield Quantity.between("strut acceleration", "m/s^2", _STRUTS, second, -a, a, 1.0)
+    direction = strut / length[:, :, None]
+    yield from _joint_angles(direction, normal, workspace)
+    yield _singularity(motion, strut, direction, machine)
+
+
+def _keep_out(motion: Motion, joints: Array, workspace: Workspace) -> Iterable[Quantity]:
+    """Distance of the platform's origin and joints from each box, along the axis that separates them most.
+
+    The share is 1 at the surface, above 1 inside, and falls to 0 at a distance of half the box's diagonal.
+    """
+    points = np.concatenate([motion.pose[:, None, :3], joints], axis=1)
+    labels = ("origin", *(f"joint {k}" for k in range(1, 7)))
+    for box in workspace.keep_out:
+        low, high = box.corners
+        distance = np.maximum(low - points, points - high).max(axis=2)
+        ratio = np.maximum(0.0, 1.0 - distance / (float(np.linalg.norm(high - low)) / 2))
+        ratio = np.nan_to_num(ratio, nan=np.inf)
+        yield Quantity(f"distance from {box.name}", "mm", labels, distance, np.zeros_like(distance), ratio, 1 / MM)
+
+
+def _joint_angles(direction: Array, normal: Array, workspace: Workspace) -> Iterable[Quantity]:
+    """Angles between struts and the normals of base and platform; 0 is straight up."""
+    at_base = np.arccos(np.clip(direction[:, :, 2], -1.0, 1.0))
+    at_platform = np.arccos(np.clip(np.einsum("nki,ni->nk", direction, normal), -1.0, 1.0))
+    for name, angle, limit in (
+        ("base joint angle", at_base, workspace.base_joint_angle_deg * DEG),
+        ("platform joint angle", at_platform, workspace.platform_joint_angle_deg * DEG),
+    ):
+        yield Quantity.between(name, "deg", _STRUTS, angle, np.full(6, -limit), np.full(6, limit), 1 / DEG)
+
+
+def _determinant(direction: Array, arms: Array) -> Array:
+    return np.asarray(np.linalg.det(np.concatenate([direction, np.cross(arms, direction)], axis=2)))
+
+
+def _singularity(motion: Motion, strut: Array, direction: Array, machine: Machine) -> Quantity:
+    """1 - det(J^-1) / det(J^-1 at home): 0 at home, 1 in a singularity, above 1 behind one."""
+    standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
+    at_home, _, _, _ = _strut_vectors(standing, machine)
+    home_direction = at_home / np.linalg.norm(at_home, axis=2)[:, :, None]
+    reference = _determinant(home_direction, at_home + machine.base.points - machine.home.vector[:3])[0]
+    arms = strut + machine.base.points - motion.pose[:, None, :3]
+    way = (1.0 - _determinant(direction, arms) / reference)[:, None]
+    ratio = np.nan_to_num(way, nan=np.inf)
+    return Quantity("singularity", "of the way", ("",), way, np.ones_like(way), ratio, 1.0)
