@@ -40,6 +40,7 @@ class Plan:
         case_file: name or file of the case, to find it again.
         request: what was asked for.
         motion: the excitation.
+        family: name of the family that the motion comes from.
         settings: of the family.
         starts: every start that led somewhere, the best first.
         failed: the others, with the reason.
@@ -58,6 +59,7 @@ class Plan:
     case_file: str
     request: Request
     motion: Trajectory
+    family: str
     settings: dict[str, Any]
     starts: tuple[Start, ...]
     failed: tuple[Failed, ...]
@@ -83,7 +85,7 @@ class Plan:
             "case": self.case.name,
             "case_file": self.case_file,
             "case_hash": self.case.hash,
-            "family": self.request.family,
+            "family": self.family,
             "criterion": self.request.criterion,
             "solver": self.request.solver,
             "model": self.request.model,

@@ -1,55 +1,93 @@
 """Plans an excitation from start to proof."""
 
 from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.limits import PROOF_RATE
+from identification.limits import PROOF_RATE, LimitReport, prove
 from identification.model import Model, identification_model
+from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
 from planner.bound import box_bound
 from planner.families.family import Family, box_middle
 from planner.families.fourier import COARSE, FourierFamily
-from planner.families.ptp import PointToPointFamily
+from planner.families.manual import manual_motion, sequence_file
+from planner.families.ptp import FEWEST, MOST, PointToPointFamily
+from planner.families.spline import SplineFamily
 from planner.interruption import Interrupted
 from planner.parallel import Listener, run_all
 from planner.plan import Plan
 from planner.problem import mean_information
-from planner.request import Request
+from planner.request import LONGEST, Request
 from planner.solving import Failed, Stage, Start, Task, keep_limits, require_rest, seeds_of
+
+Array = NDArray[np.float64]
 
 SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
 DEFAULT_NOISE = 1.0  # [N] where the case says nothing about its sensors
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
 
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
-# last iterations bring.
+# last iterations bring. Splines begin from point-to-point motions: these reach in seconds what splines starting by
+# chance do not reach in minutes.
 STAGES = {
     "fourier": (Stage("explore", 100, False), Stage("refine", 150, True)),
     "ptp": (Stage("explore", 200, False), Stage("refine", 300, True)),
+    "spline": (Stage("explore ptp", 200, False), Stage("refine", 400, True)),
 }
+MOVES_A_SECOND = 3.3  # of the point-to-point motions that splines begin from
 
 
-def family_of(request: Request, case: Case) -> Family:
-    """The family that a request names, with its settings."""
+class Found(NamedTuple):
+    """What came of a search.
+
+    Args:
+        motion: the best, proven.
+        family: the name of its family.
+        settings: of the family.
+        limits: the proof.
+        starts: of both stages, the best first.
+        failed: starts that led nowhere.
+        interrupted: whether Ctrl-C ended the search early.
+    """
+
+    motion: Trajectory
+    family: str
+    settings: dict[str, Any]
+    limits: LimitReport
+    starts: tuple[Start, ...]
+    failed: tuple[Failed, ...]
+    interrupted: bool
+
+
+def first_family(request: Request, case: Case) -> Family:
+    """The family from which the starts of a request are drawn."""
     if request.family == "fourier":
         middle, half = box_middle(case)
         repeats = round(request.duration / request.period)
         return FourierFamily(request.order, request.period, repeats, middle, half, COARSE)
+    if request.family == "spline":
+        moves = int(np.clip(round(MOVES_A_SECOND * request.duration), FEWEST, MOST))
+        return PointToPointFamily.of(case, moves, request.duration)
     return PointToPointFamily.of(case, request.moves, request.duration)
 
 
-def optimise(
-    request: Request, case: Case, family: Family, listener: Listener
-) -> tuple[list[Start], list[Failed], bool]:
-    """Explores from all starts, refines the best.
+def _second(request: Request, case: Case, start: Start) -> tuple[Family, Array]:
+    """The family in which a start is refined, and where that begins."""
+    if request.family == "spline":
+        spline = SplineFamily.of(case, request.intervals, request.duration)
+        return spline, spline.through(start.family.motion(start.unknowns))
+    return start.family, start.unknowns
 
-    Returns:
-        Starts of both stages, the best first; those that failed; whether Ctrl-C ended the search early.
+
+def search(request: Request, case: Case, listener: Listener) -> Found:
+    """Explores from all starts, refines the best, proves the winner.
 
     Raises:
         InfeasiblePlan: every start failed; the message is that of the first.
@@ -57,12 +95,16 @@ def optimise(
     """
     explore, refine = STAGES[request.family]
     settings = (request.criterion, request.solver)
+    family = first_family(request, case)
     tasks = [Task(case, request.model, family, *settings, explore, s) for s in seeds_of(request.seed, request.starts)]
     first = run_all(tasks, listener)
     results, interrupted = list(first.results), first.interrupted
     best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)[:REFINED]
     if best and not interrupted:
-        again = [Task(case, request.model, s.family, *settings, refine, s.seed, s.unknowns) for s in best]
+        again = []
+        for start in best:
+            family, unknowns = _second(request, case, start)
+            again.append(Task(case, request.model, family, *settings, refine, start.seed, unknowns))
         second = run_all(again, listener)
         results, interrupted = results + second.results, second.interrupted
     starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)
@@ -71,7 +113,16 @@ def optimise(
         if interrupted:
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
-    return starts, failed, interrupted
+    winner = starts[0].family
+    unknowns, report = keep_limits(case, winner, starts[0].unknowns, PROOF_RATE)
+    motion = winner.motion(unknowns)
+    return Found(motion, winner.name, winner.settings, report, tuple(starts), tuple(failed), interrupted)
+
+
+def _made_by_hand(request: Request, case: Case) -> Found:
+    file = request.sequence if request.sequence is not None else sequence_file(request.case_file)
+    motion = manual_motion(case, file)
+    return Found(motion, "manual", {"sequence": str(file)}, prove(motion, case), (), (), False)
 
 
 def make(request: Request, case: Case, case_file: str, listener: Listener) -> Plan:
@@ -91,35 +142,34 @@ def make(request: Request, case: Case, case_file: str, listener: Listener) -> Pl
     """
     model = identification_model(case, request.model)
     require_rest(case)
-    family = family_of(request, case)
     began = perf_counter()
-    starts, failed, interrupted = optimise(request, case, family, listener)
-    best = starts[0]
-    unknowns, report = keep_limits(case, best.family, best.unknowns, PROOF_RATE)
+    found = _made_by_hand(request, case) if request.family == "manual" else search(request, case, listener)
     seconds = perf_counter() - began
-    if not report.kept:
-        raise InfeasiblePlan(f"no feasible motion: {report.violations[0].sentence()}; widen that limit")
-    motion = best.family.motion(unknowns)
+    if not found.limits.kept:
+        raise InfeasiblePlan(f"no feasible motion: {found.limits.violations[0].sentence()}; widen that limit")
+    if not found.motion.duration <= LONGEST:
+        raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
     scaling = reference_scaling(case, model)
-    information = mean_information(model, scaling, motion)
+    information = mean_information(model, scaling, found.motion)
     mu = singular_values(information, model.names)
     noise = case.simulation.force_noise_N if case.simulation is not None else DEFAULT_NOISE
     return Plan(
         case=case,
         case_file=case_file,
         request=request,
-        motion=motion,
-        settings=family.settings,
-        starts=tuple(starts),
-        failed=tuple(failed),
-        interrupted=interrupted,
+        motion=found.motion,
+        family=found.family,
+        settings=found.settings,
+        starts=found.starts,
+        failed=found.failed,
+        interrupted=found.interrupted,
         score=CRITERIA[request.criterion].of(mu),
         logdet=CRITERIA["D"].of(mu),
         condition=-CRITERIA["K"].of(mu),
         bound=box_bound(case, model),
-        predicted_std=predicted_std(case, model, scaling, information, motion.duration, noise),
+        predicted_std=predicted_std(case, model, scaling, information, found.motion.duration, noise),
         assumed_noise=noise,
-        limits=report,
+        limits=found.limits,
         solve_seconds=seconds,
     )
 

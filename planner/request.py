@@ -1,16 +1,20 @@
 """What to plan: settings as a user states them, refused before any work where they cannot be met."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from cases.errors import HexciteError
 from identification.criteria import CRITERIA
 from planner.families.ptp import FEWEST, MOST
+from planner.families.spline import FEWEST as FEWEST_INTERVALS
+from planner.families.spline import MOST as MOST_INTERVALS
 
-FAMILIES = ("fourier", "ptp")
+FAMILIES = ("manual", "fourier", "ptp", "spline")
 SOLVER_NAMES = ("ipopt", "sqp", "slsqp")
 LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
+KNOTS_A_SECOND = 10.0
 SHORTEST_MOVE = 0.06  # [s] mean duration of a move that a machine can make anything of
 
 
@@ -20,7 +24,7 @@ class Request:
 
     Args:
         case_file: name or file of the case.
-        family: fourier or ptp.
+        family: manual, fourier, ptp or spline.
         criterion: letter of Table 4.
         solver: ipopt, sqp or slsqp.
         model: number in Table 2.
@@ -28,6 +32,8 @@ class Request:
         order: N of (34), family fourier.
         period: [s], family fourier; the duration is a whole number of it.
         moves: family ptp.
+        knots: family spline, intervals between knots; None for ten a second.
+        sequence: family manual: file of steps or poses; None for the one beside the case.
         starts: random starts.
         seed: of these.
     """
@@ -41,6 +47,8 @@ class Request:
     order: int = 5
     period: float = 3.0
     moves: int = 40
+    knots: int | None = None
+    sequence: Path | None = None
     starts: int = 8
     seed: int = 0
 
@@ -50,7 +58,12 @@ class Request:
         _one_of("solver", self.solver, SOLVER_NAMES)
         if not self.duration <= LONGEST:
             raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
-        {"fourier": self._fourier, "ptp": self._ptp}[self.family]()
+        if self.family == "fourier":
+            self._fourier()
+        elif self.family == "ptp":
+            self._ptp()
+        elif self.family == "spline":
+            self._spline()
         if not 1 <= self.starts <= 1000:
             raise HexciteError(f"{self.starts} starts; choose 1 to 1000")
         if self.seed < 0:
@@ -76,6 +89,22 @@ class Request:
             raise HexciteError(
                 f"duration {self.duration:g} s is too short for {self.moves} moves; choose at least {shortest:g} s or "
                 "fewer moves"
+            )
+
+    @property
+    def intervals(self) -> int:
+        """Intervals of a spline."""
+        return self.knots if self.knots is not None else round(KNOTS_A_SECOND * self.duration)
+
+    def _spline(self) -> None:
+        if not self.duration >= FEWEST_INTERVALS / KNOTS_A_SECOND:
+            raise HexciteError(
+                f"duration {self.duration:g} s is too short for a spline; choose at least "
+                f"{FEWEST_INTERVALS / KNOTS_A_SECOND:g} s"
+            )
+        if not FEWEST_INTERVALS <= self.intervals <= MOST_INTERVALS:
+            raise HexciteError(
+                f"{self.intervals} knots are outside {FEWEST_INTERVALS} to {MOST_INTERVALS}; choose --knots about 120"
             )
 
 

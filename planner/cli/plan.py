@@ -17,13 +17,17 @@ Out = Annotated[
 
 def plan(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    family: Annotated[str, typer.Option(help="Family of motions: fourier, ptp.")] = "fourier",
+    family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "fourier",
     criterion: Annotated[str, typer.Option(help="What to optimise, Table 4: A, D, K, N.")] = "D",
     solver: Annotated[str, typer.Option(help="ipopt, sqp (active set) or slsqp.")] = "ipopt",
     duration: Annotated[float, typer.Option(help="Whole duration in s; for fourier a multiple of the period.")] = 12.0,
     order: Annotated[int, typer.Option(help="fourier: harmonics, 2 to 7.")] = 5,
     period: Annotated[float, typer.Option(help="fourier: period in s.")] = 3.0,
     moves: Annotated[int, typer.Option(help="ptp: point-to-point moves, 8 to 64.")] = 40,
+    knots: Annotated[int | None, typer.Option(help="spline: intervals, 20 to 150; by default ten a second.")] = None,
+    sequence: Annotated[
+        Path | None, typer.Option(help="manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
+    ] = None,
     model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
     starts: Annotated[int, typer.Option(help="Random starts.")] = 8,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
@@ -46,6 +50,8 @@ def plan(
         order=order,
         period=period,
         moves=moves,
+        knots=knots,
+        sequence=sequence,
         starts=starts,
         seed=seed,
     )
@@ -73,11 +79,13 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     best = -float("inf")
     if not quiet:
         print(
-            f"Planning for {loaded.name}: {request.family}, {request.duration:g} s, model {request.model}, "
-            f"criterion {request.criterion}",
+            f"Planning for {loaded.name}: {request.family}, "
+            + ("" if request.family == "manual" else f"{request.duration:g} s, criterion {request.criterion}, ")
+            + f"model {request.model}",
             flush=True,
         )
-    with progress("optimising", request.starts + min(planning.REFINED, request.starts), quiet) as count:
+    steps = 0 if request.family == "manual" else request.starts + min(planning.REFINED, request.starts)
+    with progress("optimising" if steps else "timing", steps, quiet) as count:
 
         def done(start: Start | Failed) -> None:
             nonlocal best
@@ -105,7 +113,10 @@ def _show(answer: dict[str, Any]) -> None:
         for s in answer["starts"]
     ]  # fmt: skip
     columns = ("seed", "stage", "at start", "at end", answer["criterion"], "iterations", "time", "solver")
-    print_table("Starts, best first (log det of the mean information and criterion, reference scaling)", columns, rows)
+    if rows:
+        print_table(
+            "Starts, best first (log det of the mean information and criterion, reference scaling)", columns, rows
+        )
     for failed in answer["failed_starts"]:
         print(f"start {failed['seed']} led nowhere: {failed['reason']}")
     if answer["interrupted"]:

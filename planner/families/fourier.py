@@ -136,6 +136,19 @@ class FourierFamily:
         count = self.density * self.order
         return np.arange(count) * self.period / count
 
+    @property
+    def holds_struts(self) -> bool:
+        """Strut limits enter where they come close."""
+        return False
+
+    def critical_maps(self) -> tuple[Array, Array, Array]:
+        """At the samples."""
+        return self.maps()[:3]
+
+    def slips(self) -> tuple[Array, Array]:
+        """Nothing is left free: the final drawing back takes what slips."""
+        return np.zeros(6), np.zeros(6)
+
     def growth(self) -> float:
         """N w: Bernstein's inequality for trigonometric polynomials of degree N [1/s].
 

@@ -1,5 +1,6 @@
 """Sampling of families whose coordinates are linear in their unknowns (Fourier series, B-splines)."""
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import casadi as ca
@@ -24,8 +25,21 @@ class Maps(Protocol):
         """Matrices (K, q) from unknowns to value, rate, acceleration and jerk at the samples of information."""
         ...
 
+    @property
+    def holds_struts(self) -> bool:
+        """Whether strut velocities and accelerations are limited from the start."""
+        ...
+
     def limit_maps(self) -> tuple[Array, Array, Array, Array]:
         """Matrices (L, q) whose rows, kept within the limits, keep the motion within them."""
+        ...
+
+    def slips(self) -> tuple[Array, Array]:
+        """What values and rates may pass their rows by between two of them, in half widths, shapes (6,)."""
+        ...
+
+    def critical_maps(self) -> tuple[Array, Array, Array]:
+        """Matrices (C, q) to value, rate and acceleration where non-linear limits are held."""
         ...
 
     def growth(self) -> float:
@@ -36,24 +50,26 @@ class Maps(Protocol):
 def linear_sampling(case: Case, family: Maps) -> Sampling:
     """States and rows of a linear family, samples of equal weight.
 
-    Limits of a derivative that others prove to be kept (`growth`) are left out. Where the limits are rows at the
-    samples, non-linear limits are held at the samples too.
+    Limits of a derivative that others prove to be kept (`growth`) are left out.
     """
     middle, half = box_middle(case)
     box = case.need_machine("planning")[2].motion
     unknowns = ca.MX.sym("unknowns", family.unknowns * 6)
     table = ca.reshape(unknowns, 6, family.unknowns).T
     to_si = ca.diag(ca.DM(half))
-    value, rate, acceleration = (ca.sparsify(ca.DM(m)) @ table @ to_si for m in family.maps()[:3])
-    count = value.shape[0]
-    states = States((value + ca.repmat(ca.DM(middle).T, count, 1)).T, rate.T, acceleration.T)
 
+    def states_of(maps: Sequence[Array]) -> States:
+        value, rate, acceleration = (to_si @ (ca.sparsify(ca.DM(m)) @ table).T for m in maps)
+        return States(value + ca.repmat(ca.DM(middle), 1, value.shape[1]), rate, acceleration)
+
+    states, critical = states_of(family.maps()[:3]), states_of(family.critical_maps())
+    count = states.count
     rows = []
     reached = np.ones(6)  # what is known to bound the derivative before, in half widths
     for order, (matrix, limit) in enumerate(
         zip(family.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
     ):
-        own = limit / half
+        own = limit / half if order > 1 else limit / half - family.slips()[order]
         needed = list(range(6)) if order == 0 else np.flatnonzero(family.growth() * reached > own).tolist()
         reached = own if order == 0 else np.minimum(family.growth() * reached, own)
         if needed:
@@ -68,6 +84,6 @@ def linear_sampling(case: Case, family: Maps) -> Sampling:
         shares=ca.MX(ca.DM.ones(count, 1) / count),
         rows=ca.vertcat(*rows),
         zeros=ca.MX(0, 1),
-        critical=states,
-        struts=np.zeros((2, count), dtype=bool),
+        critical=critical,
+        struts=np.full((2, critical.count), family.holds_struts),
     )

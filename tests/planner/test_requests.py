@@ -13,7 +13,7 @@ from tests.helpers import one_line
     ("setting", "value", "words"),
     [
         ("criterion", "E", "criterion 'E' is unknown; choose A, D, K, N"),
-        ("family", "chirp", "family 'chirp' is unknown; choose fourier, ptp"),
+        ("family", "chirp", "family 'chirp' is unknown; choose manual, fourier, ptp, spline"),
         ("solver", "knitro", "solver 'knitro' is unknown; choose ipopt, sqp, slsqp"),
         ("order", 1, "order 1 is outside 2 to 7; 1 cannot start at rest"),
         ("order", 0, "order 0 is outside 2 to 7"),
@@ -61,4 +61,20 @@ def test_a_whole_number_of_periods_may_be_a_rounded_one():
 def test_moves_and_their_duration_must_fit(settings: dict[str, float], words: str):
     with pytest.raises(HexciteError, match=re.escape(words)) as caught:
         Request("hexapod", family="ptp", **settings)
+    one_line(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"knots": 19}, "19 knots are outside 20 to 150"),
+        ({"knots": 151}, "151 knots"),
+        ({"duration": 60.0}, "600 knots are outside 20 to 150; choose --knots"),
+        ({"duration": 0.5}, "duration 0.5 s is too short for a spline"),
+        ({"duration": float("nan")}, "duration nan s"),
+    ],
+)
+def test_a_spline_and_its_duration_must_fit(settings: dict[str, float], words: str):
+    with pytest.raises(HexciteError, match=re.escape(words)) as caught:
+        Request("hexapod", family="spline", **settings)
     one_line(caught.value)

@@ -1,0 +1,119 @@
+"""Hand-made excitations: the moves, circles and pauses of a file, as fast as the limits allow."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import FileProblem, HexciteError, InfeasiblePlan
+from cases.loading import find_case
+from cases.manual import Sequence, load_poses, load_sequence
+from cases.schema import Case
+from identification.circle import Plane, fastest_circle
+from identification.limits import prove
+from identification.motion import Joined, Standstill, Trajectory
+from identification.profile import StraightMove
+
+Array = NDArray[np.float64]
+
+MARGIN = 1e-3  # of every limit, as for optimised motions
+SLOWEST = 0.02  # share of the speed; a move that needs less cannot be made at all
+BISECTIONS = 12
+RATE = 2000.0  # [1/s]
+STILL = 1e-9  # [m, rad] closer poses are the same
+
+Build = Callable[[float], Trajectory]
+
+
+def sequence_file(case_file: str) -> Path:
+    """The sequence that comes with a case.
+
+    Raises:
+        HexciteError: there is none.
+    """
+    file = find_case(case_file).parent / "manual.toml"
+    if not file.is_file():
+        raise HexciteError(f"{file}: is missing; describe the sequence there or name one with --sequence")
+    return file
+
+
+def manual_motion(case: Case, file: Path) -> Joined:
+    """The motion of a file of steps (TOML) or of poses (CSV), from home to home.
+
+    Raises:
+        FileProblem: the file cannot be used.
+        InfeasiblePlan: a step leaves the limits however slow it is.
+    """
+    home = case.need_machine("planning")[0].home.vector
+    if file.suffix.lower() == ".csv":
+        builds = _through(home, [*load_poses(file), home], case)
+    else:
+        builds = _steps(load_sequence(file), home, case)
+    parts = [_fastest_within_limits(case, build, f"{file}: step {number}") for number, build in builds]
+    if not any(not isinstance(p, Standstill) for p in parts):
+        raise FileProblem(f"{file}: nothing moves; name poses away from home")
+    return Joined(tuple(parts))
+
+
+def _limits(case: Case, speed: float) -> tuple[Array, Array, Array]:
+    box = case.need_machine("planning")[2].motion
+    share = speed * (1.0 - MARGIN)
+    return box.rate * share, box.acceleration * share**2, box.jerk * share**3
+
+
+def _move(case: Case, start: Array, end: Array, speed: float) -> Build:
+    return lambda slower: StraightMove.fastest(start, end, *_limits(case, speed * slower))
+
+
+def _through(home: Array, poses: list[Array], case: Case) -> Iterable[tuple[int, Build]]:
+    at = home
+    for number, pose in enumerate(poses, start=1):
+        if np.abs(pose - at).max() > STILL:
+            yield number, _move(case, at, pose, 1.0)
+            at = pose
+
+
+def _steps(sequence: Sequence, home: Array, case: Case) -> Iterable[tuple[int, Build]]:
+    at = home
+    for number, step in enumerate(sequence.steps, start=1):
+        if step.pause_s is not None:
+            yield number, _pause(at, step.pause_s)
+        elif step.circle is not None and step.radius_mm is not None:
+            yield number, _circle(case, at, Plane(step.circle), step.radius_mm * 1e-3, step.speed)
+        else:
+            end = home + step.offset
+            if np.abs(end - at).max() > STILL:
+                yield number, _move(case, at, end, step.speed)
+                at = end
+    if np.abs(home - at).max() > STILL:
+        yield len(sequence.steps) + 1, _move(case, at, home, 1.0)
+
+
+def _pause(pose: Array, duration: float) -> Build:
+    return lambda _: Standstill(pose, duration)
+
+
+def _circle(case: Case, start: Array, plane: Plane, radius: float, speed: float) -> Build:
+    first, second, _ = plane.axes
+    centre = np.array([start[first] - radius, start[second]])
+    return lambda slower: fastest_circle(start, plane, centre, 2 * np.pi, *_limits(case, speed * slower))
+
+
+def _fastest_within_limits(case: Case, build: Build, place: str) -> Trajectory:
+    """The step at full speed if it keeps every limit, else slowed until it does."""
+
+    def keeps(slower: float) -> bool:
+        return prove(build(slower), case, RATE).worst_ratio <= 1.0 - MARGIN / 2
+
+    if keeps(1.0):
+        return build(1.0)
+    low, high = SLOWEST, 1.0
+    if not keeps(low):
+        worst = prove(build(low), case, RATE).violations
+        words = worst[0].sentence() if worst else "a limit is all but used up"
+        raise InfeasiblePlan(f"{place}: {words}; choose another pose or a smaller circle")
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if keeps(middle) else (low, middle)
+    return build(low)

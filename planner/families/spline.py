@@ -1,0 +1,160 @@
+"""Free-form excitation: cubic B-splines from rest to rest, limited in jerk.
+
+Coordinates are cubic splines over equal intervals h. Their jerk is constant and their acceleration linear in each, so
+that limits of both hold for all t if they hold at the knots. Positions and rates are limited at four instants an
+interval: between two of them they slip by at most a h^2/128 and j h^2/128 (a, j the limits of acceleration and jerk),
+which the rows leave free. The motion is closed and at rest at its ends: the first three and the last three
+coefficients of each coordinate are one and the same.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import factorial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
+
+from cases.schema import Case
+from identification.motion import Trajectory
+from identification.polynomial import Piece, PolynomialMotion
+from planner.families.family import Sampling, box_middle
+from planner.families.linear import linear_sampling
+
+Array = NDArray[np.float64]
+
+DEGREE = 3
+FEWEST, MOST = 20, 150  # intervals
+FINE = 4  # instants an interval at which positions and rates are limited
+START_SHARE = 0.8
+GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
+
+
+@dataclass(frozen=True, slots=True)
+class SplineFamily:
+    """Closed cubic splines over equal intervals.
+
+    Args:
+        intervals: 20 to 150.
+        duration: of the excitation [s].
+        middle: middle of the box of poses, shape (6,) [m, rad].
+        half: half of its width, shape (6,) [m, rad].
+        slip: what positions and rates may pass their rows by between two of them, in half widths, shape (2, 6).
+    """
+
+    intervals: int
+    duration: float
+    middle: Array
+    half: Array
+    slip: Array
+
+    @classmethod
+    def of(cls, case: Case, intervals: int, duration: float) -> "SplineFamily":
+        """The family of a case; raises CaseError where it has no machine or limits."""
+        middle, half = box_middle(case)
+        box = case.need_machine("planning")[2].motion
+        step = duration / intervals / FINE
+        slip = np.array([box.acceleration, box.jerk]) * step**2 / 8 / half
+        return cls(intervals, duration, middle, half, slip)
+
+    @property
+    def name(self) -> str:
+        """As the command line calls it."""
+        return "spline"
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Number of intervals and duration."""
+        return {"knots": self.intervals, "duration_s": self.duration}
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of each coordinate."""
+        return self.intervals + DEGREE - 5
+
+    def _basis(self) -> BSpline:
+        """All basis functions, as one spline with matrix coefficients from unknowns."""
+        step = self.duration / self.intervals
+        inner = np.arange(self.intervals + 1) * step
+        knots = np.r_[[0.0] * DEGREE, inner, [self.duration] * DEGREE]
+        spread = np.zeros((self.intervals + DEGREE, self.unknowns))
+        spread[:3, 0] = spread[-3:, 0] = 1.0
+        spread[3:-3, 1:] = np.eye(self.unknowns - 1)
+        return BSpline(knots, spread, DEGREE)
+
+    def _at(self, shares: tuple[float, ...]) -> Array:
+        """Instants at shares of each interval."""
+        places = np.arange(self.intervals)[:, None] + np.array(shares)
+        return np.asarray(places.ravel() * self.duration / self.intervals)
+
+    def maps(self) -> tuple[Array, Array, Array, Array]:
+        """At two instants an interval, which integrate cubic polynomials exactly."""
+        basis, t = self._basis(), self._at(GAUSS)
+        value, rate, acceleration, jerk = (np.asarray(basis(t, nu=order)) for order in range(4))
+        return value, rate, acceleration, jerk
+
+    def limit_maps(self) -> tuple[Array, Array, Array, Array]:
+        """Positions and rates at four instants an interval, accelerations at the knots, jerks in the intervals."""
+        basis, fine = self._basis(), self._at(tuple(np.arange(FINE) / FINE))
+        return (
+            np.asarray(basis(fine)),
+            np.asarray(basis(fine[1:], nu=1)),  # at rest at the start: no row
+            np.asarray(basis(self._at((0.0,))[1:], nu=2)),
+            np.asarray(basis(self._at((0.5,)), nu=3)),
+        )
+
+    def slips(self) -> tuple[Array, Array]:
+        """How far positions and rates pass their rows between two of them, in half widths (per second), (6,) each."""
+        return self.slip[0], self.slip[1]
+
+    @property
+    def holds_struts(self) -> bool:
+        """Strut limits bind nearly everywhere: they are held from the start."""
+        return True
+
+    def critical_maps(self) -> tuple[Array, Array, Array]:
+        """At the knots, where the acceleration has its peaks."""
+        basis, t = self._basis(), self._at((0.0,))
+        value, rate, acceleration = (np.asarray(basis(t, nu=order)) for order in range(3))
+        return value, rate, acceleration
+
+    def growth(self) -> float:
+        """Nothing bounds a derivative by the one before it."""
+        return float("inf")
+
+    def sampling(self, case: Case) -> Sampling:
+        """The motion as expressions."""
+        return linear_sampling(case, self)
+
+    def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
+        """Random unknowns well inside the limits."""
+        unknowns = np.repeat(draw.normal(size=(self.unknowns // 6 + 1, 6)), 6, axis=0)[: self.unknowns].ravel()
+        return np.asarray(unknowns * START_SHARE / worst(unknowns))
+
+    def shrunk(self, unknowns: Array, share: float) -> Array:
+        """Smaller about the middle of the box."""
+        return unknowns * share
+
+    def refined(self, unknowns: Array) -> "SplineFamily":
+        """Nothing is left open."""
+        return self
+
+    def through(self, motion: Trajectory) -> Array:
+        """Unknowns of the spline that comes closest to a motion of the same duration, in pose, rates, accelerations."""
+        basis, t = self._basis(), self._at(tuple((np.arange(FINE) + 0.5) / FINE))
+        step, wanted = self.duration / self.intervals, motion.at(t)
+        poses, rates, accelerations = wanted.pose - self.middle, wanted.rates, wanted.accelerations
+        values = [v * step**order for order, v in enumerate((poses, rates, accelerations))]
+        matrix = np.vstack([basis(t, nu=order) * step**order for order in range(3)])
+        return np.asarray(np.linalg.lstsq(matrix, np.vstack(values) / self.half, rcond=None)[0]).ravel()
+
+    def motion(self, unknowns: Array) -> PolynomialMotion:
+        """The motion of unknowns of shape (q * 6,), row by row."""
+        basis = self._basis()
+        coefficients = basis.c @ (unknowns.reshape(self.unknowns, 6) * self.half) + self.middle
+        spline, step = BSpline(basis.t, coefficients, DEGREE), self.duration / self.intervals
+        # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
+        places = [self._at((0.5 if order == DEGREE else 0.0,)) for order in range(DEGREE + 1)]
+        taylor = np.array([spline(t, nu=order) / factorial(order) for order, t in enumerate(places)])
+        return PolynomialMotion(tuple(Piece(taylor[:, k, :].copy(), step) for k in range(self.intervals)))

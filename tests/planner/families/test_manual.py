@@ -1,0 +1,132 @@
+"""Hand-made motions: what the file says, as fast as the limits allow, or one line that says why not."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.errors import HexciteError
+from cases.schema import Case
+from identification.circle import CircularMove
+from identification.limits import prove
+from identification.motion import Standstill
+from identification.profile import StraightMove
+from planner.families.manual import manual_motion, sequence_file
+from tests.helpers import one_line
+from tests.planner.command_line import call, refused
+
+HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
+
+
+def written(folder: Path, text: str, name: str = "steps.toml") -> Path:
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_the_sequence_of_section_7_keeps_every_limit_and_touches_one(hexapod_case: Case):
+    """Each axis alone, inclinations, all six axes, and one circle in each Cartesian plane."""
+    motion = manual_motion(hexapod_case, sequence_file("hexapod"))
+    report = prove(motion, hexapod_case)
+    assert report.kept
+    assert report.worst_ratio > 0.99
+    ways = np.array([np.abs(p.end - p.start) > 0 for p in motion.parts if isinstance(p, StraightMove)])
+    for axis in range(6):
+        assert (ways[ways.sum(axis=1) == 1][:, axis]).sum() >= 3
+    assert ways.all(axis=1).sum() >= 3
+    assert {p.plane.value for p in motion.parts if isinstance(p, CircularMove)} == {"XY", "ZX", "YZ"}
+    ends = motion.at([0.0, motion.duration])
+    assert np.allclose(ends.pose, HOME, atol=1e-12)
+    assert np.abs(ends.rates).max() < 1e-12
+
+
+def test_steps_do_what_they_say(hexapod_case: Case, tmp_path: Path):
+    file = written(
+        tmp_path, 'title = "t"\nsteps = [{x_mm = 100.0}, {pause_s = 0.5}, {circle = "XY", radius_mm = 50.0}]'
+    )
+    move, pause, circle, back = manual_motion(hexapod_case, file).parts
+    assert move.at([move.duration]).pose[0] == pytest.approx([0.1, 0, 0.9, 0, 0, 0])
+    assert isinstance(pause, Standstill)
+    assert pause.duration == 0.5
+    places = circle.at(np.linspace(0, circle.duration, 50)).pose
+    assert np.hypot(places[:, 0] - 0.05, places[:, 1]) == pytest.approx(0.05)
+    assert back.at([back.duration]).pose[0] == pytest.approx(HOME)
+
+
+def test_half_the_speed_takes_twice_the_time(hexapod_case: Case, tmp_path: Path):
+    times = []
+    for speed in (1.0, 0.5):
+        file = written(tmp_path, f'title = "t"\nsteps = [{{x_mm = 100.0, speed = {speed}}}]')
+        times.append(manual_motion(hexapod_case, file).parts[0].duration)
+    assert times[1] == pytest.approx(2 * times[0], rel=1e-3)
+
+
+def test_a_list_of_poses_is_visited_in_order_and_left_for_home(hexapod_case: Case, tmp_path: Path):
+    table = "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n100,0,900,0,0,0\n0,50,950,5,0,-5\n"
+    motion = manual_motion(hexapod_case, written(tmp_path, table, "poses.csv"))
+    corners = motion.at(motion.starts).pose
+    assert corners[1, :3] == pytest.approx([0.1, 0.0, 0.9])
+    assert corners[2] == pytest.approx([0.0, 0.05, 0.95, *np.radians([5, 0, -5])])
+    assert corners[3] == pytest.approx(HOME)
+    assert prove(motion, hexapod_case).kept
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("steps = [", "is not TOML"),
+        ('title = "t"', "steps"),
+        ('title = "t"\nsteps = []', "steps"),
+        ('title = "t"\nsteps = [{}, {}]', "nothing moves"),
+        ('title = "t"\nsteps = [{x_mm = 10.0}, {x = 1.0}]', "steps.2.x"),
+        ('title = "t"\nsteps = [{circle = "XY"}]', "a circle needs circle and radius_mm"),
+        ('title = "t"\nsteps = [{circle = "AB", radius_mm = 3.0}]', "steps.1.circle"),
+        ('title = "t"\nsteps = [{x_mm = 3.0, pause_s = 1.0}]', "not several"),
+        ('title = "t"\nsteps = [{x_mm = nan}]', "steps.1.x_mm"),
+        ('title = "t"\nsteps = [{x_mm = 3.0, speed = 1.5}]', "steps.1.speed"),
+        ('title = "t"\nsteps = [{x_mm = 10.0}, {x_mm = 400.0}]', "step 2: position (x) reaches 400 mm"),
+        ('title = "t"\nsteps = [{circle = "ZX", radius_mm = 150.0}]', "step 1: position (z)"),
+    ],
+)
+def test_a_file_that_cannot_be_moved_names_the_step(text: str, words: str, hexapod_case: Case, tmp_path: Path):
+    file = written(tmp_path, text)
+    with pytest.raises(HexciteError) as caught:
+        manual_motion(hexapod_case, file)
+    assert words in one_line(caught.value)
+    assert str(file) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "column x_mm is missing"),
+        ("x_mm,y_mm\n1,2\n", "column z_mm is missing"),
+        ("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n", "0 poses"),
+        ("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n0,0,900,0,0,0\n0,0,900,0,0\n", "pose 2"),
+        ("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n0,0,nan,0,0,0\n", "pose 1"),
+        ("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n0,0,0,0,0,0\n", "step 1: position (z)"),
+    ],
+)
+def test_a_list_that_holds_no_poses_says_where(text: str, words: str, hexapod_case: Case, tmp_path: Path):
+    with pytest.raises(HexciteError) as caught:
+        manual_motion(hexapod_case, written(tmp_path, text, "poses.csv"))
+    assert words in one_line(caught.value)
+
+
+def test_the_command_writes_a_proven_plan_that_loads_again(tmp_path: Path):
+    file = written(tmp_path, 'title = "t"\nsteps = [{x_mm = 50.0}, {circle = "YZ", radius_mm = 40.0}, {a_deg = 10.0}]')
+    plan = call(
+        "plan", "hexapod", "--family", "manual", "--sequence", file, "--model", 0, "-o", tmp_path / "plan", "--json"
+    ).json()
+    assert (plan["family"], plan["status"], plan["starts"]) == ("manual", "proven", [])
+    assert [m["kind"] for m in plan["moves"]] == ["straight", "circle", "straight", "straight"]
+    assert plan["predicted_std"]["m"] > 0.0
+
+
+def test_a_motion_that_does_not_excite_the_model_is_refused_and_nothing_is_written(tmp_path: Path):
+    """Inertia cannot come from translations."""
+    file = written(tmp_path, 'title = "t"\nsteps = [{x_mm = 50.0}, {y_mm = 50.0}]')
+    plan = ("plan", "hexapod", "--family", "manual", "--sequence", file, "-o", tmp_path / "plan", "--json")
+    line = refused(*plan)
+    assert "I11" in line
+    assert not (tmp_path / "plan").exists()
