@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
 from time import monotonic
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,10 @@ class Bound:
     def efficiency(self, logdet: float) -> float:
         """D-efficiency of a motion with this log det of its mean information, between 0 and 1."""
         return float(np.exp((logdet - self.logdet) / self.parameters))
+
+    def to_json(self) -> dict[str, Any]:
+        """What a plan says of its bound."""
+        return {"logdet": self.logdet, "dmax": self.dmax, "method": self.method, "certified": self.certified}
 
     @property
     def label(self) -> str:

@@ -53,6 +53,7 @@ class Plan:
         assumed_noise: standard deviation of a force sample behind it [N].
         limits: proof.
         solve_seconds: time spent on optimising [s].
+        tight: what no closed motion with limited jerk can exceed, where that is known.
     """
 
     case: Case
@@ -72,11 +73,17 @@ class Plan:
     assumed_noise: float
     limits: LimitReport
     solve_seconds: float
+    tight: Bound | None = None
 
     @property
     def d_efficiency(self) -> float:
         """D-efficiency against the box bound."""
         return self.bound.efficiency(self.logdet)
+
+    @property
+    def d_efficiency_tight(self) -> float | None:
+        """D-efficiency against the bound of closed motions, where that is known."""
+        return self.tight.efficiency(self.logdet) if self.tight is not None else None
 
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
@@ -113,12 +120,9 @@ class Plan:
             "logdet": self.logdet,
             "condition": self.condition,
             "d_efficiency": self.d_efficiency,
-            "bound": {
-                "logdet": self.bound.logdet,
-                "dmax": self.bound.dmax,
-                "method": self.bound.method,
-                "certified": self.bound.certified,
-            },
+            "d_efficiency_tight": self.d_efficiency_tight,
+            "bound": self.bound.to_json(),
+            "bound_tight": self.tight.to_json() if self.tight is not None else None,
             "predicted_std": self.predicted_std,
             "assumed_noise_N": self.assumed_noise,
             "limits": self.limits.to_json(),

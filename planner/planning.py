@@ -14,7 +14,7 @@ from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
-from planner.bound import box_bound
+from planner.bound import box_bound, known_tight_bound
 from planner.families.family import Family, box_middle
 from planner.families.fourier import COARSE, FourierFamily
 from planner.families.manual import manual_motion, sequence_file
@@ -171,6 +171,7 @@ def make(request: Request, case: Case, case_file: str, listener: Listener) -> Pl
         assumed_noise=noise,
         limits=found.limits,
         solve_seconds=seconds,
+        tight=known_tight_bound(case, model),
     )
 
 

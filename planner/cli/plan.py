@@ -124,5 +124,11 @@ def _show(answer: dict[str, Any]) -> None:
     print_table("Limits, proven at 10 kHz in NumPy", LIMIT_COLUMNS, limit_rows(answer["limits"]))
     kind = "certified" if answer["bound"]["certified"] else "an estimate"
     print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
+    if answer["d_efficiency_tight"] is None:
+        command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
+        print(f"{command} finds the tighter bound of closed motions; later plans are rated against it too")
+    else:
+        kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
+        print(f"D-efficiency {answer['d_efficiency_tight']:.3f} against closed motions with limited jerk ({kind})")
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
     print(f"plan written: {answer['plan']}")

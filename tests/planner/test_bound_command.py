@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.planner.command_line import call, hexcite, refused
@@ -62,3 +63,24 @@ def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], wor
 def test_an_answer_that_cannot_be_written_is_refused(tmp_path: Path):
     (tmp_path / "file").write_text("x")
     assert "cannot be written" in refused("bound", "hexapod", "--model", 2, "-o", tmp_path / "file" / "bound.json")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("known", [False, True])
+def test_plans_are_rated_against_both_bounds_where_both_are_known(
+    known: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    tight = call("bound", "hexapod", "--model", 0, "--tight", "--time-limit", 5, "--json").json() if known else None
+    plan = ("plan", "hexapod", "--model", 0, "--order", 2, "--duration", 3, "--starts", 1, "-o", tmp_path / "plan")
+    answer = call(*plan, "--json").json()
+    saved = json.loads((tmp_path / "plan" / "plan.json").read_text())
+    assert saved["d_efficiency_tight"] == answer["d_efficiency_tight"]
+    if tight is None:
+        assert answer["d_efficiency_tight"] is None
+        assert answer["bound_tight"] is None
+    else:
+        assert answer["bound_tight"]["logdet"] == tight["logdet_bound"]
+        expected = np.exp((answer["logdet"] - tight["logdet_bound"]) / 10)
+        assert answer["d_efficiency_tight"] == pytest.approx(expected)
+        assert answer["d_efficiency"] < answer["d_efficiency_tight"] < 1.0
