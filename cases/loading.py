@@ -63,6 +63,15 @@ def find_case(name: str) -> Path:
     )
 
 
+def lasting_name(name: str) -> str:
+    """A name that finds the case again from any folder: built-in ones as they are, files by their whole path.
+
+    Raises:
+        CaseError: there is no such case.
+    """
+    return name if name in built_in_cases() else str(find_case(name).resolve())
+
+
 def load_case(name: str) -> Case:
     """Loads and validates a case.
 

@@ -1,0 +1,171 @@
+"""`hexcite study`: grids of plans, runs and identifications on a Dask cluster, resumable."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, print_json, print_table
+
+
+def study(
+    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
+    spec: Annotated[str, typer.Option(help="TOML file of the study, or a built-in one: paper, validation.")],
+    scheduler: Annotated[
+        str | None, typer.Option(help="Running Dask scheduler, tcp://host:port; by default this computer's cores.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes on this computer; by default one a core.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Study folder; continued if it is there.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Plan, run and identify every cell of a grid of settings; stop and go on at any time."""
+    answer = run(case, spec, scheduler, workers, output, quiet=json)
+    if json:
+        print_json(answer)
+
+
+def run(
+    case: str, spec: str, scheduler: str | None, workers: int | None, output: Path | None, quiet: bool
+) -> dict[str, Any]:
+    """Runs what is missing, writes the page, prints unless `quiet`; returns the JSON answer."""
+    import os
+    import time
+
+    from cases.errors import HexciteError
+    from cases.files import read_json, write_text
+    from cases.loading import lasting_name, load_case
+    from planner.study.cluster import local_client, remote_client, require_dask
+    from planner.study.rows import DONE, PLANNED, schema
+    from planner.study.running import about_study, cells_of, missing, run_study
+    from planner.study.spec import load_spec
+    from planner.study.store import ABOUT, check_study, read_rows
+    from planner.study.summary import best_groups, groups
+
+    loaded, wanted = load_case(case), load_spec(spec)
+    loaded.need_machine("a study")
+    if wanted.execute is not None:
+        loaded.need_simulation("a study that executes its plans")
+    if scheduler is not None and workers is not None:
+        raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
+    require_dask()
+    case_file = lasting_name(case)
+    folder = output if output is not None else Path(f"{loaded.name}-{wanted.name}-study")
+    cells = cells_of(wanted, loaded, case_file)
+    check_study(folder, about_study(wanted, loaded, case_file, len(cells)))
+    left = len(missing(cells, wanted, folder))
+    began, busy = time.perf_counter(), 0.0
+    threads = workers or os.cpu_count() or 1
+    computed = 0
+    if left or not (folder / ABOUT).exists():
+        context = local_client(workers, wanted.cells.memory_GB) if scheduler is None else remote_client(scheduler)
+        try:
+            with context as client, _progress(left, quiet) as count:
+                began = time.perf_counter()
+                threads = sum(client.nthreads().values())
+                if not quiet:
+                    print(f"Study {wanted.name} of {loaded.name}: {left} of {len(cells)} cells to do, in {folder}")
+
+                def done(outcome: Any) -> None:
+                    nonlocal busy
+                    busy += outcome.seconds
+                    count(outcome.reason)
+
+                computed = run_study(client, wanted, loaded, case_file, folder, done)
+        except KeyboardInterrupt:
+            raise HexciteError(f"{folder}: stopped; what is done is kept, the same command goes on") from None
+    seconds = time.perf_counter() - began
+    table = read_rows(folder, schema())
+    found = groups(table)
+    report = folder / "report.html"
+    write_text(report, _page(read_json(folder / ABOUT, "hexcite study"), table))
+    plans = [
+        s for s, n in zip(table["status"].to_pylist(), table["noise_seed"].to_pylist(), strict=True) if n == PLANNED
+    ]
+    answer = {
+        "study": str(folder),
+        "cells": len(cells),
+        "computed": computed,
+        "done": plans.count(DONE),
+        "failed": len(plans) - plans.count(DONE),
+        "rows": len(table),
+        "seconds": seconds,
+        "overhead": seconds * threads / busy if busy else None,
+        "best": {letter: group.settings | {"score": group.best} for letter, group in best_groups(found).items()},
+        "report": str(report),
+    }
+    if not quiet:
+        _show(answer, best_groups(found), case)
+    return answer
+
+
+def _page(about: dict[str, Any], table: Any) -> str:
+    from planner.report import render
+    from planner.study.page import study_page
+
+    return render(study_page(about, table))
+
+
+def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:
+    from planner.study.spec import command_of
+
+    rows = [
+        [letter, command_of(group.settings, case), f"{group.best:.4g}", f"{group.median:.4g}", f"{group.done}"]
+        for letter, group in sorted(best.items())
+    ]
+    print_table(
+        "Best settings of each criterion", ("criterion", "command", "best", "median", "plans"), rows, right=False
+    )
+    print(f"{answer['done']} cells done, {answer['failed']} failed, {answer['computed']} of them now")
+    if answer["overhead"] is not None:
+        print(f"study time x cores / time in cells: {answer['overhead']:.2f}")
+    print(f"report written: {answer['report']}")
+
+
+def _progress(total: int, quiet: bool) -> Any:
+    """A bar with rate and time left on stderr; yields a function that counts one cell."""
+    from collections.abc import Callable, Iterator
+    from contextlib import contextmanager
+
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    @contextmanager
+    def bar() -> Iterator[Callable[[str | None], None]]:
+        console = Console(stderr=True)
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+        )
+        hidden = quiet or not console.is_terminal
+        with Progress(*columns, console=console, disable=hidden, transient=True) as shown:
+            task = shown.add_task("cells", total=total, rate="")
+            failed = 0
+
+            def count(reason: str | None) -> None:
+                nonlocal failed
+                failed += reason is not None
+                speed = shown.tasks[0].speed
+                rate = f"{60 * speed:.1f}/min" if speed else ""
+                shown.update(
+                    task, advance=1, rate=rate, description="cells" + (f" ({failed} failed)" if failed else "")
+                )
+
+            yield count
+
+    return bar()

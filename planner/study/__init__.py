@@ -1,0 +1,1 @@
+"""Studies: grids of plans, runs and identifications on a Dask cluster, resumable."""

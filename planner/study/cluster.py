@@ -1,0 +1,97 @@
+"""A Dask cluster for a study: one of this computer's, or a running one, whose workers are asked for their versions."""
+
+import logging
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING
+
+from cases.errors import HexciteError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+CONNECT = 5.0  # [s] to reach a scheduler
+
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), 1)
+
+
+def require_dask() -> None:
+    """Raises HexciteError, with the remedy, where Dask is not installed."""
+    try:
+        version("distributed")
+    except PackageNotFoundError:
+        raise HexciteError("studies need Dask, which is not installed; pip install 'hexcite[study]'") from None
+
+
+@contextmanager
+def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
+    """A cluster on this computer: one single-threaded process a core, each restarted when it takes too much memory.
+
+    Args:
+        workers: processes; by default one a core.
+        memory_GB: that a worker may take.
+    """
+    import dask
+    from distributed import Client, LocalCluster
+
+    settings = {
+        "distributed.scheduler.allowed-failures": 1,
+        "distributed.scheduler.worker-saturation": 1.0,
+        "distributed.nanny.pre-spawn-environ": _ONE_THREAD | {"MALLOC_TRIM_THRESHOLD_": 65536},
+        "distributed.admin.log-length": 1000,
+    }
+    with (
+        dask.config.set(settings),
+        LocalCluster(
+            n_workers=workers or os.cpu_count() or 1,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=None,
+            memory_limit=int(memory_GB * 1e9),
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
+@contextmanager
+def remote_client(address: str) -> Iterator["Client"]:
+    """A running cluster, after its workers have been found to have this version of hexcite.
+
+    Args:
+        address: of the scheduler, `tcp://host:port`.
+
+    Raises:
+        HexciteError: it cannot be reached, has no workers, or one of them has no hexcite or another version.
+    """
+    from distributed import Client
+
+    if "://" not in address:
+        raise HexciteError(f"scheduler {address!r} is no address; write tcp://host:port")
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        client = Client(address, timeout=CONNECT, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise HexciteError(
+            f"scheduler {address} cannot be reached within {CONNECT:g} s; is `dask scheduler` running there?"
+        ) from error
+    with client:
+        same_version(client, address)
+        yield client
+
+
+def same_version(client: "Client", address: str) -> None:
+    """Raises HexciteError unless every worker has this version of hexcite."""
+    ours = version("hexcite")
+    theirs = client.run(version, "hexcite", on_error="return")
+    if not theirs:
+        raise HexciteError(f"scheduler {address} has no workers; start `dask worker {address}`")
+    for worker, found in sorted(theirs.items()):
+        if isinstance(found, PackageNotFoundError):
+            raise HexciteError(f"worker {worker} has no hexcite; install hexcite {ours} there")
+        if found != ours:
+            raise HexciteError(f"worker {worker} has hexcite {found}, this is {ours}; install the same wheel on both")

@@ -1,0 +1,179 @@
+"""What to study: a grid of settings, read from a TOML file, and its cells in a fixed order."""
+
+import hashlib
+import itertools
+import json
+import math
+import random
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import BeforeValidator, Field, ValidationError
+
+from cases.errors import FileProblem, HexciteError
+from cases.parts import Part, Positive
+from cases.schema import Case
+from planner.request import Request
+
+MOST_CELLS = 1_000_000
+
+T = TypeVar("T")
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list) else [value]
+
+
+Values = Annotated[tuple[T, ...], BeforeValidator(_listed), Field(min_length=1)]
+Whole = Annotated[int, Field(strict=True)]
+
+
+class Grid(Part):
+    """Values of each setting of `hexcite plan`; every combination is a cell. One value may stand without brackets."""
+
+    family: Values[str] = ("fourier",)
+    criterion: Values[str] = ("D",)
+    solver: Values[str] = ("ipopt",)
+    model: Values[Whole] = (9,)
+    duration_s: Values[Positive] = (12.0,)
+    order: Values[Whole] = (5,)
+    period_s: Values[Positive] = (3.0,)
+    moves: Values[Whole] = (40,)
+    seed: Values[Whole] = (0,)
+
+
+class Execution(Part):
+    """What to do with each plan: run it, and identify it with several seeds of the sensors' noise."""
+
+    on: Literal["virtual"] = "virtual"
+    noise_seeds: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
+
+
+class Cells(Part):
+    """What a cell may take."""
+
+    time_limit_s: Positive = 600.0
+    memory_GB: Positive = 2.0
+
+
+class Sample(Part):
+    """Cells drawn at random instead of the whole grid."""
+
+    count: Annotated[int, Field(strict=True, ge=1, le=MOST_CELLS)]
+    seed: Annotated[int, Field(strict=True, ge=0)] = 0
+
+
+class Spec(Part):
+    """A study."""
+
+    schema_version: Literal[1]
+    name: str = Field(pattern=r"^[A-Za-z0-9_-]{1,60}$")
+    grid: Grid = Grid()
+    execute: Execution | None = None
+    cells: Cells = Cells()
+    sample: Sample | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of combinations of the grid."""
+        return math.prod(len(values) for values in self._values())
+
+    def _values(self) -> list[tuple[Any, ...]]:
+        return [getattr(self.grid, name) for name in Grid.model_fields]
+
+
+# Settings that mean something in one family only; elsewhere they do not make another cell.
+_ONLY = {"order": "fourier", "period_s": "fourier", "moves": "ptp"}
+BUILT_IN = Path(__file__).parent / "specs"
+
+
+def load_spec(name: str) -> Spec:
+    """Reads a study by its built-in name or its file.
+
+    Raises:
+        FileProblem: no such file, not TOML, unknown settings, or values that cannot be: key, value and remedy.
+    """
+    known = {file.stem: file for file in sorted(BUILT_IN.glob("*.toml"))}
+    path = known.get(name, Path(name))
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileProblem(
+            f"{name}: cannot be read ({error.strerror}); built-in studies are {', '.join(known)}, else name a TOML file"
+        ) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FileProblem(f"{path}: is not TOML ({error}); correct that line") from error
+    try:
+        return Spec.model_validate(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        key = ".".join(str(part) for part in first["loc"])
+        if first["type"] == "extra_forbidden":
+            tables: dict[str, type[Part]] = {"grid": Grid, "execute": Execution, "cells": Cells, "sample": Sample}
+            table = tables.get(str(first["loc"][0]), Spec) if len(first["loc"]) > 1 else Spec
+            problem = f"unknown setting; known here are {', '.join(table.model_fields)}"
+        else:
+            problem = f"{first['input']!r}: {first['msg']}; correct the value"
+        raise FileProblem(f"{path}: {key}: {problem}") from error
+
+
+def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:
+    """The settings of every cell, each once, in the order of the grid, or those drawn from it.
+
+    Raises:
+        HexciteError: more cells than a study can hold; the message tells what it would take.
+    """
+    if spec.sample is None and spec.size > MOST_CELLS:
+        hours = spec.size * 5.0 / 3600.0
+        raise HexciteError(
+            f"study {spec.name}: the grid has {spec.size} cells, at most {MOST_CELLS}; at 5 s a cell they would take "
+            f"{hours:.0f} hours of one core: draw some with [sample] count = 10000"
+        )
+    names = list(Grid.model_fields)
+    columns = [getattr(spec.grid, name) for name in names]
+    chosen: Iterator[tuple[Any, ...]] = itertools.product(*columns)
+    if spec.sample is not None and spec.sample.count < spec.size:
+        places = random.Random(spec.sample.seed).sample(range(spec.size), spec.sample.count)
+        chosen = (_combination(columns, place) for place in sorted(places))
+    seen: set[str] = set()
+    for values in chosen:
+        settings = dict(zip(names, values, strict=True))
+        settings = {k: v for k, v in settings.items() if _ONLY.get(k, settings["family"]) == settings["family"]}
+        text = json.dumps(settings, sort_keys=True)
+        if text not in seen:
+            seen.add(text)
+            yield settings
+
+
+def _combination(columns: list[tuple[Any, ...]], place: int) -> tuple[Any, ...]:
+    """The combination at a place of the product of the columns, without going through those before it."""
+    values = []
+    for column in reversed(columns):
+        place, index = divmod(place, len(column))
+        values.append(column[index])
+    return tuple(reversed(values))
+
+
+def request_of(settings: dict[str, Any], case_file: str) -> Request:
+    """What a cell plans, from one start.
+
+    Raises:
+        HexciteError: settings that cannot be planned.
+    """
+    ours = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
+    return Request(case_file, starts=1, **ours)
+
+
+def cell_key(settings: dict[str, Any], execute: Execution | None, case: Case, version: str) -> str:
+    """What a cell's rows are known by: 16 hexadecimal digits of case, settings, execution and version."""
+    content = [settings, None if execute is None else execute.on, case.hash, version]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def command_of(settings: dict[str, Any], case: str) -> str:
+    """The command line that plans a cell anew, from eight starts."""
+    options = {"duration_s": "duration", "period_s": "period"}
+    words = [f"--{options.get(k, k)} {v}" for k, v in settings.items() if k != "seed"]
+    return " ".join(["hexcite plan", case, *words])

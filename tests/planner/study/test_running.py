@@ -1,0 +1,179 @@
+"""A study goes on where it was, and what it says of its cells is what the rows hold."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from cases.schema import Case
+from planner.study import running
+from planner.study.rows import DONE, FAILED, PLANNED, completed, schema
+from planner.study.running import cells_of, missing, run_study
+from planner.study.spec import Execution, Grid, Spec
+from planner.study.store import opened, read_rows
+from planner.study.summary import best_groups, groups
+from planner.study.tasks import Outcome
+from planner.study.work import Job
+from tests.planner.command_line import call, refused
+
+
+def study(seeds: int, orders: list[int], noise: int = 0) -> Spec:
+    execute = Execution(noise_seeds=noise) if noise else None
+    return Spec(schema_version=1, name="x", grid=Grid(order=orders, seed=list(range(seeds))), execute=execute)
+
+
+class Pretended:
+    """Stands in for the cluster: notes what it was asked to do, answers at once, and stops when it is told to."""
+
+    def __init__(self, stop_after: int = 10**9) -> None:
+        self.jobs: list[Job] = []
+        self.stop_after = stop_after
+
+    def __call__(self, client: object, work: object, tasks: Iterator[tuple[str, Job]], limit: float) -> Iterator:
+        for key, job in tasks:
+            if len(self.jobs) == self.stop_after:
+                raise KeyboardInterrupt
+            self.jobs.append(job)
+            plan = {"noise_seed": PLANNED, "status": DONE, "score": float(job.request.order), "converged": True}
+            plan |= {"seconds": 2.0, "iterations": 10}
+            noise = [
+                {"noise_seed": s, "status": DONE, "parameters": 20, "inside_95": 19, "seconds": 0.1}
+                for s in job.noise_seeds
+            ]
+            failed = job.request.order == 7
+            yield Outcome(key, None if failed else [plan, *noise], "no\troot" if failed else None, 1, 2.0, "tcp://w")
+
+
+def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:
+    cluster = Pretended(stop_after)
+    monkeypatch.setattr(running, "run_tasks", cluster)
+    run_study(None, spec, case, "hexapod", folder, lambda outcome: None)
+    return cluster
+
+
+def test_a_stopped_study_goes_on_where_it_was(
+    tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spec = study(5, [2, 3])
+    with pytest.raises(KeyboardInterrupt):
+        run(spec, hexapod_case, tmp_path, monkeypatch, stop_after=4)
+    rest = run(spec, hexapod_case, tmp_path, monkeypatch)
+    assert len(rest.jobs) == 6
+    assert run(spec, hexapod_case, tmp_path, monkeypatch).jobs == []
+    assert len(read_rows(tmp_path, schema())) == 10
+
+
+def test_an_extended_study_computes_only_what_is_new(
+    tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(study(2, [2]), hexapod_case, tmp_path, monkeypatch)
+    more = run(study(3, [2, 3]), hexapod_case, tmp_path, monkeypatch)
+    assert sorted((j.request.order, j.request.seed) for j in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
+
+
+def test_more_seeds_of_the_noise_are_added_to_the_same_cells(
+    tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(study(1, [2], noise=3), hexapod_case, tmp_path, monkeypatch)
+    more = run(study(1, [2], noise=5), hexapod_case, tmp_path, monkeypatch)
+    assert [j.noise_seeds for j in more.jobs] == [(3, 4)]
+    table = read_rows(tmp_path, schema())
+    assert sorted(table["noise_seed"].to_pylist()) == [PLANNED, 0, 1, 2, 3, 4]
+
+
+def test_a_failed_cell_is_a_row_with_its_reason_and_is_not_tried_again(
+    tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch)
+    assert run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch).jobs == []
+    rows = {r["order"]: r for r in read_rows(tmp_path, schema()).to_pylist()}
+    assert (rows[2]["status"], rows[7]["status"]) == (DONE, FAILED)
+    assert rows[7]["reason"] == "no\troot"
+    assert rows[2]["case_hash"] == hexapod_case.hash
+
+
+def test_a_lost_row_is_computed_again(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    run(study(3, [2]), hexapod_case, tmp_path, monkeypatch)
+    (file,) = (tmp_path / "rows").glob("*.parquet")
+    file.unlink()
+    assert len(missing(cells_of(study(3, [2]), hexapod_case, "hexapod"), study(3, [2]), tmp_path)) == 3
+
+
+def table(rows: list[dict[str, Any]]) -> pa.Table:
+    return pa.Table.from_pylist([completed({"family": "fourier", "criterion": "D", "cell": "x"} | r) for r in rows])
+
+
+def test_the_summary_counts_what_the_rows_hold() -> None:
+    plans = [
+        {"order": 2, "seed": s, "noise_seed": PLANNED, "status": DONE, "score": -s, "converged": s > 0, "seconds": 1.0,
+         "iterations": 5}
+        for s in range(4)
+    ]  # fmt: skip
+    noise = [
+        {"order": 2, "seed": 0, "noise_seed": n, "status": DONE, "parameters": 20, "inside_95": 20 - n}
+        for n in range(3)
+    ]  # fmt: skip
+    broken = [{"order": 3, "seed": 0, "noise_seed": PLANNED, "status": FAILED, "reason": "none"}]
+    good, bad = groups(table(plans + noise + broken))
+    assert good.settings == {"family": "fourier", "criterion": "D", "order": 2}
+    assert (good.cells, good.done, good.converged, good.best, good.median) == (4, 4, 0.75, 0.0, -1.5)
+    assert (good.intervals, good.inside) == (60, 57 / 60)
+    assert (bad.cells, bad.done) == (1, 0)
+    assert np.isnan(bad.best)
+    assert best_groups([good, bad]) == {"D": good}
+
+
+SMALL = """
+schema_version = 1
+name = "small"
+[grid]
+order = 2
+duration_s = 3.0
+seed = [0, 1]
+"""
+
+
+def test_a_study_from_the_command_line(tmp_path: Path) -> None:
+    """On a real cluster of this computer, stopped and extended."""
+    spec, folder = tmp_path / "small.toml", tmp_path / "study"
+    spec.write_text(SMALL)
+    first = call("study", "hexapod", "--spec", spec, "--workers", 2, "-o", folder, "--json").json()
+    assert (first["cells"], first["done"], first["computed"], first["failed"]) == (2, 2, 2, 0)
+    assert first["overhead"] > 0.5
+    again = call("study", "hexapod", "--spec", spec, "--workers", 2, "-o", folder, "--json").json()
+    assert (again["done"], again["computed"]) == (2, 0)
+    assert again["best"] == first["best"]
+    page = (folder / "report.html").read_text()
+    assert "hexcite plan hexapod --family fourier --criterion D" in page
+    rows = read_rows(folder, schema()).to_pylist()
+    assert {r["seed"] for r in rows} == {0, 1}
+    assert all(r["score"] > -60.0 and r["seconds"] > 0.0 for r in rows)
+
+
+def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: Case) -> None:
+    from planner.study.spec import request_of
+    from planner.study.work import work
+
+    request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1}, "hexapod")
+    (one,), (other,) = work(Job(hexapod_case, request, ())), work(Job(hexapod_case, request, ()))
+    assert one["status"] == DONE
+    assert one["score"] == other["score"]
+
+
+def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) -> None:
+    spec, folder = tmp_path / "small.toml", tmp_path / "study"
+    spec.write_text(SMALL)
+    assert "cannot be reached within 5 s" in refused(
+        "study", "hexapod", "--spec", spec, "--scheduler", "tcp://127.0.0.1:1", "-o", folder
+    )
+    assert "is no address" in refused("study", "hexapod", "--spec", spec, "--scheduler", "localhost", "-o", folder)
+    assert "machine: is missing" in refused("study", "ft_wrist", "--spec", spec, "-o", folder)
+    assert "cannot be read" in refused("study", "hexapod", "--spec", tmp_path / "none.toml", "-o", folder)
+    assert not folder.exists()
+    about = {"name": "small", "case": "mill", "case_hash": "other"}
+    with opened(folder, schema(), about):
+        pass
+    assert "holds a study of another case" in refused("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder)

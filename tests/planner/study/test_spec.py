@@ -1,0 +1,117 @@
+"""The grid of a study: which cells it has, and one line for what it cannot be."""
+
+import itertools
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cases.errors import FileProblem, HexciteError
+from cases.schema import Case
+from planner.study.spec import Execution, Grid, Sample, Spec, cell_key, command_of, load_spec, request_of, settings_of
+from tests.helpers import one_line
+
+HEAD = 'schema_version = 1\nname = "mine"\n'
+
+
+def written(folder: Path, text: str) -> str:
+    (folder / "study.toml").write_text(HEAD + text)
+    return str(folder / "study.toml")
+
+
+def test_every_combination_is_a_cell_once(tmp_path: Path) -> None:
+    spec = load_spec(written(tmp_path, '[grid]\norder = [2, 3]\ncriterion = ["A", "D"]\nseed = [0, 1, 2]\n'))
+    cells = list(settings_of(spec))
+    assert spec.size == 12
+    wanted = set(itertools.product("AD", (2, 3), (0, 1, 2)))
+    assert {(c["criterion"], c["order"], c["seed"]) for c in cells} == wanted
+    assert len(cells) == 12
+
+
+def test_settings_of_another_family_make_no_further_cells() -> None:
+    spec = Spec(schema_version=1, name="x", grid=Grid(family=["fourier", "ptp"], order=[2, 3, 4], moves=[8, 16]))
+    cells = list(settings_of(spec))
+    assert [c["family"] for c in cells] == ["fourier"] * 3 + ["ptp"] * 2
+    assert all("moves" not in c for c in cells[:3])
+    assert all("order" not in c for c in cells[3:])
+
+
+@given(count=st.integers(1, 100), seed=st.integers(0, 5))
+def test_a_sample_is_part_of_the_grid_and_always_the_same(count: int, seed: int) -> None:
+    grid = Grid(order=[2, 3, 4, 5], seed=list(range(20)))
+    whole = [tuple(c.items()) for c in settings_of(Spec(schema_version=1, name="x", grid=grid))]
+    spec = Spec(schema_version=1, name="x", grid=grid, sample=Sample(count=count, seed=seed))
+    drawn = [tuple(c.items()) for c in settings_of(spec)]
+    assert len(drawn) == len(set(drawn)) == min(count, 80)
+    assert set(drawn) <= set(whole)
+    assert drawn == [tuple(c.items()) for c in settings_of(spec)]
+
+
+def test_ten_million_cells_are_too_many_but_can_be_sampled() -> None:
+    grid = Grid(seed=list(range(10_000)), order=[2, 3, 4, 5, 6], period_s=[1.0 + 0.01 * k for k in range(200)])
+    with pytest.raises(HexciteError, match=r"10000000 cells, at most 1000000; .* hours of one core: draw") as caught:
+        next(settings_of(Spec(schema_version=1, name="x", grid=grid)))
+    one_line(caught.value)
+    spec = Spec(schema_version=1, name="x", grid=grid, sample=Sample(count=5))
+    assert len(list(settings_of(spec))) == 5
+
+
+def test_a_cell_is_known_by_all_that_changes_its_rows(hexapod_case: Case, wrist_case: Case) -> None:
+    settings = {"family": "fourier", "order": 5}
+    keys = {
+        cell_key(settings, None, hexapod_case, "1.0"),
+        cell_key(settings | {"order": 4}, None, hexapod_case, "1.0"),
+        cell_key(settings, Execution(), hexapod_case, "1.0"),
+        cell_key(settings, None, wrist_case, "1.0"),
+        cell_key(settings, None, hexapod_case, "1.1"),
+    }
+    assert len(keys) == 5
+    more = Execution(noise_seeds=50)  # asks for more rows of the same cell
+    assert cell_key(settings, more, hexapod_case, "1.0") == cell_key(settings, Execution(), hexapod_case, "1.0")
+    assert cell_key({"order": 5, "family": "fourier"}, None, hexapod_case, "1.0") in keys
+
+
+@pytest.mark.parametrize("name", ["paper", "validation"])
+def test_built_in_studies_can_be_planned(name: str) -> None:
+    cells = list(settings_of(load_spec(name)))
+    assert len(cells) >= 8
+    for settings in cells:
+        assert request_of(settings, "hexapod").starts == 1
+
+
+def test_the_command_of_a_cell_is_one_that_hexcite_takes() -> None:
+    settings = {"family": "fourier", "criterion": "D", "solver": "sqp", "duration_s": 12.0, "period_s": 3.0, "seed": 4}
+    command = "hexcite plan hexapod --family fourier --criterion D --solver sqp --duration 12.0 --period 3.0"
+    assert command_of(settings, "hexapod") == command
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[grid]\nordr = 3\n", "grid.ordr: unknown setting; known here are family, criterion"),
+        ("[gird]\norder = 3\n", "gird: unknown setting; known here are schema_version, name, grid"),
+        ('[grid]\norder = "five"\n', "'five': Input should be a valid integer"),
+        ("[grid]\norder = []\n", "at least 1 item"),
+        ("[cells]\ntime_limit_s = 0.0\n", "greater than 0"),
+        ("[execute]\nnoise_seeds = 0\n", "greater than or equal to 1"),
+        ('[execute]\non = "moon"\n', "'moon': Input should be 'virtual'"),
+        ("[grid\n", "is not TOML"),
+    ],
+)
+def test_a_mistake_is_named(text: str, says: str, tmp_path: Path) -> None:
+    with pytest.raises(FileProblem) as caught:
+        load_spec(written(tmp_path, text))
+    assert says in one_line(caught.value)
+    assert one_line(caught.value).startswith(str(tmp_path / "study.toml"))
+
+
+def test_a_study_that_is_not_there() -> None:
+    with pytest.raises(FileProblem, match="built-in studies are paper, validation, else name a TOML file"):
+        load_spec("papr")
+
+
+@pytest.mark.parametrize(("settings", "says"), [({"order": 50}, "order 50"), ({"criterion": "X"}, "criterion 'X'")])
+def test_what_cannot_be_planned_is_refused_before_the_work(settings: dict, says: str) -> None:
+    with pytest.raises(HexciteError, match=says):
+        request_of({"family": "fourier"} | settings, "hexapod")

@@ -1,0 +1,101 @@
+"""Tasks on a real Dask cluster: nothing is lost when workers die, fail or hang, and each failure is charged once."""
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from distributed import Client
+
+from planner.study.cluster import local_client
+from planner.study.tasks import Outcome, run_tasks
+
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Client]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(Path(__file__).parents[3]))  # so that workers find these functions
+        with local_client(2, 1.0) as client:
+            yield client
+
+
+def outcomes(client: Client, function: Any, payloads: dict[str, Any], time_limit: float = 60.0) -> dict[str, Outcome]:
+    found = list(run_tasks(client, function, iter(payloads.items()), time_limit))
+    assert len({o.key for o in found}) == len(found)  # each once
+    return {o.key: o for o in found}
+
+
+def square(x: float) -> float:
+    return x * x
+
+
+def tallied(payload: tuple[str, str]) -> int:
+    """Notes in a file that it was started; then does what it is told to."""
+    file, what = Path(payload[0]), payload[1]
+    with file.open("a") as tally:
+        tally.write("x")
+    tries = len(file.read_text())
+    if what == "dies" or (what == "dies once" and tries == 1):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if what == "fails" or (what == "fails once" and tries == 1):
+        raise ArithmeticError("no\nroot")
+    if what == "hangs" or (what == "hangs once" and tries == 1):
+        time.sleep(1000.0)
+    return tries
+
+
+def test_every_task_comes_back_once(client: Client) -> None:
+    found = outcomes(client, square, {str(k): float(k) for k in range(50)})
+    assert {key: o.value for key, o in found.items()} == {str(k): float(k * k) for k in range(50)}
+    assert {o.reason for o in found.values()} == {None}
+    assert {o.tries for o in found.values()} == {1}
+
+
+def test_no_tasks_are_no_work(client: Client) -> None:
+    assert outcomes(client, square, {}) == {}
+
+
+@pytest.mark.parametrize(
+    ("what", "reason"),
+    [
+        ("dies once", None),
+        ("fails once", None),
+        ("hangs once", None),
+        ("dies", "its worker died twice"),
+        ("fails", "ArithmeticError: no root"),
+        ("hangs", "past its time limit of 3 s"),
+    ],
+)
+def test_a_bad_task_costs_one_retry_and_disturbs_no_other(
+    what: str, reason: str | None, client: Client, tmp_path: Path
+) -> None:
+    payloads: dict[str, Any] = {f"good {k}": (str(tmp_path / f"good {k}"), "works") for k in range(6)}
+    payloads["bad"] = (str(tmp_path / "bad"), what)
+    found = outcomes(client, tallied, payloads, time_limit=3.0)
+    bad = found.pop("bad")
+    assert (bad.reason, (tmp_path / "bad").read_text()) == (reason, "xx")
+    assert bad.tries in ((1, 2) if "dies" in what else (2,))  # who dies at once may not have said that it began
+    assert bad.value == (2 if reason is None else None)
+    assert len(found) == 6
+    assert {o.reason for o in found.values()} == {None}
+
+
+def sleeper(seconds: float) -> int:
+    time.sleep(seconds)
+    return os.getpid()
+
+
+def test_workers_that_are_killed_from_outside_lose_nothing(client: Client) -> None:
+    tasks = iter([(str(k), 0.05) for k in range(40)])
+    found = []
+    for outcome in run_tasks(client, sleeper, tasks, 60.0):
+        found.append(outcome)
+        if len(found) == 5:
+            os.kill(outcome.value, signal.SIGKILL)
+    assert sorted(int(o.key) for o in found) == list(range(40))
+    assert {o.reason for o in found} == {None}
