@@ -146,9 +146,7 @@ def test_the_text_says_where_the_numbers_are_from(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["hexapod", "ft_wrist"])
-def test_every_line_parses(name: str, tmp_path: Path) -> None:
+def test_every_line_parses(made: Calibration) -> None:
     from blark.parse import parse_source_code
 
-    parsed = parse_source_code(structured_text(calibration(tmp_path, name, 9 if name == "hexapod" else 6), "force"))
-    assert parsed.exception is None
+    assert parse_source_code(structured_text(made, "hexapod_force")).exception is None
