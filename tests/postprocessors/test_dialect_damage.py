@@ -53,6 +53,19 @@ def test_a_damaged_program_ends_in_a_proof_or_in_one_line(typed: Typed, edits: l
         assert 1 <= violation.line <= text.count("\n") + 1
 
 
+@pytest.mark.slow
+@both
+@settings(max_examples=3500)
+@given(edits=st.lists(EDITS, min_size=1, max_size=6))
+def test_thousands_of_damaged_programs_end_in_a_proof_or_in_one_line(typed: Typed, edits: list[tuple[str, int, str]]):
+    try:
+        result = typed.proof(damaged(typed.text(BODY[typed.name]), edits))
+    except ProgramError as error:
+        assert one_line(error).startswith("p")
+    else:
+        assert result.ok == (not result.violations)
+
+
 @both
 @settings(max_examples=60)
 @given(share=st.floats(0.0, 0.995))

@@ -102,7 +102,7 @@ def _with_a_third_of_the_last_feed(text: str) -> str:
     lines = text.splitlines()
     k = max(k for k, line in enumerate(lines) if line.startswith(("G1 ", "G01 ")))
     words, _, feed = lines[k].rpartition("F")
-    lines[k] = f"{words}F{float(feed) / 3:.6f}"
+    lines[k] = f"{words}F{float(feed) / 3:.12f}"
     return "\n".join(lines) + "\n"
 
 
