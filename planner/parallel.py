@@ -68,6 +68,20 @@ def _work(task: Task) -> Start | Failed:
     return run_safely(task, watch)
 
 
+Runner = Callable[[Sequence[Task], Listener], Outcome]
+"""How a round of starts is run."""
+
+
+def run_here(tasks: Sequence[Task], listener: Listener) -> Outcome:
+    """Runs tasks one after the other in this process: for those who bring processes of their own."""
+    results = []
+    for task in tasks:
+        result = run_safely(task, lambda objective: False)
+        listener.done(result)
+        results.append(result)
+    return Outcome(results, False)
+
+
 def run_all(tasks: Sequence[Task], listener: Listener) -> Outcome:
     """Runs tasks; the first Ctrl-C lets running ones end with what they have reached and drops those that wait."""
     # Spawned, not forked: MUMPS and threads of a parent do not survive a fork.

@@ -21,7 +21,7 @@ from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import FEWEST, MOST, PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.interruption import Interrupted
-from planner.parallel import Listener, run_all
+from planner.parallel import Listener, Runner, run_all
 from planner.plan import Plan
 from planner.problem import mean_information
 from planner.request import LONGEST, Request
@@ -86,7 +86,7 @@ def _second(request: Request, case: Case, start: Start) -> tuple[Family, Array]:
     return start.family, start.unknowns
 
 
-def search(request: Request, case: Case, listener: Listener) -> Found:
+def search(request: Request, case: Case, listener: Listener, run: Runner = run_all) -> Found:
     """Explores from all starts, refines the best, proves the winner.
 
     Raises:
@@ -97,7 +97,7 @@ def search(request: Request, case: Case, listener: Listener) -> Found:
     settings = (request.criterion, request.solver)
     family = first_family(request, case)
     tasks = [Task(case, request.model, family, *settings, explore, s) for s in seeds_of(request.seed, request.starts)]
-    first = run_all(tasks, listener)
+    first = run(tasks, listener)
     results, interrupted = list(first.results), first.interrupted
     best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)[:REFINED]
     if best and not interrupted:
@@ -105,7 +105,7 @@ def search(request: Request, case: Case, listener: Listener) -> Found:
         for start in best:
             family, unknowns = _second(request, case, start)
             again.append(Task(case, request.model, family, *settings, refine, start.seed, unknowns))
-        second = run_all(again, listener)
+        second = run(again, listener)
         results, interrupted = results + second.results, second.interrupted
     starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)
     failed = [r for r in results if isinstance(r, Failed)]
@@ -125,7 +125,7 @@ def _made_by_hand(request: Request, case: Case) -> Found:
     return Found(motion, "manual", {"sequence": str(file)}, prove(motion, case), (), (), False)
 
 
-def make(request: Request, case: Case, case_file: str, listener: Listener) -> Plan:
+def make(request: Request, case: Case, case_file: str, listener: Listener, run: Runner = run_all) -> Plan:
     """Optimises, proves and rates an excitation.
 
     Args:
@@ -133,6 +133,7 @@ def make(request: Request, case: Case, case_file: str, listener: Listener) -> Pl
         case: machine and limits.
         case_file: name or file that finds the case again from any folder.
         listener: is told how the starts are getting on.
+        run: runs the starts.
 
     Raises:
         InfeasiblePlan: no motion keeps the limits.
@@ -143,7 +144,7 @@ def make(request: Request, case: Case, case_file: str, listener: Listener) -> Pl
     model = identification_model(case, request.model)
     require_rest(case)
     began = perf_counter()
-    found = _made_by_hand(request, case) if request.family == "manual" else search(request, case, listener)
+    found = _made_by_hand(request, case) if request.family == "manual" else search(request, case, listener, run)
     seconds = perf_counter() - began
     if not found.limits.kept:
         raise InfeasiblePlan(f"no feasible motion: {found.limits.violations[0].sentence()}; widen that limit")

@@ -17,19 +17,20 @@ def study(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes on this computer; by default one a core.")
     ] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Try cells again that failed.")] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Study folder; continued if it is there.")
     ] = None,
     json: Json = False,
 ) -> None:
     """Plan, run and identify every cell of a grid of settings; stop and go on at any time."""
-    answer = run(case, spec, scheduler, workers, output, quiet=json)
+    answer = run(case, spec, scheduler, workers, retry, output, quiet=json)
     if json:
         print_json(answer)
 
 
 def run(
-    case: str, spec: str, scheduler: str | None, workers: int | None, output: Path | None, quiet: bool
+    case: str, spec: str, scheduler: str | None, workers: int | None, retry: bool, output: Path | None, quiet: bool
 ) -> dict[str, Any]:
     """Runs what is missing, writes the page, prints unless `quiet`; returns the JSON answer."""
     import os
@@ -56,7 +57,7 @@ def run(
     folder = output if output is not None else Path(f"{loaded.name}-{wanted.name}-study")
     cells = cells_of(wanted, loaded, case_file)
     check_study(folder, about_study(wanted, loaded, case_file, len(cells)))
-    left = len(missing(cells, wanted, folder))
+    left = len(missing(cells, wanted, folder, retry))
     began, busy = time.perf_counter(), 0.0
     threads = workers or os.cpu_count() or 1
     computed = 0
@@ -74,7 +75,7 @@ def run(
                     busy += outcome.seconds
                     count(outcome.reason)
 
-                computed = run_study(client, wanted, loaded, case_file, folder, done)
+                computed = run_study(client, wanted, loaded, case_file, folder, done, retry)
         except KeyboardInterrupt:
             raise HexciteError(f"{folder}: stopped; what is done is kept, the same command goes on") from None
     seconds = time.perf_counter() - began

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pyarrow as pa
 
-SETTINGS = ("family", "criterion", "solver", "model", "duration_s", "order", "period_s", "moves", "seed")
+SETTINGS = ("family", "criterion", "solver", "model", "duration_s", "order", "period_s", "moves", "knots", "seed")
 PLANNED = -1  # noise seed of the row that holds the plan itself
 
 DONE, FAILED = "done", "failed"
@@ -30,6 +30,7 @@ def schema() -> "pa.Schema":
             ("order", whole),
             ("period_s", number),
             ("moves", whole),
+            ("knots", whole),
             ("seed", whole),
             ("status", text),
             ("reason", text),

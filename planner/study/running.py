@@ -38,8 +38,14 @@ def cells_of(spec: Spec, case: Case, case_file: str) -> list[Cell]:
     return found
 
 
-def missing(cells: list[Cell], spec: Spec, folder: Path) -> list[tuple[Cell, tuple[int, ...]]]:
+def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) -> list[tuple[Cell, tuple[int, ...]]]:
     """Cells with rows that are not in the folder yet, and the noise seeds of these rows.
+
+    Args:
+        cells: of the study.
+        spec: of the study.
+        folder: of the study.
+        retry: whether cells that failed count as missing.
 
     Raises:
         FileProblem: a file of the study is damaged.
@@ -58,7 +64,7 @@ def missing(cells: list[Cell], spec: Spec, folder: Path) -> list[tuple[Cell, tup
     for cell in cells:
         have = there.get(cell.key, set())
         lacking = tuple(seed for seed in wanted if seed not in have)
-        if cell.key not in failed and (PLANNED not in have or lacking):
+        if (retry and cell.key in failed) or (cell.key not in failed and (PLANNED not in have or lacking)):
             found.append((cell, lacking))
     return found
 
@@ -78,7 +84,13 @@ def about_study(spec: Spec, case: Case, case_file: str, cells: int) -> dict[str,
 
 
 def run_study(
-    client: "Client", spec: Spec, case: Case, case_file: str, folder: Path, done: Callable[[Outcome], None]
+    client: "Client",
+    spec: Spec,
+    case: Case,
+    case_file: str,
+    folder: Path,
+    done: Callable[[Outcome], None],
+    retry: bool = False,
 ) -> int:
     """Computes the rows that a study folder lacks, and keeps each as it arrives.
 
@@ -89,6 +101,7 @@ def run_study(
         case_file: name or file of the case.
         folder: of the study; continued where it holds rows.
         done: told of each cell.
+        retry: whether to try cells again that failed.
 
     Returns:
         How many cells were computed.
@@ -99,7 +112,7 @@ def run_study(
     cells = cells_of(spec, case, case_file)
     count = 0
     with opened(folder, schema(), about_study(spec, case, case_file, len(cells))) as store:
-        work_left = missing(cells, spec, folder)
+        work_left = missing(cells, spec, folder, retry)
         known = {cell.key: cell for cell, _ in work_left}
 
         def tasks() -> Iterator[tuple[str, Job]]:

@@ -41,6 +41,7 @@ class Grid(Part):
     order: Values[Whole] = (5,)
     period_s: Values[Positive] = (3.0,)
     moves: Values[Whole] = (40,)
+    knots: Values[Whole] = (120,)
     seed: Values[Whole] = (0,)
 
 
@@ -85,7 +86,7 @@ class Spec(Part):
 
 
 # Settings that mean something in one family only; elsewhere they do not make another cell.
-_ONLY = {"order": "fourier", "period_s": "fourier", "moves": "ptp"}
+_ONLY = {"order": "fourier", "period_s": "fourier", "moves": "ptp", "knots": "spline"}
 BUILT_IN = Path(__file__).parent / "specs"
 
 

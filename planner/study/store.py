@@ -147,7 +147,7 @@ def _journal(folder: Path) -> list[dict[str, Any]]:
 
 
 def read_rows(folder: Path, schema: "pa.Schema") -> "pa.Table":
-    """All rows of a study, each once.
+    """All rows of a study, each once: the last one where a cell was tried again.
 
     Args:
         folder: of the study.
@@ -159,13 +159,13 @@ def read_rows(folder: Path, schema: "pa.Schema") -> "pa.Table":
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    tables = [pa.Table.from_pylist(_journal(folder), schema)]
+    tables = []
     for file in sorted((folder / ROWS).glob("*.parquet")):
         try:
             tables.append(pq.read_table(file, schema=schema))
         except (OSError, pa.ArrowException) as error:
             raise FileProblem(f"{file}: is damaged ({error}); delete it, its cells are then computed again") from error
-    table = pa.concat_tables(tables)
+    table = pa.concat_tables([*tables, pa.Table.from_pylist(_journal(folder), schema)])
     number = table.append_column("row", pa.array(range(len(table))))
-    first = number.group_by(["cell", "noise_seed"]).aggregate([("row", "min")])["row_min"]
-    return table.take(first.sort()) if len(table) else table
+    last = number.group_by(["cell", "noise_seed"]).aggregate([("row", "max")])["row_max"]
+    return table.take(last.sort()) if len(table) else table

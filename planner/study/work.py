@@ -3,7 +3,7 @@
 import math
 import tempfile
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -51,35 +51,23 @@ def work(job: Job) -> list[dict[str, Any]]:
 
 
 def _plan(job: Job) -> tuple[dict[str, Any], Any]:
-    from identification.limits import PROOF_RATE
-    from identification.model import identification_model
-    from planner.bound import box_bound
-    from planner.planning import STAGES, family_of
-    from planner.solving import Task, keep_limits, run_start, seeds_of
+    from planner.parallel import Listener, run_here
+    from planner.planning import make
 
     began = time.perf_counter()
-    request, case = job.request, job.case
-    explore, refine = STAGES[request.family]
-    (seed,) = seeds_of(request.seed, 1)
-    task = Task(
-        case, request.model, family_of(request, case), request.criterion, request.solver, explore, seed
-    )  # fmt: skip
-    first = run_start(task)
-    start = run_start(replace(task, stage=refine, family=first.family, unknowns=first.unknowns))
-    unknowns, report = keep_limits(case, start.family, start.unknowns, PROOF_RATE)
-    bound = box_bound(case, identification_model(case, request.model))
+    silent = Listener(lambda start: None, lambda news: None)
+    plan = make(job.request, job.case, job.request.case_file, silent, run_here)
     row = {
         "noise_seed": PLANNED,
-        "status": DONE if report.kept else FAILED,
-        "reason": None if report.kept else report.violations[0].sentence(),
+        "status": DONE,
         "seconds": time.perf_counter() - began,
-        "converged": start.converged,
-        "iterations": first.iterations + start.iterations,
-        "score": start.score if math.isfinite(start.score) else None,
-        "logdet": start.logdet,
-        "d_efficiency": bound.efficiency(start.logdet),
+        "converged": bool(plan.starts) and plan.starts[0].converged,
+        "iterations": sum(start.iterations for start in plan.starts),
+        "score": plan.score if math.isfinite(plan.score) else None,
+        "logdet": plan.logdet,
+        "d_efficiency": plan.d_efficiency,
     }
-    return row, start.family.motion(unknowns)
+    return row, plan.motion
 
 
 def _runs(job: Job, motion: Any, began: float) -> list[dict[str, Any]]:
