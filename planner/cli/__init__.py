@@ -10,7 +10,7 @@ import traceback
 import typer
 
 from cases.errors import HexciteError
-from planner.cli import bound, cases, demo, export, force, identify, plan, poses, post, run, study
+from planner.cli import bound, cases, demo, export, force, identify, plan, poses, post, retime, run, study
 from planner.interruption import Interrupted, ctrl_c_raises
 
 app = typer.Typer(
@@ -35,6 +35,7 @@ app.command("payload")(force.payload)
 app.command("export")(export.export)
 app.command("bound")(bound.bound)
 app.command("study")(study.study)
+app.command("retime")(retime.retime)
 app.command("demo")(demo.demo)
 
 
