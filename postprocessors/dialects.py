@@ -8,9 +8,13 @@ import numpy as np
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.guarantees import Guarantees
+from postprocessors.guarantees import Forecast, Guarantees
 from postprocessors.program import Program
 from postprocessors.reading.words import Reading
+
+
+def _in_time(reading: Reading, case: Case) -> Forecast:
+    return Forecast()
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +26,7 @@ class Language:
         read: content, name for messages, case -> what it says; shares nothing with `write`; raises ProgramError with
             line and column at anything that it does not understand.
         guarantees: what the controller answers for when it runs a program that was read.
+        forecast: what it will make of the program's time; by default that it keeps it.
         tolerance: how far its paths may be off the plan beside rounding, shape (6,) [m, rad].
         same: raises ProgramError where a reading is not the program; None where blocks read back one by one.
     """
@@ -31,6 +36,7 @@ class Language:
     guarantees: Callable[[Reading, Case], Guarantees]
     tolerance: Callable[[Case], Array] = lambda case: np.zeros(6)
     same: Callable[[Program, Reading, Case], None] | None = None
+    forecast: Callable[[Reading, Case], Forecast] = _in_time
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +65,15 @@ class Dialect:
 
 def _linuxcnc(suffix: str = "") -> Language:
     from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
+    from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast
     from postprocessors.linuxcnc import write_linuxcnc
     from postprocessors.reading.linuxcnc import read_linuxcnc_bytes
 
     return Language(
-        lambda program, case: write_linuxcnc(program, case).encode("ascii"), read_linuxcnc_bytes, linuxcnc_guarantees
+        lambda program, case: write_linuxcnc(program, case).encode("ascii"),
+        read_linuxcnc_bytes,
+        linuxcnc_guarantees,
+        forecast=linuxcnc_forecast,
     )
 
 

@@ -48,6 +48,19 @@ class Guarantees:
     jerk_time: float
 
 
+@dataclass(frozen=True, slots=True)
+class Forecast:
+    """What a controller will make of a program's time, told before it runs.
+
+    Args:
+        stretch: predicted duration over planned duration of the excitation's timed paths.
+        remarks: what to know about it and what to change, one sentence each.
+    """
+
+    stretch: float = 1.0
+    remarks: tuple[str, ...] = ()
+
+
 def family(name: str) -> str:
     """The family of a limit by its name in a report: `angular jerk, untimed moves (b)` is of `jerk`."""
     return name.split(" (")[0].split(",")[0].removeprefix("angular ")

@@ -73,6 +73,7 @@ def make_program(
     with atomic_file(file) as part:
         part.write_bytes(written.content)
     proof = written.proof
+    forecast = language.load().forecast(written.reading, saved.case)
     answer = {
         "program": str(file),
         "dialect": dialect_name,
@@ -81,11 +82,15 @@ def make_program(
         "excitation_s": proof.excitation,
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
+        "predicted_stretch": forecast.stretch,
+        "remarks": list(forecast.remarks),
         "limits": proof.limits.to_json(),
     }
     if not quiet:
         print(f"program written: {file} ({written.reading.blocks} blocks, {proof.duration:.2f} s, read back)")
         print(f"limits: {proof.verdict}{' (accepted)' if proof.relies_on else ''}")
+        for remark in forecast.remarks:
+            print(remark)
     return answer
 
 

@@ -1,6 +1,7 @@
 """Programs with characters lost, doubled or swapped: understood and judged, or refused; never anything else."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -10,7 +11,9 @@ from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proof import prove_program
 from postprocessors.reading.linuxcnc import read_linuxcnc
+from postprocessors.stretches import Timed, stretches
 from tests.helpers import one_line
+from tests.postprocessors.independent import share_of_limits
 from tests.postprocessors.programs import proof, there_and_back, timed, typed
 
 CASE = load_case("hexapod")
@@ -32,19 +35,36 @@ def test_the_program_before_the_damage_is_proven():
     assert proof(TEXT, CASE).ok
 
 
-@settings(max_examples=300)
-@given(edits=st.lists(EDITS, min_size=1, max_size=4))
-def test_a_damaged_program_ends_in_a_proof_or_in_one_line(edits: list[tuple[str, int, str]]):
+def judged(edits: list[tuple[str, int, str]]) -> None:
+    """A proof, or one line that names the place; what is called proven the independent judge must let pass."""
+    text = damaged(edits)
     try:
-        result = proof(damaged(edits), CASE)
+        result = proof(text, CASE)
     except ProgramError as error:
         assert one_line(error).startswith("p.ngc")
         return
     assert np.isfinite(result.duration)
     assert result.ok == (not result.violations)
     for violation in result.violations:
-        assert 1 <= violation.line <= damaged(edits).count("\n") + 1
+        assert 1 <= violation.line <= text.count("\n") + 1
         assert "limit" in violation.sentence()
+    if result.ok:
+        for stretch in stretches(read_linuxcnc(text, "p.ngc")):
+            if isinstance(stretch, Timed):
+                assert share_of_limits(stretch.points.times, stretch.points.poses, CASE) < 1.001
+
+
+@settings(max_examples=300)
+@given(edits=st.lists(EDITS, min_size=1, max_size=4))
+def test_a_damaged_program_ends_in_a_proof_or_in_one_line(edits: list[tuple[str, int, str]]):
+    judged(edits)
+
+
+@pytest.mark.slow
+@settings(max_examples=10_000, deadline=None)
+@given(edits=st.lists(EDITS, min_size=1, max_size=4))
+def test_ten_thousand_damaged_programs_end_in_a_proof_or_in_one_line(edits: list[tuple[str, int, str]]):
+    judged(edits)
 
 
 @settings(max_examples=40)

@@ -1,0 +1,89 @@
+"""LinuxCNC's own idioms are read; words of other controllers that mean something else here are refused by name."""
+
+from collections.abc import Callable
+
+import pytest
+
+from cases.errors import ProgramError
+from postprocessors.reading.linuxcnc import read_linuxcnc
+from postprocessors.reading.words import Move, Pause, Switch, Timing
+from tests.helpers import one_line
+from tests.postprocessors.programs import typed
+
+SKELETON = """(hexapod skeleton)
+; semicolon comment
+G17 G21 G40 G49 G54 G80 G90 G91.1 G94
+G64 P0.02 Q0
+G0 X0 Y0 Z0 A0 B0 C0
+G4 P0.25
+M62 P0
+G1 X1 Y0.5 Z0.2 A0.1 B-0.2 C0.3 F600
+X2 Y1 Z0.4 A0.2 B-0.4 C0.6
+G93 G1 X3 Y1.5 Z0.6 A0.3 B-0.6 C0.9 F120
+X4 A0.4 F60
+G1 A1.0 F60
+G94 F600
+G1 A2 B2 C2
+M63 P0
+G0 Z5
+M2
+"""
+
+
+def test_the_skeleton_of_a_program_reads_with_its_times_feeds_and_switches():
+    events = read_linuxcnc(SKELETON, "p.ngc").events
+    moves = [e for e in events if isinstance(e, Move)]
+    kinds = [m.timing for m in moves]
+    assert kinds == [Timing.RAPID, *[Timing.FEED] * 2, *[Timing.DURATION] * 3, Timing.FEED, Timing.RAPID]
+    assert [m.value for m in moves[3:6]] == [0.5, 1.0, 1.0]  # 60 / F seconds
+    assert moves[1].value == pytest.approx(600e-3 / 60)
+    assert [e.duration for e in events if isinstance(e, Pause)] == [0.25]
+    assert [(e.on, e.at_once) for e in events if isinstance(e, Switch)] == [(True, False), (False, False)]
+
+
+@pytest.mark.linuxcnc
+def test_linuxcnc_reads_the_same_skeleton(rs274: Callable):
+    assert not isinstance(rs274(SKELETON), str)
+
+
+OF_OTHERS = {
+    "#TRAFO ON": "cannot read '#TRAFO",
+    "#HSC ON [BSPLINE PATH_DEV=0.02]": "cannot read '#HSC",
+    "%HEXAPOD_ID": "cannot read '%HEX",
+    "G04 3.0": "cannot read '3.0|G4 needs",
+    "G04 X4.5": "G4 needs a duration",
+    "G4 F1.5": "G4 needs a duration",
+    "G60": "G60 is not known to LinuxCNC; write G61",
+    "G360": "G360 is not a word",
+    "G9 X1": "G9 is not a word",
+    "G71": "G71 is a turning cycle",
+    "G710": "G710 is not a word",
+    "G162": "G162 is not a word",
+    "G642": "G642 is not a word",
+    "TRAORI": "cannot read 'TRAORI",
+    "ORIWKS ORIRPY": "cannot read 'ORIWKS",
+    "X=10": "cannot read 'X=10",
+    "A2=10": "cannot read '=10|A2",
+    "G1 X1 A3=0 F10": "cannot read '=0",
+    "MSG(\"text\")": "cannot read 'MSG",
+    "FGROUP(X,Y,Z)": "cannot read 'FGROUP",
+    "POLY PO[X]=(1,2.5,0.7)": "cannot read 'POLY",
+    "COMPCAD": "cannot read 'COMPCAD",
+    "G1 X1e-3 F10": "e-3|E-3",
+    "G1 X1,5 F10": "cannot read ',5",
+    "(a (b) c)": "cannot read",
+    "M30 M17": "exclude|M17",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("line", OF_OTHERS)
+def test_a_word_of_another_controller_is_refused_with_its_place(line: str):
+    with pytest.raises(ProgramError, match=OF_OTHERS[line]) as caught:
+        read_linuxcnc(typed(line), "p.ngc")
+    assert one_line(caught.value).startswith("p.ngc, line 4, column")
+
+
+def test_g21_sets_millimetres_here_and_inverse_time_is_no_time_in_seconds():
+    """Elsewhere G21 mirrors, and F after G93 is the time itself: 20 would then be 20 s, not 3."""
+    move = read_linuxcnc(typed("G64 P1 Q0\nG93 G1 X5 F20"), "p.ngc").events[-1]
+    assert (move.timing, move.value) == (Timing.DURATION, 3.0)
