@@ -65,9 +65,10 @@ def make_recording(
         peaks = ", ".join(f"{name} {100 * share:.0f} %" for name, share in answer["peaks_of_limit"].items())
         print(f"reached of the limits in the whole run: {peaks}")
         if answer["peak_acceleration_of_limit"] > 1.01:
+            passed = ", ".join(name for name, share in answer["peaks_of_limit"].items() if share > 1.01)
             print(
-                "LIMITS PASSED by the controller's own planner, not by the program: no real machine should run this "
-                "before its drives' limits are known; the evaluation's filter takes the ripple out"
+                f"PASSED BY THE CONTROLLER, which does not enforce them: {passed}; know what the drives bear before "
+                "a real machine runs this (what is above the evaluation's filter does not reach the estimate)"
             )
         if answer["remark"]:
             print(answer["remark"])
