@@ -15,6 +15,7 @@ from cases.controller import Controller
 from cases.errors import CaseError
 from cases.machine import Limits, Machine, Workspace
 from cases.parts import Array, Part, Vector, frozen
+from cases.payloads import Payloads
 from cases.poses import Poses
 from cases.recording import RecordingFormat
 from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation
@@ -43,6 +44,7 @@ class Case(Part):
     controller: Controller | None = None
     nominal: RigidBody | None = None
     simulation: Simulation | None = None
+    payloads: Payloads | None = None
 
     @model_validator(mode="after")
     def _safe_feed_is_safe(self) -> "Case":

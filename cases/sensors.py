@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from cases.disturbances import Disturbances
 from cases.geometry import WORST_CONDITION, condition_of_lines
 from cases.machine import Joints
 from cases.parts import Array, NonNegative, Number, Part, Positive, Six, Vector, frozen
@@ -118,6 +119,8 @@ class Simulation(Part):
     force_delay_ms: NonNegative
     force_sampling_offset_cycles: NonNegative = Field(le=1.0)
     encoder_rate_Hz: Positive
+    disturbances: Disturbances | None = None
+    """Of the structure; runs are simulated with them where that is asked for, as a validation does."""
 
     @property
     def encoder_resolution(self) -> float:

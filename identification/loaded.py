@@ -1,0 +1,141 @@
+"""The platform with weights on it, and what disturbs the machine that carries it."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
+
+from cases.disturbances import Disturbances
+from cases.errors import CaseError
+from cases.schema import Case
+from cases.sensors import RigidBody, Truth
+from cases.units import MM
+from identification.executed import Execution, StrutExecution
+
+Array = NDArray[np.float64]
+
+WAVES = 48  # of which a pose error is made
+RIPPLE_STEP = 1e-3  # [s] between the samples of the ripple
+
+
+class Circumstances(NamedTuple):
+    """What is mounted on the simulated machine, and what disturbs it.
+
+    Args:
+        weights: on the platform.
+        disturbances: None: an ideal structure, only sensors and encoders are imperfect.
+    """
+
+    weights: tuple[RigidBody, ...] = ()
+    disturbances: Disturbances | None = None
+
+    @property
+    def load(self) -> float:
+        """Mass of the weights [kg]."""
+        return sum(w.mass_kg for w in self.weights)
+
+
+UNDISTURBED = Circumstances()
+
+
+def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
+    """The first `weights` weights of a case mounted on its machine, with or without its disturbances.
+
+    Raises:
+        CaseError: the case has fewer weights, or no disturbances.
+    """
+    held = () if case.payloads is None else case.payloads.weights
+    if not 0 <= weights <= len(held):
+        raise CaseError(f"case {case.name}", "payloads.weights", f"are {len(held)}; {weights} cannot be mounted")
+    found = case.need_simulation("a run").disturbances
+    if disturbed and found is None:
+        case.missing("simulation.disturbances", "a run with disturbances")
+    return Circumstances(held[:weights], found if disturbed else None)
+
+
+def joined_body(bodies: Sequence[RigidBody]) -> RigidBody:
+    """One rigid body made of several: masses, first moments and inertias about the origin of {P} add."""
+    masses = np.array([b.mass_kg for b in bodies])
+    centres = np.array([b.centre_of_gravity for b in bodies])
+    centre = masses @ centres / masses.sum()
+    inertia = np.zeros((3, 3))
+    for mass, c, body in zip(masses, centres - centre, bodies, strict=True):
+        inertia += body.inertia + mass * (c @ c * np.eye(3) - np.outer(c, c))
+    six = tuple(float(inertia[i, j]) for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
+    x, y, z = (float(v) / MM for v in centre)
+    return RigidBody(mass_kg=float(masses.sum()), centre_of_gravity_mm=(x, y, z), inertia_kg_m2=six)
+
+
+def loaded_truth(truth: Truth, weights: Sequence[RigidBody]) -> Truth:
+    """The parameters of a machine with weights on its platform; offsets and compensation stay."""
+    return truth.model_copy(update={"body": joined_body((truth.body, *weights))}) if weights else truth
+
+
+def mode_frequency(truth: Truth, around: Circumstances) -> float:
+    """Frequency of the structural mode: its stiffness is the structure's, its mass what is moved [Hz]."""
+    assert around.disturbances is not None
+    mass = truth.body.mass_kg
+    return float(around.disturbances.mode_Hz * np.sqrt(mass / (mass + around.load)))
+
+
+def vibrating(accelerations: Array, step: float, frequency: float, damping: float) -> Array:
+    """Accelerations of a platform behind a spring and a damper, driven by those of the drives.
+
+    Transfer function (2 d w s + w^2) / (s^2 + 2 d w s + w^2), exact for accelerations that are linear between samples.
+
+    Args:
+        accelerations: of the drives, from rest, shape (n, k).
+        step: between samples [s].
+        frequency: of the undamped mode [Hz].
+        damping: share of the critical one.
+    """
+    w = 2.0 * np.pi * frequency
+    numerator, denominator = np.array([2.0 * damping * w, w**2]), np.array([1.0, 2.0 * damping * w, w**2])
+    discrete = cont2discrete((numerator, denominator), step, method="foh")
+    return np.asarray(lfilter(np.ravel(discrete[0]), discrete[1], accelerations, axis=0))
+
+
+def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Execution:
+    """The execution with a ripple of the struts on top, which encoders and sensors both see.
+
+    Args:
+        execution: what the controller did.
+        disturbances: rms and band of the ripple.
+        seed: of this run.
+    """
+    if disturbances.ripple == 0.0:
+        return execution
+    t = np.arange(0.0, execution.duration + 2 * RIPPLE_STEP, RIPPLE_STEP)
+    lengths = execution.struts(np.clip(t, 0.0, execution.duration))
+    draw = np.random.default_rng([seed, 1])
+    band = (0.05 * disturbances.strut_velocity_band_Hz, disturbances.strut_velocity_band_Hz)
+    sections = butter(3, band, btype="bandpass", fs=1.0 / RIPPLE_STEP, output="sos")
+    velocity = sosfiltfilt(sections, draw.normal(size=lengths.shape), axis=0)
+    velocity *= disturbances.ripple / np.sqrt(np.mean(velocity**2, axis=0))
+    return StrutExecution.of_log(execution.hexapod, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
+
+
+def pose_error(disturbances: Disturbances, home: Array, poses: Array, weight: float) -> Array:
+    """Force error that depends on the pose: two smooth random fields of the machine, of the platform and of its load.
+
+    Args:
+        disturbances: sizes and lengths.
+        home: where the machine's poses are counted from, shape (6,) [m, rad].
+        poses: shape (n, 6) [m, rad].
+        weight: of what is mounted on the platform [N].
+
+    Returns:
+        Error of each sensor, shape (n, 6) [N].
+    """
+    scale = np.r_[np.full(3, disturbances.pose_error_length), np.full(3, disturbances.pose_error_angle)]
+    reduced = (poses - home) / scale
+    sizes = (disturbances.pose_error_N, disturbances.pose_error_of_load * weight)
+    error = np.zeros((len(poses), 6))
+    for k, size in enumerate(sizes):
+        draw = np.random.default_rng([disturbances.pose_error_seed, k])
+        waves, phases = draw.normal(size=(6, WAVES)), draw.uniform(0.0, 2 * np.pi, (6, WAVES))
+        field = np.stack([np.cos(reduced @ waves + phase).sum(axis=1) for phase in phases], axis=1)
+        error += size * np.sqrt(2.0 / WAVES) * field
+    return error
