@@ -12,7 +12,15 @@ from cases.schema import Case
 from cases.sensors import Simulation
 from identification.executed import Execution
 from identification.hexapod import Hexapod, Kinematics
-from identification.loaded import UNDISTURBED, Circumstances, loaded_truth, mode_frequency, pose_error, rippled, vibrating
+from identification.loaded import (
+    UNDISTURBED,
+    Circumstances,
+    loaded_truth,
+    mode_frequency,
+    pose_error,
+    rippled,
+    vibrating,
+)
 from identification.model import identification_model, regressors
 from identification.parameters import linear_parameters
 from identification.recording import Recording

@@ -12,6 +12,7 @@ from cases.files import RUN, atomic_folder, json_text
 from cases.schema import Case
 from identification.executed import StrutExecution
 from identification.hexapod import Hexapod
+from identification.loaded import UNDISTURBED, Circumstances
 from identification.model import identification_model
 from identification.motion import Joined, Standstill, Trajectory
 from identification.path import executed_information, path_error
@@ -70,6 +71,7 @@ class Outcome:
         rating: planned against executed.
         planned: the excitation that the program asks for.
         program_hash: fingerprint of the program that ran.
+        around: what was mounted and what disturbed.
     """
 
     run: ExecutedRun
@@ -77,6 +79,7 @@ class Outcome:
     rating: Rating
     planned: Trajectory
     program_hash: str
+    around: Circumstances
 
 
 def best_controller() -> tuple[str, str]:
@@ -93,7 +96,7 @@ def require_controller(on: str) -> None:
         raise ExecutionError(missing)
 
 
-def execute(program: Path, case: Case, on: str, seed: int) -> Outcome:
+def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> Outcome:
     """Proves a program, runs it and simulates the recording.
 
     Args:
@@ -101,6 +104,7 @@ def execute(program: Path, case: Case, on: str, seed: int) -> Outcome:
         case: with a simulated machine.
         on: `virtual` or `linuxcnc`.
         seed: of the sensors' noise.
+        around: what is mounted and what disturbs.
 
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
@@ -113,9 +117,9 @@ def execute(program: Path, case: Case, on: str, seed: int) -> Outcome:
     run = run_virtual(read.reading, case, read.guarantees) if on == "virtual" else _on_linuxcnc(read, case)
     if not len(run.trigger):
         raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
-    recording = simulate_recording(case, run.execution, run.trigger, seed)
+    recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
     fingerprint = hashlib.sha256(read.content).hexdigest()[:16]
-    return Outcome(run, recording, _rating(case, planned, run), planned, fingerprint)
+    return Outcome(run, recording, _rating(case, planned, run), planned, fingerprint, around)
 
 
 def _planned(read: ProgramFile, case: Case) -> Trajectory:
@@ -183,7 +187,7 @@ def save_recording(
     folder: Path, outcome: Outcome, program: Path, case: Case, case_file: str, seed: int
 ) -> dict[str, Any]:
     """Writes a recording folder; returns what `recording.json` holds."""
-    rating = outcome.rating
+    rating, disturbances = outcome.rating, outcome.around.disturbances
     about = {
         "schema_version": 1,
         "case": case.name,
@@ -196,7 +200,8 @@ def save_recording(
         "simulated": True,
         "simulated_parts": "sensors and encoders; the motion is what the controller executed",
         "simulation_source": case.need_simulation("a recording").source,
-        "payload": None,
+        "payload": {"weights": len(outcome.around.weights), "mass_kg": outcome.around.load},
+        "disturbances": None if disturbances is None else disturbances.model_dump(),
         "seed": seed,
         "samples": len(outcome.recording.forces),
         "trigger_windows_s": outcome.run.trigger.tolist(),

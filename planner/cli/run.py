@@ -13,22 +13,35 @@ def run(
     case: Annotated[str, typer.Option(help="Built-in name, folder or case file.")],
     on: Annotated[str, typer.Option(help="Controller: virtual or linuxcnc.")] = "virtual",
     seed: Annotated[int, typer.Option(help="Seed of the simulated sensors' noise.")] = 0,
+    payload: Annotated[int, typer.Option(help="How many of the case's weights are mounted on the machine.")] = 0,
+    disturbed: Annotated[
+        bool,
+        typer.Option("--disturbed", help="With the case's disturbances: vibration, ripple, pose-dependent errors."),
+    ] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to write.")] = None,
     json: Json = False,
 ) -> None:
     """Execute a program, simulate the sensors for what was executed, and write a recording."""
-    answer, _ = make_recording(program, case, on, seed, output, quiet=json)
+    answer, _ = make_recording(program, case, on, seed, output, json, payload, disturbed)
     if json:
         print_json(answer)
 
 
 def make_recording(
-    program: Path, case: str, on: str, seed: int, output: Path | None, quiet: bool
+    program: Path,
+    case: str,
+    on: str,
+    seed: int,
+    output: Path | None,
+    quiet: bool,
+    payload: int = 0,
+    disturbed: bool = False,
 ) -> tuple[dict[str, Any], Any]:
     """Runs, saves, prints unless `quiet`; returns the JSON answer and the outcome."""
     from cases.errors import HexciteError
     from cases.files import RUN, check_folder
     from cases.loading import find_case, load_case
+    from identification.loaded import circumstances
     from planner.running import execute, require_controller, save_recording
 
     if seed < 0:
@@ -38,8 +51,9 @@ def make_recording(
     folder = output if output is not None else Path(f"{program.stem}-recording")
     check_folder(folder, RUN, [program, *([Path(case_file)] if Path(case_file).exists() else [])])
     loaded = load_case(case)
+    around = circumstances(loaded, payload, disturbed)
     with status(f"running {program.name} on {on}", quiet):
-        outcome = execute(program, loaded, on, seed)
+        outcome = execute(program, loaded, on, seed, around)
         about = save_recording(folder, outcome, program, loaded, case_file, seed)
     answer = {
         "recording": str(folder),
@@ -53,10 +67,14 @@ def make_recording(
         "peak_acceleration_of_limit": about["peak_acceleration_of_limit"],
         "peaks_of_limit": about["peaks_of_limit"],
         "remark": about["remark"],
+        "payload": about["payload"],
+        "disturbances": about["disturbances"],
         "simulated": True,
     }
     if not quiet:
-        print(f"executed on {answer['controller']}; sensors and encoders simulated")
+        mounted = f", {payload} weights of {around.load:.4g} kg mounted" if payload else ""
+        disturbances = ", with the case's disturbances" if disturbed else ""
+        print(f"executed on {answer['controller']}; sensors and encoders simulated{mounted}{disturbances}")
         print(
             f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
             f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} "
