@@ -19,6 +19,7 @@ from planner.cli.console import print_table
 from planner.running import execute, linuxcnc_missing
 from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
+from tests.bench.families import families, limits_of_information
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 SEEDS = 100
@@ -93,6 +94,9 @@ def main() -> None:
         rows += demos(Path(name))
         rows += identification(Path(name))
     rows += exported()
+    rows += limits_of_information()
+    with tempfile.TemporaryDirectory() as name:
+        families(Path(name), command)
     print_table("Figures, measured now on this machine", ("figure", "measured", "wanted"), rows)
 
 

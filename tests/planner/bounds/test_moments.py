@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
 from cases.loading import load_case
+from identification.circle import CircularMove, Plane
 from identification.model import identification_model
 from identification.motion import Joined, Motion
-from identification.profile import StraightMove
+from identification.profile import StraightMove, fastest_profile
 from identification.reference import reference_scaling
 from planner.bounds.features import box_features
 from planner.bounds.moments import Moments, combined, mean_square_share, mixed, motion_moments
@@ -44,7 +45,46 @@ def random_spline(seed: int) -> Motion:
     values = draw.uniform(-1.0, 1.0, (knots, 6)) * FEATURES.half[:6] * 0.9
     spline = BSpline(np.arange(-4.0, knots + 5.0), np.vstack([values, values[:4]]), 4, extrapolate="periodic")
     phase = (np.arange(40_000) + 0.5) * knots / 40_000
-    derivatives = [spline(phase, nu=order) for order in range(4)]
+    return at_the_limits(phase, [spline(phase, nu=order) for order in range(4)])
+
+
+def random_fourier(seed: int) -> Motion:
+    """A Fourier series of order 1 to 7, likewise."""
+    draw = np.random.default_rng(seed)
+    order = int(draw.integers(1, 8))
+    phase = (np.arange(40_000) + 0.5) * 2 * np.pi / 40_000
+    a, b = draw.normal(size=(2, order, 6)) / order
+    harmonics = np.arange(1, order + 1)
+    angle = phase[:, None] * harmonics
+    derivatives = [
+        (np.cos(angle + k * np.pi / 2) * harmonics**k) @ a + (np.sin(angle + k * np.pi / 2) * harmonics**k) @ b
+        for k in range(4)
+    ]
+    shrink = 0.95 * FEATURES.half[:6] / np.abs(derivatives[0]).max(axis=0)
+    return at_the_limits(phase, [d * shrink for d in derivatives])
+
+
+def random_circles(seed: int) -> Motion:
+    """A full circle in each coordinate plane under seven segments, one after the other, as hand-made motions have."""
+    draw = np.random.default_rng(seed)
+    parts = []
+    for plane in Plane:
+        first, second, _ = plane.axes
+        radius = draw.uniform(0.02, 0.05)
+        heading = draw.uniform(0.0, 2 * np.pi)
+        centre = HOME[[first, second]] + radius * np.array([np.cos(heading), np.sin(heading)])
+        way = 2 * np.pi * radius
+        law = fastest_profile(1.0, 0.3 / way, 2.0 / way, 20.0 / way)
+        parts.append(CircularMove(HOME, HOME[3:], plane, centre, 2 * np.pi, law))
+    path = Joined(tuple(parts))
+    motion = path.at((np.arange(40_000) + 0.5) * path.duration / 40_000)
+    for values, limit in ((motion.rates, BOX.rate), (motion.accelerations, BOX.acceleration), (motion.jerks, BOX.jerk)):
+        assert np.all(np.abs(values) <= limit)
+    return motion
+
+
+def at_the_limits(phase: np.ndarray, derivatives: list[np.ndarray]) -> Motion:
+    """The motion at the pace at which the first limit of rates, accelerations or jerks binds."""
     limits = (BOX.rate, BOX.acceleration, BOX.jerk)
     pace = min(
         float((limit / np.abs(d).max(axis=0)).min()) ** (1.0 / order)
@@ -59,8 +99,11 @@ def lagrangian_means(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     return MOMENTS.equal @ means, MOMENTS.at_most @ means - MOMENTS.constant
 
 
-@given(seed=st.integers(0, 2**32 - 1), make=st.sampled_from([random_moves, random_spline]))
-@settings(max_examples=40, derandomize=True, deadline=None)
+FAMILIES = [random_moves, random_spline, random_fourier, random_circles]
+
+
+@given(seed=st.integers(0, 2**32 - 1), make=st.sampled_from(FAMILIES))
+@settings(max_examples=25, derandomize=True, deadline=None)
 def test_every_closed_motion_keeps_the_constraints(seed: int, make):
     equal, at_most = lagrangian_means(make(seed))
     assert np.abs(equal).max() < 2e-4

@@ -14,7 +14,7 @@ from planner.bounds.features import box_features
 from planner.bounds.moments import combined, motion_moments
 from planner.bounds.tight import TightDesign, climb, tight_design
 from planner.bounds.tight_certificate import TightDerivative, first_tight_cells
-from tests.planner.bounds.test_moments import CASE, random_moves, random_spline
+from tests.planner.bounds.test_moments import CASE, FAMILIES
 
 MODEL = identification_model(CASE, 0)
 SCALING = reference_scaling(CASE, MODEL)
@@ -43,8 +43,8 @@ def test_it_is_far_below_the_bound_of_the_box(found: TightDesign):
     assert bound_of(found) < compute_bound(CASE, MODEL).logdet - 0.3
 
 
-@given(seed=st.integers(0, 2**32 - 1), make=st.sampled_from([random_moves, random_spline]))
-@settings(max_examples=8, derandomize=True, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), make=st.sampled_from(FAMILIES))
+@settings(max_examples=12, derandomize=True, deadline=None)
 def test_no_closed_motion_inside_the_limits_passes_it(seed: int, make, found: TightDesign):
     motion = make(seed)
     states = np.hstack([motion.pose, motion.rates, motion.accelerations])

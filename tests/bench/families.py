@@ -1,0 +1,68 @@
+"""Families of motions side by side: how near each comes to both information limits, with the manual motion as 1."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from cases.loading import load_case
+from identification.model import identification_model
+from planner.bound import compute_bound, tight_bound
+from planner.cli.console import print_table
+
+Command = Callable[..., tuple[float, str]]
+
+COMMON = ("--criterion", "D", "--model", "9", "--starts", "2", "--seed", "0", "--json")
+FAMILIES: dict[str, tuple[tuple[str, ...], str, str]] = {  # arguments, wanted d_efficiency (floor / goal), wanted time
+    "manual": (("--family", "manual"), "about 0.10", "-"),
+    "fourier, order 5, period 3 s": (("--order", "5", "--period", "3"), "0.20 / 0.23", "5 s"),
+    "fourier, order 7, period 4 s": (("--order", "7", "--period", "4"), "0.20 / 0.23", "5 s"),
+    "ptp, 32 moves": (("--family", "ptp", "--moves", "32"), "0.52 / 0.58", "60 s"),
+    "ptp, 40 moves": (("--family", "ptp", "--moves", "40"), "0.52 / 0.58", "60 s"),
+    "spline, 90 knots": (("--family", "spline", "--knots", "90"), "0.56 / 0.62", "60 s"),
+    "spline, 120 knots": (("--family", "spline", "--knots", "120"), "0.56 / 0.62", "60 s"),
+}
+
+
+def limits_of_information() -> list[list[str]]:
+    """Both bounds of the hexapod, model 9, computed anew: value, gap to the best design found, time."""
+    case = load_case("hexapod")
+    model = identification_model(case, 9)
+    rows = []
+    for name, compute in (("motion box", compute_bound), ("closed motions with limited jerk", tight_bound)):
+        began = perf_counter()
+        found = compute(case, model)
+        seconds = perf_counter() - began
+        share = 100.0 * (1.0 - np.exp((found.design_logdet - found.logdet) / found.parameters))
+        rows.append([f"information limit, {name}", f"{found.logdet:.3f} ({found.label})", ""])
+        rows.append(["  the best design found lies below, in efficiency", f"{share:.2f} %", ""])
+        rows.append(["  time", f"{seconds:.1f} s", ""])
+    return rows
+
+
+def families(folder: Path, command: Command) -> None:
+    """Prints a table of the families, 12 s, every limit active, at rest at both ends."""
+    rows = []
+    manual = None
+    for k, (name, (words, wanted, time)) in enumerate(FAMILIES.items()):
+        _, printed = command("plan", "hexapod", *words, *COMMON, "-o", str(folder / f"family-{k}"))
+        plan = json.loads(printed)
+        manual = plan["d_efficiency"] if manual is None else manual
+        tight = plan["d_efficiency_tight"]
+        explored = [s["seconds"] for s in plan["starts"]] or [0.0]
+        rows.append(
+            [
+                name,
+                f"{plan['duration_s']:.2f} s",
+                f"{plan['d_efficiency']:.3f}",
+                "-" if tight is None else f"{tight:.3f}",
+                f"{plan['d_efficiency'] / manual:.2f}",
+                f"{max(explored):.1f} s",
+                wanted,
+                time,
+            ]
+        )
+    columns = ("family", "duration", "d_efficiency", "tight", "manual = 1", "longest start", "wanted", "wanted time")
+    print_table("Families on the hexapod, model 9, criterion D, two starts each", columns, rows)
