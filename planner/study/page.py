@@ -125,6 +125,8 @@ def _map(letter: str, these: list[Group], row: str, column: str) -> Plot:
             scores.setdefault((g.settings[row], g.settings[column]), []).extend(g.scores)
     z = [[float(np.median(scores[y, x])) if (y, x) in scores else None for x in xs] for y in ys]
     figure = go.Figure(go.Heatmap(x=[str(x) for x in xs], y=[str(y) for y in ys], z=z, colorscale="Viridis"))
+    figure.update_xaxes(type="category")
+    figure.update_yaxes(type="category")
     figure.update_layout(xaxis_title=column, yaxis_title=row, title=f"criterion {letter}")
     return Plot(f"map-{letter}-{row}-{column}", figure, half=True)
 
