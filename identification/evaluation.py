@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 LEAST_TRAVEL = 1e-4  # [m] of the struts; below, the pose counts as constant
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 MOVING = 1e-3  # [m/s] strut speed from which the machine counts as moving, where there is no trigger
-DELAY_STEP = 1e-4  # [s] for the derivative with respect to the delay: far below what the filter lets pass
+DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below what the filter lets pass
 MOST_BRIDGED = 3  # bad samples in a row that a straight line replaces; the filter makes nothing of the difference
 
 
@@ -104,18 +104,18 @@ class Run:
             row = int(self.filter.margin + self.rows[error.sample])
             raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
 
-    def effect_of_delay(self, delay: float, values: Array) -> Array:
+    def effect_of_delay(self, delay: float, matrices: Array, values: Array) -> Array:
         """How the expected forces A u change with the delay, shape (n, 6) [N/s, or N/s and N m/s].
 
         By shifting the filter, not by differences of neighbouring samples, between which the window may have a gap.
 
         Args:
             delay: where [s].
+            matrices: A there, shape (n, 6, u).
             values: u, shape (u,).
         """
-        ends = np.clip([delay - DELAY_STEP, delay + DELAY_STEP], -MOST_DELAY, MOST_DELAY)
-        before, after = (self.regressors(float(end)) @ values for end in ends)
-        return np.asarray((after - before) / (ends[1] - ends[0]))
+        step = DELAY_STEP if delay < 0.0 else -DELAY_STEP  # inwards, where the filter reaches
+        return np.asarray((self.regressors(delay + step) - matrices) @ values / step)
 
     def without(self, left_out: NDArray[np.bool_]) -> "Run":
         """The run without some of its evaluated samples, shape (n,)."""
@@ -172,20 +172,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
             f"{recording.source}: has a clock and rotation matrices; moving runs are evaluated from struts only, "
             "remove t_s if each row is an averaged standstill"
         )
-    cutoff = case.recording.filter_cutoff_Hz
-    if cutoff is None:
-        raise RecordingError(
-            f"{recording.source}: a moving run needs a filter; set recording.filter_cutoff_Hz in the case"
-        )
-    if len(recording.forces) < 2:
-        raise RecordingError(f"{recording.source}: {len(recording.forces)} sample is no run; record longer")
-    step = recording.step
-    if not cutoff < 0.2 / step:
-        raise RecordingError(
-            f"{recording.source}: filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second; at "
-            f"most {0.2 / step:.4g}"
-        )
-    low_pass = Filter(cutoff, step, MOST_DELAY)
+    low_pass = checked_filter(recording, case)
     count = len(recording.struts) - 2 * low_pass.margin
     warnings: tuple[str, ...] = ()
     spoilt = np.zeros(max(count, 0), dtype=bool)
@@ -204,10 +191,32 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     rows = window[:: low_pass.stride]
     if len(rows) < 2:
         raise IdentificationError(
-            f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a {cutoff:g} "
-            "Hz filter; record longer"
+            f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a "
+            f"{low_pass.cutoff:g} Hz filter; record longer"
         )
     return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window), warnings)
+
+
+def checked_filter(recording: Recording, case: Case) -> Filter:
+    """The low-pass of a case at the rate of a recording.
+
+    Raises:
+        RecordingError: the case has none, it does not fit the rate, or the clock is not uniform.
+    """
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is None:
+        raise RecordingError(
+            f"{recording.source}: a moving run needs a filter; set recording.filter_cutoff_Hz in the case"
+        )
+    if len(recording.forces) < 2:
+        raise RecordingError(f"{recording.source}: {len(recording.forces)} sample is no run; record longer")
+    step = recording.step
+    if not cutoff < 0.2 / step:
+        raise RecordingError(
+            f"{recording.source}: filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second; at "
+            f"most {0.2 / step:.4g}"
+        )
+    return Filter(cutoff, step, MOST_DELAY)
 
 
 def _spoilt(bad: NDArray[np.bool_], low_pass: Filter) -> NDArray[np.bool_]:

@@ -30,7 +30,7 @@ from identification.swapped import other_wiring
 Array = NDArray[np.float64]
 
 DELAY_STEPS = 8
-DELAY_TOLERANCE = 1e-6  # [s]; the step that is left is in the fit's own nuisance
+DELAY_TOLERANCE = 1e-9  # [s]; the step that is left is in the fit's own nuisance
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
 SEARCHES = 4  # for contacts; each finds what the one before hid
@@ -77,12 +77,12 @@ def identify(
         evaluate = _from_standstills if recording.t is None else _from_motion
         return evaluate(recording, case, model, how)
     except IdentificationError as error:
-        raise IdentificationError(_placed(recording.source, error)) from error
+        raise IdentificationError(placed(recording.source, error)) from error
     except RecordingError as error:
-        raise RecordingError(_placed(recording.source, error)) from error
+        raise RecordingError(placed(recording.source, error)) from error
 
 
-def _placed(source: str, error: Exception) -> str:
+def placed(source: str, error: Exception) -> str:
     """The message with the file in front, which the mathematics does not know."""
     return str(error) if source in str(error) else f"{source}: {error}"
 
@@ -122,7 +122,7 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
     _require_sense(model, fit)
     _require_wiring(data.regressors, data.forces, fit)
     evaluation = Evaluation(data.samples, fit.residuals, None)
-    warnings = (*found.warnings, *_doubts(fit, data.forces))
+    warnings = (*found.warnings, *doubts(fit, data.forces))
     return estimate_of(model, fit, recording.source, case, evaluation, how, warnings)
 
 
@@ -130,7 +130,7 @@ def _inertia(model: Model) -> set[str]:
     return {name for name in model.names if name[0] == "I"}
 
 
-class _Moving(NamedTuple):
+class Moving(NamedTuple):
     """A run with its fit: residuals are those of the forces as recorded."""
 
     run: Run
@@ -143,7 +143,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
     found = scan(recording, case)
     run = moving_run(recording, case, model, found=found)
     pooled = case.sensors.weights == "equal"
-    moving = _with_delay(run, how, pooled)
+    moving = fit_with_delay(run, how, pooled)
     contacts: tuple[Contact, ...] = ()
     for _ in range(SEARCHES):
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
@@ -156,18 +156,18 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
                 f"the forces leave the model in {100 * rows.mean():.0f} % of the samples, as in contact; an "
                 "identification run must be free: check columns, struts and model, or record again"
             )
-        moving = _with_delay(run.without(rows), how, pooled, moving.delay.value)
+        moving = fit_with_delay(run.without(rows), how, pooled, moving.delay.value)
     warnings = [*found.warnings, *run.warnings]
     warnings += [_told(recording, contact) for contact in contacts]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
         warnings.append(f"delay of {moving.delay.value * 1e3:.1f} ms: do the streams match?")
-    warnings += _doubts(moving.fit, moving.run.forces)
+    warnings += doubts(moving.fit, moving.run.forces)
     warnings += _systematic(moving)
     evaluation = Evaluation(moving.run.samples, moving.residuals, moving.delay)
     return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
 
 
-def _without_pull(run: Run, moving: _Moving, how: Method, pooled: bool) -> Array:
+def _without_pull(run: Run, moving: Moving, how: Method, pooled: bool) -> Array:
     """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
     selection = how.selection(run.model)
     matrices, forces = run.regressors(moving.delay.value), run.forces
@@ -184,7 +184,7 @@ def _told(recording: Recording, contact: Contact) -> str:
     )
 
 
-def _with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> _Moving:
+def fit_with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> Moving:
     """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
 
     Args:
@@ -206,7 +206,7 @@ def _with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> _Mov
         left = (forces - matrices @ selection.offset) * scale
         reduced = matrices @ selection.basis * scale[:, None]
         free = np.linalg.lstsq(reduced.reshape(-1, reduced.shape[2]), left.ravel(), rcond=None)[0]
-        effect = run.effect_of_delay(delay, selection.offset + selection.basis @ free)
+        effect = run.effect_of_delay(delay, matrices, selection.offset + selection.basis @ free)
         augmented = np.dstack([matrices, effect])
         first = np.dstack([matrices @ selection.basis, effect])
         fit = search(first, forces - matrices @ selection.offset, [*selection.names, "delay"])
@@ -230,10 +230,10 @@ def _with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> _Mov
     _require_sense(model, fit)
     residuals = run.recorded_forces - matrices @ fit.values[:-1]
     value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < DELAY_TOLERANCE else 0.0)
-    return _Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals)
+    return Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals)
 
 
-def _systematic(moving: _Moving) -> list[str]:
+def _systematic(moving: Moving) -> list[str]:
     """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
     left = moving.fit.residuals
     alike = np.sum(left[1:] * left[:-1], axis=0) / np.maximum(np.sum(left**2, axis=0), np.finfo(float).tiny)
@@ -264,7 +264,7 @@ def _require_wiring(regressors: Array, forces: Array, fit: Fit) -> None:
         raise IdentificationError(wiring)
 
 
-def _doubts(fit: Fit, forces: Array) -> list[str]:
+def doubts(fit: Fit, forces: Array) -> list[str]:
     """What an estimate itself says against its standard deviations, or against its model."""
     warnings = list(fit.doubts)
     white, robust = (np.diag(c) for c in (fit.covariance, fit.covariance_robust))

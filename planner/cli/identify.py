@@ -101,6 +101,7 @@ def make_result(
     from identification.provenance import provenance
     from identification.recording import files_of, read_run
     from identification.residuals import residuals_of
+    from identification.streaming import identify_long, is_long
     from planner.plots import identifiability_figure, residual_figure, save_figure
     from planner.report import render
     from planner.report_identify import about_inputs, identify_page
@@ -111,10 +112,13 @@ def make_result(
     folder = output if output is not None else Path(f"{paths[0].resolve().stem}-result")
     check_folder(folder, RESULT, paths)
     with status("identifying", quiet):
-        recording = read_run(paths, loaded)
-        number = default_model(recording) if wish.model is None else wish.model
-        how = method_of(wish, identification_model(loaded, number, wish.terms))
-        estimate = estimate_parameters(recording, loaded, number, how, wish.terms)
+        if len(paths) == 1 and wish == Wish(wish.model) and is_long(paths[0]):
+            estimate, recording = identify_long(paths[0], loaded, wish.model)
+        else:
+            recording = read_run(paths, loaded)
+            number = default_model(recording) if wish.model is None else wish.model
+            how = method_of(wish, identification_model(loaded, number, wish.terms))
+            estimate = estimate_parameters(recording, loaded, number, how, wish.terms)
         found = identifiability(recording, loaded, estimate)
         content = estimate.to_json() | provenance(files_of(paths))
         answer = {"result": str(folder), "report": str(folder / "report.html")} | content
