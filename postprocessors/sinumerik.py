@@ -32,7 +32,16 @@ from postprocessors.program import (
 )
 from postprocessors.promises import sinumerik_guarantees
 from postprocessors.reading.words import Reading
-from postprocessors.wording import FEED_DECIMALS, LENGTH_DECIMALS, comments, coordinates, feed, moves_origin, number
+from postprocessors.wording import (
+    FEED_DECIMALS,
+    LENGTH_DECIMALS,
+    as_written,
+    comments,
+    coordinates,
+    feed,
+    moves_origin,
+    number,
+)
 
 POLY_LENGTH_DECIMALS = 7  # of a coefficient: rates must pass from piece to piece
 POLY_ANGLE_DECIMALS = 8
@@ -74,8 +83,10 @@ class _Writer:
                     f"G1 {self.pose(block.pose)} F{feed(block.feed, True)}",
                 ]
             case PointToPoint():
-                linear = moves_origin(block.move.start, block.move.end)
-                value = feed(feed_of(block, self.limits, self.guarantees, linear), linear)
+                # Of the way as written: where X, Y, Z hardly move, rounding is much of what F counts.
+                written = as_written(block.move)
+                linear = moves_origin(written.start, written.end)
+                value = feed(feed_of(PointToPoint(written), self.limits, self.guarantees, linear), linear)
                 return [*self.group(linear), f"G1 {self.pose(block.move.end)} F{value}"]
             case Arc():
                 return [*self.group(True), f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]

@@ -29,7 +29,7 @@ from postprocessors.program import (
 )
 from postprocessors.promises import twincat_guarantees
 from postprocessors.reading.words import Reading
-from postprocessors.wording import LENGTH_DECIMALS, comments, coordinates, feed, moves_origin, number
+from postprocessors.wording import LENGTH_DECIMALS, as_written, comments, coordinates, feed, moves_origin, number
 
 TIME_DECIMALS = 9  # of a second
 _PLANES = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
@@ -66,8 +66,10 @@ class _Writer:
                 move = f"G01 G60 {self.pose(block.pose)} F{feed(block.feed, True)}"
                 return ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *self.group(True), move]
             case PointToPoint():
-                linear = moves_origin(block.move.start, block.move.end)
-                value = feed(feed_of(block, self.limits, self.guarantees, linear), linear)
+                # Of the way as written: where X, Y, Z hardly move, rounding is much of what F counts.
+                written = as_written(block.move)
+                linear = moves_origin(written.start, written.end)
+                value = feed(feed_of(PointToPoint(written), self.limits, self.guarantees, linear), linear)
                 return [*self.group(linear), f"G01 G60 {self.pose(block.move.end)} F{value}"]
             case Arc():
                 return [*self.group(True), f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]

@@ -2,11 +2,13 @@
 
 import re
 import textwrap
+from dataclasses import replace
 from math import floor, log10
 
 import numpy as np
 
 from cases.units import DEG, MINUTE, MM
+from identification.profile import StraightMove
 from postprocessors.program import Array
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
@@ -41,6 +43,13 @@ def comments(text: str) -> list[str]:
     """Comment lines behind a semicolon, plain ASCII without quotes."""
     plain = re.sub(r"[^ -~]|\"", "?", text)
     return [f"; {line}" for line in textwrap.wrap(plain, COMMENT_WIDTH)]
+
+
+def as_written(move: StraightMove) -> StraightMove:
+    """The move between its ends as their words say them; itself where that is no move any more."""
+    units = np.repeat([MM, DEG], 3)
+    start, end = (np.array([float(word) for word in coordinates(pose)]) * units for pose in (move.start, move.end))
+    return replace(move, start=start, end=end) if np.any(start != end) else move
 
 
 def moves_origin(start: Array, end: Array) -> bool:

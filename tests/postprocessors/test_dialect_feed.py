@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.units import DEG, MM
 from identification.profile import StraightMove
-from postprocessors.feeds import feed_of
 from postprocessors.predicted import predicted
 from postprocessors.program import PointToPoint, Program, SplinePath, TimedPath, ToHome
 from postprocessors.stretches import Timed, Untimed, stretches
@@ -93,9 +92,7 @@ def test_the_feed_of_a_move_gives_it_the_planned_time_under_the_controllers_law(
     assert run.duration == pytest.approx(move.duration, rel=1e-5)
     stretch = stretches(typed.read(_with_a_third_of_the_last_feed(text)))[-1]
     again = predicted(stretch, limits, guarantees)
-    assert again.duration >= 3 * stretch.length / feed_of(PointToPoint(move), limits, guarantees, stretch.linear) * (
-        1 - 1e-5
-    )
+    assert again.duration >= 3 * stretch.length / stretches(reading)[-1].feed * (1 - 1e-5)
 
 
 def _with_a_third_of_the_last_feed(text: str) -> str:
