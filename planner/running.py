@@ -22,7 +22,7 @@ from identification.reference import reference_scaling
 from identification.simulate import TRUE_MODEL, simulate_recording
 from planner.bound import Bound, box_bound
 from planner.problem import mean_information
-from postprocessors.execute.executed_run import ExecutedRun, windows
+from postprocessors.execute.executed_run import ExecutedRun, moving_windows
 from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
 from postprocessors.execute.linuxcnc.punctuality import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
@@ -158,7 +158,8 @@ def _on_linuxcnc(read: ProgramFile, case: Case) -> ExecutedRun:
         remark = f"{late.sentence()}; {why}" if agree or again is None else f"{again.sentence()}; {why}"
         log = slower
     execution = StrutExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
-    return ExecutedRun(log.controller, execution, windows(log.trigger, log.period), real=True, remark=remark)
+    excited = moving_windows(log.trigger, log.strut_lengths, log.period)
+    return ExecutedRun(log.controller, execution, excited, real=True, remark=remark)
 
 
 def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> Rating:

@@ -63,7 +63,7 @@ class _Writer:
         self.limits = limits
         self.block = block
 
-    def lines(self, block: Block) -> list[str]:
+    def lines(self, block: Block, following: Block | None) -> list[str]:
         match block:
             case Comment():
                 return _comments(block.text)
@@ -76,9 +76,11 @@ class _Writer:
             case Dwell():
                 return [f"G4 P{_number(block.duration, 6)}"]
             case Trigger():
-                # At once: M62 and M63 would wait for a next motion. They break blending, but here the machine stands
-                # anyway.
-                return ["M64 P0" if block.on else "M65 P0"]
+                # On with the first cycle of the motion that follows (M62), where one follows at once; else, and off
+                # after the last, at once: M62 and M63 wait for a next motion, and here the machine stands.
+                if block.on:
+                    return ["M62 P0" if isinstance(following, MOTION) else "M64 P0"]
+                return ["M65 P0"]
             case TimedPath():
                 return _timed(block)
             case SplinePath():
@@ -112,6 +114,7 @@ class _Writer:
         return f"{'G3' if move.angle > 0.0 else 'G2'} {' '.join(words)} F{_feed(share * move.length, linear=True)}"
 
 
+MOTION = (ToHome, PointToPoint, Arc, TimedPath, SplinePath)
 _PLANES = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
 FULL = 1e-9  # [rad] that a full circle may miss: rounding
 
@@ -151,6 +154,7 @@ def write_linuxcnc(program: Program, case: Case) -> str:
     lines = [c for line in (*program.header, OFFSETS) for c in _comments(line)]
     # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.
     lines += ["G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]
-    for block in program.blocks:
-        lines += writer.lines(block)
+    for k, block in enumerate(program.blocks):
+        following = next((b for b in program.blocks[k + 1 :] if not isinstance(b, Comment)), None)
+        lines += writer.lines(block, following)
     return "\n".join([*lines, "M2"]) + "\n"

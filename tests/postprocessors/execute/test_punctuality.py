@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from postprocessors.execute.executed_run import moving_windows
 from postprocessors.execute.linuxcnc.punctuality import slowest_path
 from postprocessors.execute.log import ControllerLog
 from postprocessors.reading.linuxcnc import read_linuxcnc
@@ -38,3 +39,13 @@ def test_the_path_that_was_most_late_is_named_with_both_times():
     assert late.taken == pytest.approx(0.9)
     assert "took 0.900 s instead of 0.500 s" in late.sentence()
     assert slowest_path(READING, log(130, 50)).line == ONE + 19
+
+
+def test_a_window_of_the_trigger_counts_from_the_first_movement_to_the_last():
+    """Ten cycles of waiting at each end are the computer's; a window at standstill is a measurement and stays."""
+    on = np.zeros(100, dtype=bool)
+    on[10:50] = on[70:90] = True
+    struts = np.ones((100, 6))
+    struts[20:41] += np.linspace(0.0, 1e-3, 21)[:, None]
+    struts[41:] = struts[40]
+    assert moving_windows(on, struts, 1e-3) == pytest.approx(np.array([[0.020, 0.040], [0.070, 0.090]]))
