@@ -18,7 +18,7 @@ from cases.parts import Array, Part, Vector, frozen
 from cases.payloads import Payloads
 from cases.poses import Poses
 from cases.recording import RecordingFormat
-from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation
+from cases.sensors import Payload, RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import MINUTE, MM
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
@@ -43,6 +43,8 @@ class Case(Part):
     poses: Poses | None = None
     controller: Controller | None = None
     nominal: RigidBody | None = None
+    payloads: tuple[Payload, ...] = ()
+    """What may be fixed to the platform; the sensors must bear each of them in every planned motion."""
     simulation: Simulation | None = None
     payloads: Payloads | None = None
 
@@ -115,6 +117,27 @@ class Case(Part):
         if self.limits is None:
             self.missing("limits.motion", purpose)
         return self.machine, self.workspace, self.limits
+
+    @cached_property
+    def bodies(self) -> dict[str, RigidBody]:
+        """The nominal body alone, under the name `nominal`, and with each payload; empty without nominal body."""
+        if self.nominal is None:
+            return {}
+        return {"nominal": self.nominal} | {p.name: together(self.nominal, p) for p in self.payloads}
+
+    def body(self, payload: str | None) -> RigidBody:
+        """The nominal body with a payload.
+
+        Raises:
+            CaseError: no nominal body, or no payload of that name; the message lists them.
+        """
+        if self.nominal is None:
+            self.missing("nominal", "the expected load")
+        name = payload if payload is not None else "nominal"
+        if name not in self.bodies:
+            known = ", ".join(self.bodies)
+            raise CaseError(f"case {self.name}", "payloads", f"no payload is called {name!r}; choose {known}")
+        return self.bodies[name]
 
     def need_poses(self, purpose: str) -> Poses:
         """Poses of quasi-static measurement; raises CaseError where the case has none."""

@@ -92,6 +92,25 @@ class RigidBody(Part):
         return frozen([[i11, i12, i13], [i12, i22, i23], [i13, i23, i33]])
 
 
+class Payload(RigidBody):
+    """A rigid body fixed to the platform beside the nominal one: a tool, a workpiece, reference weights."""
+
+    name: str
+
+
+def together(first: RigidBody, second: RigidBody) -> RigidBody:
+    """Two bodies fixed to each other, as one: parallel axes."""
+    mass = first.mass_kg + second.mass_kg
+    centre = (first.mass_kg * first.centre_of_gravity + second.mass_kg * second.centre_of_gravity) / mass
+    inertia = np.zeros((3, 3))
+    for body in (first, second):
+        arm = body.centre_of_gravity - centre
+        inertia += body.inertia + body.mass_kg * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    x, y, z = (float(v / MM) for v in centre)
+    i11, i12, i13, i22, i23, i33 = (float(inertia[i, j]) for i in range(3) for j in range(i, 3))
+    return RigidBody(mass_kg=mass, centre_of_gravity_mm=(x, y, z), inertia_kg_m2=(i11, i12, i13, i22, i23, i33))
+
+
 class Compensation(Part):
     """Factors k0..k3 of the platform's elastic deformation, (13) and (15) with the units of CONVENTIONS."""
 

@@ -107,8 +107,8 @@ def _axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) ->
     return turn, first * rate_, second * rate_**2 + first * acceleration_
 
 
-def _strut_vectors(motion: Motion, machine: Machine) -> tuple[Array, Array, Array, Array]:
-    """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
+def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
+    """R and its first and second time derivative, shapes (n, 3, 3)."""
     angles, rates, accelerations = motion.pose[:, 3:], motion.rates[:, 3:], motion.accelerations[:, 3:]
     x0, x1, x2 = _axis_rotation(0, angles[:, 0], rates[:, 0], accelerations[:, 0])
     y0, y1, y2 = _axis_rotation(1, angles[:, 1], rates[:, 1], accelerations[:, 1])
@@ -117,6 +117,12 @@ def _strut_vectors(motion: Motion, machine: Machine) -> tuple[Array, Array, Arra
     turn = zy @ x0
     first = z1 @ xz + z0 @ y1 @ x0 + zy @ x1
     second = z2 @ xz + z0 @ y2 @ x0 + zy @ x2 + 2 * (z1 @ y1 @ x0 + z1 @ y0 @ x1 + z0 @ y1 @ x1)
+    return turn, first, second
+
+
+def _strut_vectors(motion: Motion, machine: Machine) -> tuple[Array, Array, Array, Array]:
+    """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
+    turn, first, second = rotation_motion(motion)
     points = machine.platform.points.T
     strut = motion.pose[:, None, :3] + (turn @ points).transpose(0, 2, 1) - machine.base.points
     velocity = motion.rates[:, None, :3] + (first @ points).transpose(0, 2, 1)

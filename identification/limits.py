@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.limited import Quantity, limited_quantities
 from identification.motion import Trajectory
+from identification.overload import sensor_loads
 
 Array = NDArray[np.float64]
 
@@ -149,7 +150,9 @@ def _evaluated(
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
         with np.errstate(invalid="ignore"):  # what is no number counts as passed, and is reported so
-            yield tuple(limited_quantities(trajectory.at(t), machine, workspace, limits.motion, in_box)), t
+            motion = trajectory.at(t)
+            kinematic = limited_quantities(motion, machine, workspace, limits.motion, in_box)
+            yield (*kinematic, *sensor_loads(motion, case)), t
 
 
 def worst_of(reports: Iterable[LimitReport]) -> LimitReport:

@@ -78,12 +78,18 @@ def first_family(request: Request, case: Case) -> Family:
     return PointToPointFamily.of(case, request.moves, request.duration)
 
 
-def _second(request: Request, case: Case, start: Start) -> tuple[Family, Array]:
-    """The family in which a start is refined, and where that begins."""
+def _explore(request: Request, case: Case, seed: int) -> Task:
+    stage = STAGES[request.family][0]
+    return Task(case, request.model, first_family(request, case), request.criterion, request.solver, stage, seed)
+
+
+def _refine(request: Request, case: Case, start: Start) -> Task:
+    family, unknowns = start.family, start.unknowns
     if request.family == "spline":
-        spline = SplineFamily.of(case, request.intervals, request.duration)
-        return spline, spline.through(start.family.motion(start.unknowns))
-    return start.family, start.unknowns
+        family = SplineFamily.of(case, request.intervals, request.duration)
+        unknowns = family.through(start.family.motion(start.unknowns))
+    stage = STAGES[request.family][1]
+    return Task(case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns)
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner = run_all) -> Found:
@@ -93,19 +99,11 @@ def search(request: Request, case: Case, listener: Listener, run: Runner = run_a
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
-    explore, refine = STAGES[request.family]
-    settings = (request.criterion, request.solver)
-    family = first_family(request, case)
-    tasks = [Task(case, request.model, family, *settings, explore, s) for s in seeds_of(request.seed, request.starts)]
-    first = run(tasks, listener)
+    first = run([_explore(request, case, seed) for seed in seeds_of(request.seed, request.starts)], listener)
     results, interrupted = list(first.results), first.interrupted
     best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)[:REFINED]
     if best and not interrupted:
-        again = []
-        for start in best:
-            family, unknowns = _second(request, case, start)
-            again.append(Task(case, request.model, family, *settings, refine, start.seed, unknowns))
-        second = run(again, listener)
+        second = run([_refine(request, case, start) for start in best], listener)
         results, interrupted = results + second.results, second.interrupted
     starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)
     failed = [r for r in results if isinstance(r, Failed)]

@@ -11,6 +11,7 @@ import numpy as np
 from cases.schema import Case
 from cases.units import DEG
 from identification.hexapod import Hexapod
+from identification.pose import rotation
 
 STRUT_VELOCITY, STRUT_ACCELERATION = slice(6, 12), slice(12, 18)  # components of the shares
 
@@ -19,7 +20,7 @@ class StateLimits(NamedTuple):
     """Functions of (pose, rates, accelerations) of one state.
 
     Args:
-        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity.
+        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 7 of each keep-out box.
         jacobian: their derivatives by all 18 components of the state.
     """
 
@@ -29,6 +30,10 @@ class StateLimits(NamedTuple):
 
 def state_limits(case: Case) -> StateLimits:
     """The non-linear limits of a case.
+
+    Boxes that are kept out of enter with the platform's origin and joints: a p-norm of the way from the middle of the
+    box in half widths, divided by its excess at a corner, is at most the largest component, so that the rounded box
+    holds the true one. Sensor forces are left to the proof and to drawing back.
 
     Joint angles enter by their cosine, which is smooth at zero: (1 - cos angle) / (1 - cos limit).
     """
@@ -48,6 +53,7 @@ def state_limits(case: Case) -> StateLimits:
         (1 - at_base) / (1 - np.cos(workspace.base_joint_angle_deg * DEG)),
         (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
         1 - ca.det(jacobian) / at_home,
+        *_keep_out(case, hexapod, pose),
     )
     state = [pose, rates, accelerations]
     jacobian = ca.densify(ca.jacobian(shares, ca.vertcat(*state)))
@@ -55,3 +61,21 @@ def state_limits(case: Case) -> StateLimits:
         ca.Function("state_limits", state, [shares], {"cse": True}),
         ca.Function("state_limits_jacobian", state, [jacobian], {"cse": True}),
     )
+
+
+SHARPNESS = 12  # exponent of the norm that stands for the largest of three components
+
+
+def _keep_out(case: Case, hexapod: Hexapod, pose: ca.SX) -> list[ca.SX]:
+    """Shares: 1 on the rounded surface of a box, 0 far away."""
+    _, workspace, _ = case.need_machine("planning")
+    arms = rotation(pose[3:]) @ ca.DM(hexapod.platform.T)
+    points = [pose[:3], *(pose[:3] + arms[:, k] for k in range(6))]
+    shares = []
+    for box in workspace.keep_out:
+        middle, half = ca.DM(box.corners.mean(axis=0)), ca.DM(np.ptp(box.corners, axis=0) / 2)
+        for point in points:
+            # The p-norm exceeds the largest component by 3^(1/p) at a corner: divided by that it never does.
+            norm = ca.sum1(((point - middle) / half) ** SHARPNESS) ** (1 / SHARPNESS) / 3 ** (1 / SHARPNESS)
+            shares.append(1 / norm)
+    return shares

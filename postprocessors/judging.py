@@ -119,6 +119,9 @@ def _own_time(
                     yield _own(check, _answer(check, guarantees))
             case "acceleration" | "strut acceleration":
                 yield _own(check, _answer(check, guarantees))
+            case "sensor force":  # follows from accelerations
+                kept = "acceleration" in guarantees.enforced
+                yield _own(check, Status.ENFORCED if kept else Status.NOT_ENFORCED)
             case "jerk":
                 yield _jerk(check, motion, limits, guarantees)
             case _:
