@@ -7,6 +7,7 @@ import hashlib
 import json
 import math
 from functools import cached_property
+from itertools import accumulate
 from typing import Literal, NoReturn
 
 from pydantic import Field, field_validator, model_validator
@@ -18,7 +19,7 @@ from cases.parts import Array, Part, Vector, frozen
 from cases.payloads import Payloads
 from cases.poses import Poses
 from cases.recording import RecordingFormat
-from cases.sensors import Payload, RigidBody, SensorFrame, Sensors, Simulation, together
+from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import MINUTE, MM
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
@@ -43,8 +44,6 @@ class Case(Part):
     poses: Poses | None = None
     controller: Controller | None = None
     nominal: RigidBody | None = None
-    payloads: tuple[Payload, ...] = ()
-    """What may be fixed to the platform; the sensors must bear each of them in every planned motion."""
     simulation: Simulation | None = None
     payloads: Payloads | None = None
 
@@ -119,25 +118,29 @@ class Case(Part):
         return self.machine, self.workspace, self.limits
 
     @cached_property
-    def bodies(self) -> dict[str, RigidBody]:
-        """The nominal body alone, under the name `nominal`, and with each payload; empty without nominal body."""
-        if self.nominal is None:
-            return {}
-        return {"nominal": self.nominal} | {p.name: together(self.nominal, p) for p in self.payloads}
+    def bodies(self) -> tuple[RigidBody, ...]:
+        """What the sensors may have to carry: the nominal body alone, with the first weight, with two and so on.
 
-    def body(self, payload: str | None) -> RigidBody:
-        """The nominal body with a payload.
-
-        Raises:
-            CaseError: no nominal body, or no payload of that name; the message lists them.
+        Empty where the case has no nominal body.
         """
         if self.nominal is None:
+            return ()
+        weights = self.payloads.weights if self.payloads is not None else ()
+        return tuple(accumulate(weights, together, initial=self.nominal))
+
+    def body(self, payloads: int) -> RigidBody:
+        """The nominal body with a number of payloads.
+
+        Raises:
+            CaseError: no nominal body, or fewer payloads.
+        """
+        if not self.bodies:
             self.missing("nominal", "the expected load")
-        name = payload if payload is not None else "nominal"
-        if name not in self.bodies:
-            known = ", ".join(self.bodies)
-            raise CaseError(f"case {self.name}", "payloads", f"no payload is called {name!r}; choose {known}")
-        return self.bodies[name]
+        if not 0 <= payloads < len(self.bodies):
+            raise CaseError(
+                f"case {self.name}", "payloads.weights", f"are {len(self.bodies) - 1}; {payloads} cannot be mounted"
+            )
+        return self.bodies[payloads]
 
     def need_poses(self, purpose: str) -> Poses:
         """Poses of quasi-static measurement; raises CaseError where the case has none."""

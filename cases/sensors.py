@@ -92,12 +92,6 @@ class RigidBody(Part):
         return frozen([[i11, i12, i13], [i12, i22, i23], [i13, i23, i33]])
 
 
-class Payload(RigidBody):
-    """A rigid body fixed to the platform beside the nominal one: a tool, a workpiece, reference weights."""
-
-    name: str
-
-
 def together(first: RigidBody, second: RigidBody) -> RigidBody:
     """Two bodies fixed to each other, as one: parallel axes."""
     mass = first.mass_kg + second.mass_kg

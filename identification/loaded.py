@@ -1,6 +1,7 @@
 """The platform with weights on it, and what disturbs the machine that carries it."""
 
 from collections.abc import Sequence
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +11,7 @@ from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
 from cases.disturbances import Disturbances
 from cases.errors import CaseError
 from cases.schema import Case
-from cases.sensors import RigidBody, Truth
-from cases.units import MM
+from cases.sensors import RigidBody, Truth, together
 from identification.executed import Execution, StrutExecution
 
 Array = NDArray[np.float64]
@@ -57,15 +57,7 @@ def circumstances(case: Case, weights: int, disturbed: bool) -> Circumstances:
 
 def joined_body(bodies: Sequence[RigidBody]) -> RigidBody:
     """One rigid body made of several: masses, first moments and inertias about the origin of {P} add."""
-    masses = np.array([b.mass_kg for b in bodies])
-    centres = np.array([b.centre_of_gravity for b in bodies])
-    centre = masses @ centres / masses.sum()
-    inertia = np.zeros((3, 3))
-    for mass, c, body in zip(masses, centres - centre, bodies, strict=True):
-        inertia += body.inertia + mass * (c @ c * np.eye(3) - np.outer(c, c))
-    six = tuple(float(inertia[i, j]) for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
-    x, y, z = (float(v) / MM for v in centre)
-    return RigidBody(mass_kg=float(masses.sum()), centre_of_gravity_mm=(x, y, z), inertia_kg_m2=six)
+    return reduce(together, bodies)
 
 
 def loaded_truth(truth: Truth, weights: Sequence[RigidBody]) -> Truth:

@@ -52,9 +52,7 @@ def sensor_loads(motion: Motion, case: Case) -> Iterable[Quantity]:
         return
     rotation = rotation_motion(motion)
     acceleration = motion.accelerations[:, :3]
-    values = np.concatenate(
-        [sensor_forces(*rotation, acceleration, body, case) for body in case.bodies.values()], axis=1
-    )
-    labels = tuple(f"sensor {k}, {name}" for name in case.bodies for k in range(1, 7))
+    values = np.concatenate([sensor_forces(*rotation, acceleration, body, case) for body in case.bodies], axis=1)
+    labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
     limit = np.full(values.shape[1], SHARE * case.sensors.range_N)
     yield Quantity.between("sensor force", "N", labels, values, -limit, limit, 1.0)
