@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import percentile_filter
 
 from cases.errors import RecordingError
 from cases.schema import Case
@@ -21,6 +22,9 @@ Rows = NDArray[np.bool_]
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is no chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
+LONELY = 5.0  # times what most samples around it do, for a glitch
+LONELY_SHARE = 90.0  # [%] of these samples
+LONELY_WIDTH = 101  # samples around
 SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
 TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
@@ -133,8 +137,11 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     found = []
     away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
     usual = 1.4826 * np.median(np.abs(away), axis=0)
+    # A drive that ripples makes forces that leap again and again; a glitch stands alone.
+    around = percentile_filter(np.abs(away), LONELY_SHARE, size=(LONELY_WIDTH, 1), mode="nearest")
     for k in range(6):
-        rows = _peaks(away[:, k], max(OUTLIER * usual[k], 1e-9 * float(np.abs(recording.forces[:, k]).max())))
+        least = max(OUTLIER * usual[k], 1e-9 * float(np.abs(recording.forces[:, k]).max()))
+        rows = _peaks(away[:, k], np.maximum(least, LONELY * around[:, k]))
         if usual[k] > 0.0 and rows.any():
             found.append((f"channel {k + 1} jumps by up to {np.abs(away[:, k]).max():.4g} for single samples", rows))
     if recording.struts is None or case.limits is None:
@@ -152,11 +159,12 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     return found
 
 
-def _peaks(away: Array, most: float) -> Rows:
+def _peaks(away: Array, most: Array | float) -> Rows:
     """Samples that are further away than `most` and than their neighbours, which see half of it."""
     size = np.r_[0.0, np.abs(away), 0.0]
     before, after = np.r_[0.0, size[:-1]], np.r_[size[1:], 0.0]
-    return np.asarray((size > most) & (size >= before) & (size >= after))
+    limit = np.pad(np.broadcast_to(most, away.shape), 1, mode="edge")
+    return np.asarray((size > limit) & (size >= before) & (size >= after))
 
 
 def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:

@@ -136,6 +136,17 @@ def test_single_force_samples_that_jump_are_left_out_with_their_rows(size: float
     assert error < 4.5
 
 
+def test_a_drive_that_ripples_is_no_glitch() -> None:
+    """Forces leap between blocks of a program all the time, with any size: that is the machine, above the filter."""
+
+    def ripple(forces: np.ndarray) -> None:
+        draw = np.random.default_rng(0)
+        forces[5::10] += draw.uniform(-400.0, 400.0, (len(forces[5::10]), 6)) * draw.uniform(size=6)
+
+    _, warnings = errors(with_forces(ripple, run(0)))
+    assert not any("jumps" in warning for warning in warnings)
+
+
 @pytest.mark.parametrize("size", [1e-3, 0.1])
 def test_struts_that_jump_faster_than_drives_are_left_out_with_their_rows(size: float) -> None:
     whole = run(1)
