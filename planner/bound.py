@@ -118,18 +118,21 @@ def tight_bound(
     cache: Path | None = None,
     weights: Array | None = None,
     time_limit: float = TIME_LIMIT,
+    renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
     """The bound under the moment constraints of closed motions; arguments and errors as in `box_bound`.
 
-    It takes a minute or two. More time makes it tighter: it is computed again, and the tighter of the new and the known
-    one is kept.
+    It takes a minute or two, and more time makes it tighter: `renew` computes a certified one of the cache again too,
+    and the better of the new and the known one is kept.
 
     Raises:
         HexciteError: the convex optimisation failed.
     """
     file = _file("tight", case, model, cache, weights)
     known = _known(file, model)
+    if known is not None and known.certified and not renew:
+        return known
     found = compute_tight_bound(case, model, weights, time_limit, progress)
     if known is not None and (known.certified, -known.logdet) >= (found.certified, -found.logdet):
         return known

@@ -31,6 +31,7 @@ Array = NDArray[np.float64]
 
 SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
 DEFAULT_NOISE = 1.0  # [N] where the case says nothing about its sensors
+CLOSED = 1e-9  # [m, rad] between start and end
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
 
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
@@ -170,8 +171,14 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
         assumed_noise=noise,
         limits=found.limits,
         solve_seconds=seconds,
-        tight=known_tight_bound(case, model),
+        tight=known_tight_bound(case, model) if _closed(found.motion) else None,
     )
+
+
+def _closed(motion: Trajectory) -> bool:
+    """Whether it ends where it begins: the tighter bound is one of such motions only."""
+    ends = motion.at([0.0, motion.duration]).pose
+    return bool(np.abs(ends[1] - ends[0]).max() < CLOSED)
 
 
 def predicted_std(

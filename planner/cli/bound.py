@@ -13,17 +13,18 @@ def bound(
     model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
     tight: Annotated[bool, typer.Option("--tight", help="Count on closed motions with limited jerk; minutes.")] = False,
     time_limit: Annotated[float, typer.Option(help="Stop after this many seconds; the answer is an estimate.")] = 120.0,
+    renew: Annotated[bool, typer.Option("--renew", help="With --tight: compute it again; the tighter counts.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
     json: Json = False,
 ) -> None:
     """The most information that any motion inside the limits can carry, with its certificate."""
-    answer = information_limit(case, model, tight, time_limit, output, quiet=json)
+    answer = information_limit(case, model, tight, time_limit, renew, output, quiet=json)
     if json:
         print_json(answer)
 
 
 def information_limit(
-    case: str, model_number: int, tight: bool, time_limit: float, output: Path | None, quiet: bool
+    case: str, model_number: int, tight: bool, time_limit: float, renew: bool, output: Path | None, quiet: bool
 ) -> dict[str, Any]:
     """Computes, prints unless `quiet`; returns the JSON answer."""
     from math import isfinite
@@ -43,7 +44,7 @@ def information_limit(
     began = perf_counter()
     with status_text(f"information limit of {loaded.name}, model {model_number}", quiet) as tell:
         if tight:
-            found = tight_bound(loaded, model, time_limit=time_limit, progress=tell)
+            found = tight_bound(loaded, model, time_limit=time_limit, renew=renew, progress=tell)
         else:
             found = box_bound(loaded, model, time_limit=time_limit, renew=True, progress=tell)
     answer = {
