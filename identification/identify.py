@@ -114,14 +114,16 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
     found = scan(recording, case)
     data = standstills(recording, case, model, found)
     problem = Problem(model, case.sensors.weights == "equal")
-    fit = how.estimator(problem)(data.regressors, data.forces, model.names)
+    scale = np.ones(data.samples) if recording.weights is None else recording.weights[~found.bad]
+    matrices, forces = data.regressors * scale[:, None, None], data.forces * scale[:, None]
+    fit = how.estimator(problem)(matrices, forces, model.names)
     if how.name in SANDWICHED and not how.priors:
         selection = how.selection(model)
-        reduced = independent_poses(data.regressors @ selection.basis, fit)
+        reduced = independent_poses(matrices @ selection.basis, fit)
         fit = replace(fit, covariance_robust=selection.basis @ reduced @ selection.basis.T)
     _require_sense(model, fit)
-    _require_wiring(data.regressors, data.forces, fit)
-    evaluation = Evaluation(data.samples, fit.residuals, None)
+    _require_wiring(matrices, forces, fit)
+    evaluation = Evaluation(data.samples, fit.residuals / scale[:, None], None)
     warnings = (*found.warnings, *doubts(fit, data.forces))
     return estimate_of(model, fit, recording.source, case, evaluation, how, warnings)
 

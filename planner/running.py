@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.errors import ExecutionError, HexciteError
 from cases.files import RUN, atomic_folder, json_text
@@ -22,12 +23,14 @@ from identification.reference import reference_scaling
 from identification.simulate import TRUE_MODEL, simulate_recording
 from planner.bound import Bound, box_bound
 from planner.problem import mean_information
+from planner.standing_run import stood, way_of
 from postprocessors.execute.executed_run import ExecutedRun, moving_windows
 from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
 from postprocessors.execute.linuxcnc.punctuality import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import ProgramFile, read_program
+from postprocessors.measured import measured_poses, measures_at_poses
 from postprocessors.predicted import predicted
 from postprocessors.proof import prove_program
 from postprocessors.stretches import Timed, Untimed, stretches
@@ -43,16 +46,16 @@ class Rating(NamedTuple):
         planned: duration of the excitation in the program [s].
         executed: with the controller [s].
         path_error: [m].
-        efficiency_planned: D-efficiency of the program's excitation.
-        efficiency: of the executed one, behind the filter of the evaluation.
+        efficiency_planned: D-efficiency of the program's excitation; None where it measures standing still.
+        efficiency: of the executed one, behind the filter of the evaluation; None as before.
         peaks: largest share of each kinetic limit in the whole run, approach and return included.
     """
 
     planned: float
     executed: float
     path_error: float
-    efficiency_planned: float
-    efficiency: float
+    efficiency_planned: float | None
+    efficiency: float | None
     peaks: dict[str, float]
 
     @property
@@ -69,9 +72,10 @@ class Outcome:
         run: what the controller did.
         recording: what was measured, simulated.
         rating: planned against executed.
-        planned: the excitation that the program asks for.
+        planned: the excitation that the program asks for, or the way through the poses that it measures.
         program_hash: fingerprint of the program that ran.
         around: what was mounted and what disturbed.
+        poses: at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
     """
 
     run: ExecutedRun
@@ -80,6 +84,7 @@ class Outcome:
     planned: Trajectory
     program_hash: str
     around: Circumstances
+    poses: NDArray[np.float64]
 
 
 def best_controller() -> tuple[str, str]:
@@ -113,13 +118,20 @@ def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances
     case.need_simulation("a run")
     read = read_program(program, case)
     prove_program(read.reading, case, read.guarantees).require()
-    planned = _planned(read, case)
+    parts = stretches(read.reading)
+    at_poses = measures_at_poses(parts)
+    planned = way_of(parts, case, read.guarantees) if at_poses else _planned(read, case)
     run = run_virtual(read.reading, case, read.guarantees) if on == "virtual" else _on_linuxcnc(read, case)
     if not len(run.trigger):
         raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
     recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
     fingerprint = hashlib.sha256(read.content).hexdigest()[:16]
-    return Outcome(run, recording, _rating(case, planned, run), planned, fingerprint, around)
+    if at_poses:
+        poses = measured_poses(parts)
+        went = stood(run, poses, program)
+        rating = Rating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
+        return Outcome(run, recording, rating, planned, fingerprint, around, poses)
+    return Outcome(run, recording, _rating(case, planned, run), planned, fingerprint, around, np.zeros((0, 6)))
 
 
 def _planned(read: ProgramFile, case: Case) -> Trajectory:
@@ -213,6 +225,7 @@ def save_recording(
         "d_efficiency": rating.efficiency,
         "peak_acceleration_of_limit": rating.peak_acceleration,
         "peaks_of_limit": rating.peaks,
+        "poses_m_rad": outcome.poses.tolist(),
         "remark": outcome.run.remark,
         "units": "SI with the unit in each column name",
     }

@@ -78,6 +78,7 @@ class Recording:
         specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
         others: what was sampled by other clocks, on the same time axis.
         lines: where the rows stand in the file.
+        weights: of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
     """
 
     source: str
@@ -91,6 +92,7 @@ class Recording:
     specific_forces: Array | None = None
     others: tuple[Stream, ...] = ()
     lines: Lines = _BELOW_A_HEADER
+    weights: Array | None = None
 
     @property
     def step(self) -> float:

@@ -38,6 +38,13 @@ def identify(
     ] = False,
     prior: Annotated[list[str] | None, typer.Option(help="An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
     terms: Annotated[str | None, typer.Option(help="Error terms instead of the model's, of K1 to K5: K1,K4.")] = None,
+    poses: Annotated[
+        Path | None,
+        typer.Option(help="Plan of poses: average the run's standstills, which must be those of this plan."),
+    ] = None,
+    standstills: Annotated[
+        bool, typer.Option("--standstills", help="Average the run's standstills, wherever they are.")
+    ] = False,
     verify: Annotated[
         Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
     ] = None,
@@ -53,7 +60,7 @@ def identify(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
         tuple(t.strip() for t in terms.split(",")) if terms else (),
     )  # fmt: skip
-    answer, _ = make_result(recordings, case, wanted, output, quiet=json)
+    answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills))
     if verify is not None:
         answer["verify"] = verify_result(verify, case_of(recordings[0], case), Path(answer["result"]), quiet=json)
     if json:
@@ -82,8 +89,25 @@ class Wish(NamedTuple):
     terms: tuple[str, ...] = ()
 
 
+class Still(NamedTuple):
+    """What a user says about standstills in a run that was recorded with a clock.
+
+    Args:
+        plan: of poses, whose standstills the run holds.
+        asked: average standstills without knowing the poses.
+    """
+
+    plan: Path | None = None
+    asked: bool = False
+
+
 def make_result(
-    paths: Path | Sequence[Path], case: str | None, wish: "int | Wish | None", output: Path | None, quiet: bool
+    paths: Path | Sequence[Path],
+    case: str | None,
+    wish: "int | Wish | None",
+    output: Path | None,
+    quiet: bool,
+    still: Still = Still(),  # noqa: B008
 ) -> tuple[dict[str, Any], Any]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.
 
@@ -93,6 +117,7 @@ def make_result(
         wish: a model's number or all that can be asked.
         output: folder to write.
         quiet: print nothing.
+        still: what is said about standstills.
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text
     from identification.identify import default_model, identifiability
@@ -112,16 +137,19 @@ def make_result(
     folder = output if output is not None else Path(f"{paths[0].resolve().stem}-result")
     check_folder(folder, RESULT, paths)
     with status("identifying", quiet):
-        if len(paths) == 1 and wish == Wish(wish.model) and is_long(paths[0]):
+        standing = None
+        if len(paths) == 1 and wish == Wish(wish.model) and is_long(paths[0]) and not knows_poses(paths[0], still):
             estimate, recording = identify_long(paths[0], loaded, wish.model)
         else:
-            recording = read_run(paths, loaded)
+            recording, standing = standing_of(read_run(paths, loaded), loaded, paths[0], still)
             number = default_model(recording) if wish.model is None else wish.model
             how = method_of(wish, identification_model(loaded, number, wish.terms))
             estimate = estimate_parameters(recording, loaded, number, how, wish.terms)
         found = identifiability(recording, loaded, estimate)
         content = estimate.to_json() | provenance(files_of(paths))
         answer = {"result": str(folder), "report": str(folder / "report.html")} | content
+        if standing is not None:
+            content["standstills"] = answer["standstills"] = standing
         answer["strongest_correlations"] = [{"pair": [a, b], "value": v} for a, b, v in found.strongest()]
         with atomic_folder(folder, RESULT) as part:
             (part / "result.json").write_text(json_text(content), encoding="utf-8")
@@ -134,6 +162,49 @@ def make_result(
     if not quiet:
         show_result(answer)
     return answer, estimate
+
+
+def knows_poses(path: Path, still: Still) -> bool:
+    """Whether a run is said to stand at poses, by its folder or by the user."""
+    from planner.poses.expected import poses_of_recording
+
+    return still.asked or still.plan is not None or poses_of_recording(path) is not None
+
+
+def standing_of(recording: Any, case: Any, path: Path, still: Still) -> tuple[Any, dict[str, Any] | None]:
+    """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
+
+    A folder of hexcite run knows the poses of its program; `still` names others, or says that there are standstills.
+
+    Raises:
+        StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
+        RecordingError: no standstills, though there should be some.
+    """
+    from cases.errors import RecordingError
+    from identification.standing import average, find_standstills, match, stands_only
+    from planner.poses.expected import poses_of_plan, poses_of_recording
+
+    expected = poses_of_plan(still.plan) if still.plan is not None else poses_of_recording(path)
+    if recording.t is None:
+        if still.plan is None and not still.asked:
+            return recording, None
+        raise RecordingError(f"{recording.source}: its rows are averaged already; leave --poses and --standstills out")
+    if expected is None and not still.asked and not stands_only(recording):
+        return recording, None
+    settle = case.poses.settle_s if case.poses is not None else 0.5
+    standing = average(recording, find_standstills(recording, settle))
+    if expected is not None:
+        standing = match(standing, case, expected, recording.source)
+    told = {
+        "count": len(standing.windows),
+        "matched_to_poses": expected is not None,
+        "found_by": "trigger" if recording.trigger is not None and recording.trigger.any() else "motion",
+        "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
+    }
+    return standing.averages, told
+
+
+RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
 def method_of(wish: Wish, model: Any) -> Any:
@@ -239,6 +310,12 @@ def show_result(answer: dict[str, Any]) -> None:
         )
     for note in answer["notes"]:
         print(note)
+    if "standstills" in answer:
+        found = answer["standstills"]
+        which = "the poses of the program" if found["matched_to_poses"] else "found where the machine stands"
+        print(f"{found['count']} averaged standstills, {which}, by the {found['found_by']}; weighted by their scatter")
+        if found["restless"]:
+            print(f"restless, and weighted less: {', '.join(map(str, found['restless']))}")
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"result written: {answer['result']}, with its report {answer['report']}")

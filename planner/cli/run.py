@@ -69,17 +69,20 @@ def make_recording(
         "remark": about["remark"],
         "payload": about["payload"],
         "disturbances": about["disturbances"],
+        "poses": len(about["poses_m_rad"]),
         "simulated": True,
     }
     if not quiet:
         mounted = f", {payload} weights of {around.load:.4g} kg mounted" if payload else ""
         disturbances = ", with the case's disturbances" if disturbed else ""
         print(f"executed on {answer['controller']}; sensors and encoders simulated{mounted}{disturbances}")
-        print(
-            f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
-            f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} "
-            f"(planned {answer['d_efficiency_planned']:.3f})"
-        )
+        if answer["poses"]:
+            print(
+                f"{answer['poses']} poses measured in {answer['duration_s']:.2f} s ({answer['planned_s']:.2f} s "
+                f"planned), home to home; stood within {answer['path_error_mm']:.4f} mm of them"
+            )
+        else:
+            print(_rated(answer))
         peaks = ", ".join(f"{name} {100 * share:.0f} %" for name, share in answer["peaks_of_limit"].items())
         print(f"reached of the limits in the whole run: {peaks}")
         if answer["peak_acceleration_of_limit"] > 1.01:
@@ -92,3 +95,11 @@ def make_recording(
             print(answer["remark"])
         print(f"recording written: {folder} ({answer['samples']} samples)")
     return answer, outcome
+
+
+def _rated(answer: dict[str, Any]) -> str:
+    return (
+        f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
+        f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} "
+        f"(planned {answer['d_efficiency_planned']:.3f})"
+    )

@@ -13,7 +13,7 @@ from planner.information import log_determinant
 from planner.poses.coordinates import SIZE, PoseSpace
 from planner.poses.criteria import PoseCriterion
 from planner.poses.regressors import pose_regressors, total_information
-from planner.poses.validity import ROUNDING, margins_of, validity_margins
+from planner.poses.validity import valid_poses, validity_margins
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     status = str(solver.stats()["return_status"]).replace("_", " ").lower()
     refined = space.poses(space.project(found["x"].full().reshape(count, SIZE)), poses[:, 2])
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
-    if not (after > before and np.all(margins_of(case, refined) >= -ROUNDING)):
+    if not (after > before and valid_poses(case, refined).all()):
         return Refinement(poses, before, before, f"{status}; nothing better found")
     return Refinement(refined, after, before, status)
 

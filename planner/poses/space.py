@@ -9,7 +9,7 @@ from scipy.stats import qmc
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
-from planner.poses.validity import REASONS, ROUNDING, margins_of
+from planner.poses.validity import REASONS, ROUNDING, margins_of, valid_poses
 
 Array = NDArray[np.float64]
 
@@ -108,8 +108,12 @@ def _valid(case: Case, poses: Array, origin: str) -> Candidates:
     if not len(poses):
         raise InfeasiblePlan("no pose lies inside poses.radius_mm and the XY range; widen one of them")
     margins = margins_of(case, poses)
-    valid = np.all(margins >= -ROUNDING, axis=1)
+    valid = valid_poses(case, poses)
     if not valid.any():
+        if not (margins < -ROUNDING).any(axis=1).all():
+            raise InfeasiblePlan(
+                f"none of {len(poses)} poses is valid: all within reach lie in workspace.keep_out; narrow it"
+            )
         often = int(np.argmax((margins < -ROUNDING).sum(axis=0)))
         share = float((margins[:, often] < -ROUNDING).mean())
         raise InfeasiblePlan(

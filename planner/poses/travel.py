@@ -14,12 +14,12 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.profile import Profile, StraightMove, fastest_profile
-from planner.poses.validity import ROUNDING, margins_of
+from planner.poses.validity import valid_poses
 from postprocessors.execute.ruckig_law import RuckigLaw
 
 Array = NDArray[np.float64]
 
-INSTANTS = 41  # of a move, at which its struts are looked at
+INSTANTS = 161  # of a move, at which its struts are looked at
 MARGIN = 1.0 - 1e-3  # share of the strut limits that moves are slowed to, for what happens between the instants
 
 
@@ -72,8 +72,7 @@ def require_ways(times: Array, order: NDArray[np.int64]) -> None:
 def _slowness(case: Case, start: Array, end: Array, profiles: list[Profile]) -> Array:
     """By how much each move must be slowed for the struts' sake; below 1 where it need not be, shape (n,)."""
     limits = case.need_machine("moves between poses")[2].motion
-    share = np.linspace(0.0, 1.0, INSTANTS)
-    laws = np.array([profile.at(share * profile.duration)[:3] for profile in profiles])  # (n, 3, instants)
+    laws = np.array([profile.at(_instants(profile))[:3] for profile in profiles])  # (n, 3, instants)
     way = (end - start)[:, None, :]
     pose = start[:, None, :] + laws[:, 0, :, None] * way
     rates, accelerations = (laws[:, k, :, None] * way for k in (1, 2))
@@ -84,8 +83,14 @@ def _slowness(case: Case, start: Array, end: Array, profiles: list[Profile]) -> 
     return np.asarray(np.maximum(fast, np.sqrt(hard)) / MARGIN)
 
 
+def _instants(profile: Profile) -> Array:
+    """Equal steps, and the corners of the profile, where velocity and acceleration peak, shape (instants,) [s]."""
+    jerk, hold = profile.jerk_time, profile.hold_time
+    corners = np.cumsum([jerk, hold, jerk, profile.cruise_time, jerk, hold])
+    return np.sort(np.r_[np.linspace(0.0, profile.duration, INSTANTS), corners])
+
+
 def _passable(case: Case, start: Array, end: Array) -> NDArray[np.bool_]:
     share = np.linspace(0.0, 1.0, INSTANTS)[:, None]
     pose = start[:, None, :] + share * (end - start)[:, None, :]
-    margins = margins_of(case, pose.reshape(-1, 6)).reshape(len(start), -1)
-    return np.asarray(np.all(margins >= -ROUNDING, axis=1))
+    return np.asarray(valid_poses(case, pose.reshape(-1, 6)).reshape(len(start), -1).all(axis=1))

@@ -7,6 +7,7 @@ finished plan (`identification.limits`) shares nothing with it.
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
 from cases.units import DEG
@@ -16,6 +17,7 @@ from identification.pose import rotation
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-9  # poses on the very edge of the workspace are valid
 REASONS = (
     *(f"strut {k} too short" for k in range(1, 7)),
     *(f"strut {k} too long" for k in range(1, 7)),
@@ -63,4 +65,22 @@ def margins_of(case: Case, poses: Array) -> Array:
     return over_samples(validity_margins(case), poses)[0]
 
 
-ROUNDING = 1e-9  # poses on the very edge of the workspace are valid
+def keep_out_distances(case: Case, poses: Array) -> Array:
+    """Distance of the platform's origin and joints from the nearest keep-out box, shape (n,); below 0 inside one [m].
+
+    Along the axis that separates point and box most; infinite where the case has no such box.
+    """
+    machine, workspace, _ = case.need_machine("the validity of poses")
+    arms = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix() @ machine.platform.points.T
+    points = poses[:, None, :3] + np.concatenate([np.zeros((len(poses), 3, 1)), arms], axis=2).transpose(0, 2, 1)
+    nearest = np.full(len(poses), np.inf)
+    for box in workspace.keep_out:
+        low, high = box.corners
+        nearest = np.minimum(nearest, np.maximum(low - points, points - high).max(axis=2).min(axis=1))
+    return nearest
+
+
+def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
+    """Whether the machine can stand at each pose, shape (n,)."""
+    inside = np.all(margins_of(case, poses) >= -ROUNDING, axis=1)
+    return np.asarray(inside & (keep_out_distances(case, poses) >= 0.0))

@@ -12,6 +12,7 @@ from identification.motion import Joined, Standstill, Trajectory
 from postprocessors.execute.executed_run import ExecutedRun
 from postprocessors.execute.ruckig_law import by_ruckig
 from postprocessors.guarantees import Guarantees
+from postprocessors.measured import measures_at_poses
 from postprocessors.predicted import predicted
 from postprocessors.reading.words import Reading
 from postprocessors.stretches import Still, Stretch, Timed, stretches
@@ -41,12 +42,16 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     parts: list[Trajectory] = [Standstill(home, REST)]
     trigger: list[tuple[float, float]] = []
     clock, pose, on = REST, home, False
-    for stretch in stretches(reading):
+    program = stretches(reading)
+    at_poses = measures_at_poses(program)
+    for stretch in program:
         part = _trajectory(stretch, pose, limits.motion, own)
         if part is None:
             continue
         on = on and stretch.trigger
-        if stretch.trigger and not isinstance(stretch, Still):
+        if at_poses and stretch.trigger:
+            trigger.append((clock, clock + part.duration))
+        elif stretch.trigger and not isinstance(stretch, Still):
             # From the first movement to the last: pauses between them count, those before and after do not.
             start = trigger.pop()[0] if on else clock
             trigger.append((start, clock + part.duration))

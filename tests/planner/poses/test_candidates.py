@@ -92,6 +92,17 @@ def test_no_valid_pose_says_which_limit_and_what_to_do() -> None:
         grid_candidates(with_workspace(strut_length_mm=[650.0, 700.0]))
 
 
+def test_poses_in_a_keep_out_box_are_left_out() -> None:
+    box = {"name": "rack", "x_mm": [100.0, 900.0], "y_mm": [-900.0, 900.0], "z_mm": [0.0, 2000.0]}
+    found = grid_candidates(with_workspace(keep_out=[box]))
+    assert 0 < len(found.poses) < 240
+    for pose in found.poses:
+        report = prove_at(Standstill(pose, 0.0), with_workspace(keep_out=[box]), np.zeros(1), in_box=False)
+        assert report.kept
+    with pytest.raises(InfeasiblePlan, match=r"lie in workspace\.keep_out"):
+        grid_candidates(with_workspace(keep_out=[box | {"x_mm": [-900.0, 900.0]}]))
+
+
 def test_a_ring_without_grid_points_is_named() -> None:
     with pytest.raises(InfeasiblePlan, match=r"poses\.radius_mm"):
         grid_candidates(with_poses(radius_mm=[110.0, 120.0]))

@@ -1,0 +1,75 @@
+"""Moves between poses: as fast as the limits allow and no faster, in an order that no other beats by much."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from cases.errors import InfeasiblePlan
+from cases.loading import load_case
+from identification.hexapod import Hexapod
+from identification.limits import prove
+from planner.poses.order import duration, shortest_order
+from planner.poses.space import sampled_candidates
+from planner.poses.travel import fastest_move, require_ways, travel_times
+
+CASE = load_case("hexapod")
+HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
+STATIONS = np.vstack([HOME, sampled_candidates(CASE, 16, 0).poses])
+
+
+def test_times_by_ruckig_are_those_of_the_planned_moves() -> None:
+    times = travel_times(CASE, STATIONS)
+    np.testing.assert_array_equal(times, times.T)
+    assert np.all(np.diag(times) == 0.0)
+    for a, b in ((0, 1), (3, 7), (12, 5)):
+        assert fastest_move(CASE, STATIONS[a], STATIONS[b]).duration == pytest.approx(times[a, b], rel=1e-9)
+
+
+def test_each_move_keeps_every_limit_and_reaches_one() -> None:
+    kinetic = ("velocity", "acceleration", "jerk", "angular", "strut velocity", "strut acceleration")
+    for a, b in zip(range(16), range(1, 17), strict=True):
+        report = prove(fastest_move(CASE, STATIONS[a], STATIONS[b]), CASE, 2000.0, in_box=False)
+        assert report.kept, report.violations
+        reached = max(c.ratio for c in report.checks if c.name.startswith(kinetic))
+        assert reached > 0.98
+
+
+def test_moves_are_slowed_where_a_strut_would_be_too_fast() -> None:
+    assert CASE.limits is not None
+    tight = CASE.limits.motion.model_copy(update={"strut_velocity_m_s": 0.2, "strut_acceleration_m_s2": 2.0})
+    slow = CASE.model_copy(update={"limits": CASE.limits.model_copy(update={"motion": tight})})
+    assert np.all(travel_times(slow, STATIONS[:5])[np.triu_indices(5, 1)] > 1.3 * travel_times(CASE, STATIONS[:5])[
+        np.triu_indices(5, 1)
+    ])  # fmt: skip
+    for end in STATIONS[1:5]:
+        checks = {c.name.split(" (")[0]: c for c in prove(fastest_move(slow, HOME, end), slow, 2000.0).checks}
+        most = max(checks["strut velocity"].ratio, checks["strut acceleration"].ratio)
+        assert 0.98 < most <= 1.0 + 1e-6
+
+
+def test_the_order_of_few_poses_is_the_best_of_all_orders() -> None:
+    times = travel_times(CASE, STATIONS[:8])
+    best = min(duration([0, *order, 0], times) for order in permutations(range(1, 8)))
+    assert duration(shortest_order(times), times) == pytest.approx(best, rel=1e-9)
+
+
+def test_the_order_of_poses_on_a_circle_goes_round_it() -> None:
+    angle = np.random.default_rng(2).permutation(40) * 2 * np.pi / 40
+    points = np.vstack([[1.0, 0.0], np.column_stack([np.cos(angle), np.sin(angle)])])
+    times = np.linalg.norm(points[:, None] - points[None], axis=2)
+    order = shortest_order(times)
+    assert sorted(order[:-1]) == list(range(41))
+    assert order[0] == order[-1] == 0
+    assert duration(order, times) == pytest.approx(80 * np.sin(np.pi / 40))
+
+
+def test_a_place_without_a_way_is_named() -> None:
+    assert CASE.workspace is not None
+    shortest = 1e3 * float(Hexapod.of(CASE).strut_lengths(HOME[None]).min()) + 1.0  # home itself is out of reach
+    changed = CASE.workspace.model_dump() | {"strut_length_mm": (shortest, 1550.0)}
+    cramped = type(CASE.workspace).model_validate(changed)
+    assert np.isinf(travel_times(CASE.model_copy(update={"workspace": cramped}), STATIONS[:3])[0, 1:]).all()
+    times = np.full((3, 3), np.inf)
+    with pytest.raises(InfeasiblePlan, match=r"no straight way from pose 0 to pose 2 .*0 is home"):
+        require_ways(times, np.array([0, 2, 1, 0]))
