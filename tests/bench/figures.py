@@ -20,6 +20,7 @@ from planner.running import execute, linuxcnc_missing
 from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
+from tests.bench.programs import programs
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 SEEDS = 100
@@ -93,6 +94,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         rows += demos(Path(name))
         rows += identification(Path(name))
+    with tempfile.TemporaryDirectory() as name:
+        rows += programs(Path(name), command)
     rows += exported()
     rows += limits_of_information()
     with tempfile.TemporaryDirectory() as name:

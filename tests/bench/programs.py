@@ -1,0 +1,90 @@
+"""Figures of programs: time of post and check, LinuxCNC against plan and virtual controller, long ones."""
+
+import json
+import resource
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from cases.loading import load_case
+from planner.running import linuxcnc_missing
+from postprocessors.execute.linuxcnc.running import run_linuxcnc
+from postprocessors.execute.linuxcnc.stretching import predicted_stretch
+from postprocessors.files import read_program
+from postprocessors.proof import prove_program
+from tests.postprocessors.programs import timed, typed
+
+Command = Callable[..., tuple[float, str]]  # words of a command -> seconds, what it printed
+BLOCKS = 100_000
+ACCEPT = ("--accept", "acceleration,jerk,strut-acceleration,strut-velocity")
+
+
+def point_to_point(folder: Path, command: Command) -> list[list[str]]:
+    """The best point-to-point plan, on both controllers."""
+    _, printed = command("plan", "hexapod", "--family", "ptp", "-o", str(folder / "ptp"), "--json")
+    plan = json.loads(printed)
+    program = str(folder / "ptp.ngc")
+    command("post", str(folder / "ptp"), *ACCEPT, "-o", program, "--json")
+    took, rows = {}, []
+    for controller in ["virtual"] + ([] if linuxcnc_missing() else ["linuxcnc"]):
+        _, printed = command("run", program, "--case", "hexapod", "--on", controller, "-o", str(folder / "r"), "--json")
+        run = json.loads(printed)
+        took[controller] = run["duration_s"]
+        rows += [
+            [
+                f"point-to-point on {controller}: duration / plan",
+                f"{run['duration_s'] / plan['duration_s']:.4f}",
+                "1.04",
+            ],
+            ["  D-efficiency of plan's", f"{100 * run['d_efficiency'] / plan['d_efficiency']:.1f} %", "85 %"],
+            ["  peak acceleration of limit", f"{run['peak_acceleration_of_limit']:.2f}", ""],
+        ]
+    if "linuxcnc" in took:
+        rows.append(["  LinuxCNC / virtual duration", f"{took['linuxcnc'] / took['virtual']:.4f}", "0.95 to 1.05"])
+    return rows
+
+
+def dense(folder: Path, command: Command) -> list[list[str]]:
+    """Post and check of a smooth plan of 12 s, and LinuxCNC's stretch under the case's own limits."""
+    program = folder / "fourier.ngc"
+    command("plan", "hexapod", "-o", str(folder / "fourier"), "--json")
+    posted = min(command("post", str(folder / "fourier"), *ACCEPT, "-o", str(program), "--json")[0] for _ in range(3))
+    checked = min(command("check", str(program), "--case", "hexapod", "--json")[0] for _ in range(3))
+    rows = [
+        ["post of a 12 s plan, whole command", f"{posted:.1f} s", "2 s"],
+        ["check of it, whole command", f"{checked:.1f} s", "2 s"],
+    ]
+    if linuxcnc_missing() is None:
+        case = load_case("hexapod")
+        read = read_program(program, case)
+        expected = predicted_stretch(read.reading, case, 1.0)
+        assert expected is not None
+        log = run_linuxcnc(program, case, read.content, headroom=1.0)
+        measured = float(log.trigger.sum()) * log.period / 12.0
+        text = f"{measured:.2f} times, predicted {expected.factor:.2f}"
+        rows.append(["LinuxCNC's stretch under the case's limits", text, "within 10 %"])
+    return rows
+
+
+def long_program(folder: Path) -> list[list[str]]:
+    """A program of 100 000 blocks, read and checked."""
+    case, file = load_case("hexapod"), folder / "long.ngc"
+    t = np.arange(1, BLOCKS + 1) * 0.01
+    swell = np.sin(np.pi * t / t[-1]) ** 2
+    x, a = 20 * np.sin(2 * np.pi * t / 5) * swell, 2 * np.sin(2 * np.pi * t / 3.7) * swell
+    lines = [f"G1 X{u:.5f} Y{u / 3:.5f} A{w:.6f} B{w / 2:.6f} F6000" for u, w in zip(x, a, strict=True)]
+    file.write_text(typed(f"M64 P0\n{timed(lines)}\nM65 P0"))
+    began = time.perf_counter()
+    read = read_program(file, case)
+    assert prove_program(read.reading, case, read.guarantees).ok
+    seconds = time.perf_counter() - began
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    figure = f"{BLOCKS} blocks read and checked (peak memory of this process)"
+    return [[figure, f"{seconds:.1f} s, {memory:.2f} GB", "20 s, 1 GB"]]
+
+
+def programs(folder: Path, command: Command) -> list[list[str]]:
+    """All of them."""
+    return [*long_program(folder), *dense(folder, command), *point_to_point(folder, command)]
