@@ -1,6 +1,6 @@
 """What the case's controllers need to be told; anything uncertain is a required setting, never a guess."""
 
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from cases.controller_setpoints import Setpoints
 from cases.controller_sinumerik import Sinumerik
@@ -29,6 +29,9 @@ class Controller(Part):
     settle_s: Positive
     cycle_ms: Positive = 1.0
     """The controller's interpolation cycle. Phases of planned moves last three of them or more."""
+    virtual_look_ahead: Literal["exact", "block_limited"] = "exact"
+    """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
+    at the end of each block (LinuxCNC on paths that turn, under the limits of `[limits.motion]`)."""
     linuxcnc: LinuxCnc
     sinumerik: Sinumerik | None = None
     twincat: TwinCat | None = None

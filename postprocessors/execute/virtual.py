@@ -8,7 +8,8 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
-from identification.motion import Joined, Standstill, Trajectory
+from identification.motion import Joined, Standstill, TimedPoints, Trajectory
+from postprocessors.execute.block_limited import block_limited
 from postprocessors.execute.executed_run import ExecutedRun
 from postprocessors.execute.ruckig_law import by_ruckig
 from postprocessors.guarantees import Guarantees
@@ -18,13 +19,15 @@ from postprocessors.reading.words import Reading
 from postprocessors.stretches import Still, Stretch, Timed, stretches
 
 NAME = "virtual controller (exact on timed paths, built in)"
+BLOCK_LIMITED = "virtual controller (without look-ahead on timed paths, built in)"
 REST = 0.2  # [s] of standstill recorded before and after: filters need it, and so does a user who looks at the plot
 
 
 def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> ExecutedRun:
     """Executes a program that was read, starting from home.
 
-    Timed paths follow the curve through their points. Moves at a feed or in rapid are timed by ruckig within the motion
+    Timed paths follow the curve through their points, at their times or as the case's
+    `virtual_look_ahead` says. Moves at a feed or in rapid are timed by ruckig within the motion
     limits and that feed; with a jerk limit where the controller that the program is for has one, without where not.
 
     Args:
@@ -39,6 +42,7 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     machine, _, limits = case.need_machine("a run")
     home = machine.home.vector
     own = replace(guarantees, law=by_ruckig(guarantees.law))
+    exact = case.need_controller("a run").virtual_look_ahead == "exact"
     parts: list[Trajectory] = [Standstill(home, REST)]
     trigger: list[tuple[float, float]] = []
     clock, pose, on = REST, home, False
@@ -46,6 +50,8 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     at_poses = measures_at_poses(program)
     for stretch in program:
         part = _trajectory(stretch, pose, limits.motion, own)
+        if not exact and isinstance(part, TimedPoints):
+            part = block_limited(part, limits.motion.acceleration)
         if part is None:
             continue
         on = on and stretch.trigger
@@ -61,7 +67,7 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
         pose = part.at([part.duration]).pose[0]
     parts.append(Standstill(pose, REST))
     execution = PoseExecution(Hexapod.of(case), Joined(tuple(parts)))
-    return ExecutedRun(NAME, execution, np.array(trigger).reshape(-1, 2), real=False)
+    return ExecutedRun(NAME if exact else BLOCK_LIMITED, execution, np.array(trigger).reshape(-1, 2), real=False)
 
 
 def _trajectory(stretch: Stretch, pose: np.ndarray, limits: MotionLimits, own: Guarantees) -> Trajectory | None:

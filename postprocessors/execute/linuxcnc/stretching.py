@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from postprocessors.execute.block_limited import least_durations
 from postprocessors.execute.linuxcnc.configuration import PURPOSE
 from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
 from postprocessors.guarantees import Forecast
@@ -55,9 +56,8 @@ def predicted_stretch(reading: Reading, case: Case, headroom: float) -> Stretch 
     for part in stretches(reading):
         if isinstance(part, Timed) and part.trigger:
             times = part.points.times
-            way = np.abs(np.diff(part.points.at(times).pose, axis=0))
             planned.append(np.diff(times))
-            least.append(np.sqrt(2.0 * (way / limits.acceleration).max(axis=1)))
+            least.append(least_durations(part.points.at(times).pose, limits.acceleration))
     if not planned:
         return None
     steps, shortest = np.concatenate(planned), np.concatenate(least)

@@ -9,6 +9,7 @@ from identification.limits import prove
 from identification.motion import Trajectory, sample
 from postprocessors.execute.executed_run import ExecutedRun, windows
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
+from postprocessors.execute.linuxcnc.stretching import predicted_stretch
 from postprocessors.execute.virtual import REST, run_virtual
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.stretches import Timed
@@ -102,3 +103,17 @@ def test_a_motion_that_is_not_defined_is_not_run(hexapod_case: Case):
 def test_windows_are_the_runs_of_ones(on: list[int], expected: list[list[int]]):
     found = windows(np.array(on, dtype=bool), 0.5)
     assert found.tolist() == (0.5 * np.array(expected).reshape(-1, 2)).tolist()
+
+
+def test_without_look_ahead_a_dense_path_takes_as_long_as_is_predicted_of_linuxcnc(hexapod_case: Case):
+    """The same poses, later; the more so the shorter the blocks are."""
+    data = hexapod_case.model_dump(exclude_none=True)
+    data["controller"]["virtual_look_ahead"] = "block_limited"
+    slow = Case.model_validate(data)
+    text = small_excitation(hexapod_case)
+    late, exact = run(text, slow), run(text, hexapod_case)
+    reading = read_linuxcnc(text, "p.ngc")
+    expected = predicted_stretch(reading, slow, 1.0).factor
+    assert late.excitation / exact.excitation == pytest.approx(expected, rel=1e-9)
+    assert expected > 1.5
+    assert "without look-ahead" in late.controller
