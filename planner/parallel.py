@@ -4,6 +4,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any, NamedTuple
@@ -101,10 +102,17 @@ def run_all(tasks: Sequence[Task], listener: Listener) -> Outcome:
                 if stop.is_set():
                     pending = {f for f in pending if not f.cancel()}
                 for future in finished:
-                    result = future.result()
+                    result = _result(future)
                     listener.done(result)
                     results.append(result)
             return Outcome(results, stop.is_set())
     finally:
         stop.set()
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _result(future: Future[Start | Failed]) -> Start | Failed:
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        return Failed(0, "any", "a worker process died, perhaps for want of memory; ask for fewer --starts")

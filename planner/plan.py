@@ -22,6 +22,7 @@ from planner.solving import Failed, Start
 Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
+BINDING = 0.99  # share of a limit from which it shapes the motion
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
 
@@ -124,6 +125,9 @@ class Plan:
             "bound": self.bound.to_json(),
             "bound_tight": self.tight.to_json() if self.tight is not None else None,
             "predicted_std": self.predicted_std,
+            "payload": self.request.payload,
+            "targets": list(self.request.targets),
+            "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],
             "assumed_noise_N": self.assumed_noise,
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),

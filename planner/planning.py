@@ -141,6 +141,7 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
         Interrupted: Ctrl-C before any start was done.
     """
     model = identification_model(case, request.model)
+    case.body(request.payload)
     require_rest(case)
     began = perf_counter()
     found = _made_by_hand(request, case) if request.family == "manual" else search(request, case, listener, run)
@@ -167,7 +168,7 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
         logdet=CRITERIA["D"].of(mu),
         condition=-CRITERIA["K"].of(mu),
         bound=box_bound(case, model),
-        predicted_std=predicted_std(case, model, scaling, information, found.motion.duration, noise),
+        predicted_std=predicted_std(case, model, scaling, information, found.motion.duration, noise, request.payload),
         assumed_noise=noise,
         limits=found.limits,
         solve_seconds=seconds,
@@ -182,19 +183,19 @@ def _closed(motion: Trajectory) -> bool:
 
 
 def predicted_std(
-    case: Case, model: Model, scaling: np.ndarray, information: np.ndarray, duration: float, noise: float
+    case: Case, model: Model, scaling: Array, information: Array, duration: float, noise: float, payload: int = 0
 ) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run at 1 kHz with white force noise, at nominal values.
+    """Standard deviations of the physical parameters for one run at 1 kHz with white force noise.
+
+    Expected is the nominal body with a number of payloads.
 
     Raises:
         CaseError: the case has no nominal body.
     """
-    if case.nominal is None:
-        case.missing("nominal", "predicted standard deviations")
     covariance = noise**2 / (duration * SAMPLES_PER_SECOND) * np.linalg.inv(information)
     covariance *= np.outer(scaling, scaling)
     form = physical_form(model)
-    body = body_parameters(case.nominal)
+    body = body_parameters(case.body(payload))
     nominal = np.array([body.get(name, 0.0) for name in model.names])  # the rest is linear: its values do not matter
     _, physical = form.of(nominal, covariance)
     std = np.sqrt(np.diag(physical))

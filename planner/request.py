@@ -1,6 +1,6 @@
 """What to plan: settings as a user states them, refused before any work where they cannot be met."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +34,8 @@ class Request:
         moves: family ptp.
         knots: family spline, intervals between knots; None for ten a second.
         sequence: family manual: file of steps or poses; None for the one beside the case.
+        payload: number of the case's payloads that are mounted, for the predicted standard deviations.
+        targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed.
         starts: random starts.
         seed: of these.
     """
@@ -49,6 +51,8 @@ class Request:
     moves: int = 40
     knots: int | None = None
     sequence: Path | None = None
+    payload: int = 0
+    targets: tuple[str, ...] = ()
     starts: int = 8
     seed: int = 0
 
@@ -68,6 +72,24 @@ class Request:
             raise HexciteError(f"{self.starts} starts; choose 1 to 1000")
         if self.seed < 0:
             raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
+
+        if self.targets and self.family == "manual":
+            raise HexciteError("targets need a family that is optimised; choose fourier, ptp or spline")
+
+    def allowed_duration(self, duration: float) -> float:
+        """The next longer duration that the family can have [s]."""
+        if self.family == "fourier":
+            return max(1, int(np.ceil(duration / self.period - 1e-9))) * self.period
+        return max(duration, FEWEST * SHORTEST_MOVE, FEWEST_INTERVALS / KNOTS_A_SECOND)
+
+    def lasting(self, duration: float) -> "Request":
+        """The same for another duration, with as many moves and knots a second."""
+        share = duration / self.duration
+        moves = int(np.clip(round(self.moves * share), FEWEST, MOST))
+        knots = None
+        if self.knots is not None:
+            knots = int(np.clip(round(self.knots * share), FEWEST_INTERVALS, MOST_INTERVALS))
+        return replace(self, duration=duration, moves=moves, knots=knots)
 
     def _fourier(self) -> None:
         if not 2 <= self.order <= 7:

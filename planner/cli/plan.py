@@ -29,6 +29,13 @@ def plan(
         Path | None, typer.Option(help="manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
     ] = None,
     model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
+    payload: Annotated[int, typer.Option(help="How many of the case's payloads are mounted.")] = 0,
+    target: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Standard deviation to be met, as m=0.05kg or zC=0.3mm; --duration is then the longest allowed."
+        ),
+    ] = None,
     starts: Annotated[int, typer.Option(help="Random starts.")] = 8,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
     output: Out = None,
@@ -52,6 +59,8 @@ def plan(
         moves=moves,
         knots=knots,
         sequence=sequence,
+        payload=payload,
+        targets=tuple(target or ()),
         starts=starts,
         seed=seed,
     )
@@ -68,6 +77,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     from planner.parallel import Listener, News
     from planner.plan import save_plan
     from planner.solving import Failed, Start
+    from planner.target import shortest_plan
 
     loaded = load_case(request.case_file)
     loaded.need_machine("planning")
@@ -96,7 +106,11 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
         def news(word: News) -> None:
             count(f"best {request.criterion} {best:.4g}, iteration {word.iterations} at {word.objective:.4g}", 0)
 
-        result = planning.make(request, loaded, case_file, Listener(done, news))
+        listener = Listener(done, news)
+        if request.targets:
+            result = shortest_plan(request, loaded, lambda r: planning.make(r, loaded, case_file, listener))
+        else:
+            result = planning.make(request, loaded, case_file, listener)
     with status("writing", quiet):
         save_plan(result, folder)
     answer = {"plan": str(folder)} | result.to_json()
@@ -130,5 +144,10 @@ def _show(answer: dict[str, Any]) -> None:
     else:
         kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
         print(f"D-efficiency {answer['d_efficiency_tight']:.3f} against closed motions with limited jerk ({kind})")
+    names = list(answer["predicted_std"])
+    units = {"xC": 1e3, "yC": 1e3, "zC": 1e3}
+    std = [f"{n} {answer['predicted_std'][n] * units.get(n, 1.0):.3g}{' mm' if n in units else ''}" for n in names]
+    print(f"predicted standard deviations ({answer['assumed_noise_N']:g} N white force noise, 1 kHz, "
+          f"{answer['payload']} payloads; SI units unless named): " + ", ".join(std))  # fmt: skip
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
     print(f"plan written: {answer['plan']}")

@@ -1,0 +1,80 @@
+"""Targets: the shortest motion that meets them, or one line that says what can be reached."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from cases.errors import HexciteError, InfeasiblePlan
+from cases.schema import Case
+from planner.request import Request
+from planner.target import parse_targets, shortest_plan
+from tests.helpers import one_line
+
+
+def planner_with(rate: float):
+    """A stand-in whose motions gain information at a constant rate: std = rate / sqrt(duration)."""
+    asked = []
+
+    def make(request: Request) -> SimpleNamespace:
+        asked.append(request.duration)
+        std = {"m": rate / np.sqrt(request.duration), "zC": 1e-6}
+        return SimpleNamespace(
+            motion=SimpleNamespace(duration=request.duration), predicted_std=std, interrupted=False, request=request
+        )
+
+    return make, asked
+
+
+def test_the_shortest_duration_that_meets_the_target_is_found_in_few_plans(hexapod_case: Case):
+    make, asked = planner_with(0.1)
+    plan = shortest_plan(Request("hexapod", family="ptp", targets=("m=0.05kg", "zC=1mm")), hexapod_case, make)
+    assert 4.0 <= plan.motion.duration < 4.2  # 0.1 / sqrt(4) = 0.05
+    assert len(asked) <= 3
+    assert plan.request.moves == 14  # as many a second as in 12 s
+
+
+def test_a_fourier_motion_lasts_whole_periods(hexapod_case: Case):
+    make, _ = planner_with(0.1)
+    assert shortest_plan(Request("hexapod", targets=("m=0.05kg",)), hexapod_case, make).motion.duration == 6.0
+
+
+def test_a_target_out_of_reach_says_what_is_reached_and_how_long_would_do(hexapod_case: Case):
+    make, asked = planner_with(0.1)
+    with pytest.raises(InfeasiblePlan) as caught:
+        shortest_plan(Request("hexapod", family="spline", targets=("m=10g",)), hexapod_case, make)
+    message = one_line(caught.value)
+    assert "target m=10g is out of reach in 12 s: the best found has 28.9 g; allow --duration 104" in message
+    assert asked == [12.0]
+
+
+@pytest.mark.parametrize(
+    ("word", "words"),
+    [
+        ("m", "is not of the form m=0.05kg"),
+        ("m=0.05", "is not of the form m=0.05kg"),
+        ("mass=0.05kg", "model 9 has no mass; choose m, xC"),
+        ("m=0.05mm", "m is not measured in mm; choose kg, g"),
+        ("zC=3kg", "zC is not measured in kg; choose m, mm, um"),
+        ("m=0kg", "0 is no positive number"),
+        ("m=-1kg", "-1 is no positive number"),
+        ("m=1.2.3kg", "1.2.3 is no positive number"),
+        ("", "is not of the form"),
+    ],
+)
+def test_a_target_that_makes_no_sense_is_refused_by_name(word: str, words: str, hexapod_case: Case):
+    with pytest.raises(HexciteError) as caught:
+        parse_targets((word,), hexapod_case, 9)
+    assert words in one_line(caught.value)
+
+
+def test_units_are_turned_into_si(hexapod_case: Case):
+    words = ("m=50g", "zC=0.3mm", "IC11=0.02kgm2", "IC33=0.02 kg m^2", "k0=2N/m", "k1=3Nm/m", "f_q0_1=1e-1N")
+    found = {t.name: t.std for t in parse_targets(words, hexapod_case, 9)}
+    expected = {"m": 0.05, "zC": 3e-4, "IC11": 0.02, "IC33": 0.02, "k0": 2.0, "k1": 3.0, "f_q0_1": 0.1}
+    assert found == pytest.approx(expected)
+
+
+def test_hand_made_motions_have_no_targets():
+    with pytest.raises(HexciteError, match="targets need a family that is optimised"):
+        Request("hexapod", family="manual", targets=("m=0.05kg",))
