@@ -21,6 +21,7 @@ from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
 from tests.bench.programs import programs
+from tests.bench.study import study_rows
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 SEEDS = 100
@@ -97,6 +98,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         rows += programs(Path(name), command)
     rows += exported()
+    rows += study_rows()
     rows += limits_of_information()
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)

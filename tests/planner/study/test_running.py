@@ -1,5 +1,8 @@
 """A study goes on where it was, and what it says of its cells is what the rows hold."""
 
+import os
+import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,11 +16,11 @@ from planner.study import running
 from planner.study.rows import DONE, FAILED, PLANNED, completed, schema
 from planner.study.running import cells_of, missing, run_study
 from planner.study.spec import Execution, Grid, Spec
-from planner.study.store import opened, read_rows
+from planner.study.store import JOURNAL, opened, read_rows
 from planner.study.summary import best_groups, groups
 from planner.study.tasks import Outcome
 from planner.study.work import Job
-from tests.planner.command_line import call, refused
+from tests.planner.command_line import PROGRAM, call, refused
 
 
 def study(seeds: int, orders: list[int], noise: int = 0) -> Spec:
@@ -155,6 +158,36 @@ def test_a_study_from_the_command_line(tmp_path: Path) -> None:
     rows = read_rows(folder, schema()).to_pylist()
     assert {r["seed"] for r in rows} == {0, 1}
     assert all(r["score"] > -60.0 and r["seconds"] > 0.0 for r in rows)
+
+
+@pytest.mark.slow
+def test_a_study_that_is_killed_loses_no_cell_and_leaves_no_workers(tmp_path: Path) -> None:
+    """Kill -9 in the middle, then the same command again."""
+    spec, folder = tmp_path / "small.toml", tmp_path / "study"
+    spec.write_text(SMALL.replace("[0, 1]", str(list(range(12)))))
+    command = [PROGRAM, "study", "hexapod", "--spec", spec, "--workers", "2", "-o", folder]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, env=os.environ | {"MARK": str(tmp_path)}) as process:
+        while not (folder / JOURNAL).exists() or len((folder / JOURNAL).read_text().splitlines()) < 3:
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.kill()
+    kept = len(read_rows(folder, schema()))
+    assert 3 <= kept < 12
+    again = call("study", "hexapod", "--spec", spec, "--workers", 2, "-o", folder, "--json").json()
+    assert (again["computed"], again["done"]) == (12 - kept, 12)
+    for _ in range(300):
+        left = [p for p in Path("/proc").glob("[0-9]*/environ") if _holds(p, f"MARK={tmp_path}")]
+        if not left:
+            return
+        time.sleep(0.1)
+    pytest.fail(f"{len(left)} processes are still running")
+
+
+def _holds(environment: Path, entry: str) -> bool:
+    try:
+        return entry.encode() in environment.read_bytes()
+    except OSError:
+        return False
 
 
 def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: Case) -> None:

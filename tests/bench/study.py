@@ -1,0 +1,88 @@
+"""What a study costs beside its cells: overhead, memory, and the time to read and draw many rows."""
+
+import operator
+import resource
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+
+from cases.loading import load_case
+from planner.study.cluster import local_client
+from planner.study.page import study_page
+from planner.study.rows import DONE, PLANNED, completed, schema
+from planner.study.running import about_study, run_study
+from planner.study.spec import Cells, Grid, Spec
+from planner.study.store import opened, read_rows
+from planner.study.tasks import run_tasks
+
+CELLS = 200
+ROWS = 100_000
+TASKS = 2_000
+
+
+def study_rows() -> list[list[str]]:
+    """Rows of the table of figures: what, measured, wanted."""
+    return [*_overhead(), *_many_rows()]
+
+
+def _overhead() -> list[list[str]]:
+    case = load_case("hexapod")
+    grid = Grid(order=[2], duration_s=[3.0], criterion=["D", "A"], seed=list(range(CELLS // 2)))
+    spec = Spec(schema_version=1, name="bench", grid=grid, cells=Cells(time_limit_s=120.0))
+    with tempfile.TemporaryDirectory() as folder, local_client(None, 2.0) as client:
+        threads = sum(client.nthreads().values())
+        warm = Spec(schema_version=1, name="warm", grid=Grid(order=[2], duration_s=[3.0], seed=list(range(threads))))
+        run_study(client, warm, case, "hexapod", Path(folder) / "warm", lambda outcome: None)
+        busy: list[float] = []
+        began = time.perf_counter()
+        run_study(client, spec, case, "hexapod", Path(folder) / "study", lambda outcome: busy.append(outcome.seconds))
+        seconds = time.perf_counter() - began
+        began = time.perf_counter()
+        count = sum(1 for _ in run_tasks(client, operator.neg, ((str(k), k) for k in range(TASKS)), 60.0))
+        task = (time.perf_counter() - began) / count
+    overhead = seconds * threads / sum(busy)
+    return [
+        [f"study of {CELLS} cells: time x cores / time in cells", f"{overhead:.3f}", "1.15 or less"],
+        ["cores busy with cells", f"{100 / overhead:.0f} %", "over 90 %"],
+        ["overhead of one task", f"{task * 1e3:.1f} ms", "-"],
+        ["memory of client and scheduler at most", f"{_memory():.0f} MB", "-"],
+    ]
+
+
+def _memory() -> float:
+    """Largest resident memory of this process [MB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def _many_rows() -> list[list[str]]:
+    """Made-up rows of the right shape: only their number matters here."""
+    from planner.report import render
+
+    draw = np.random.default_rng(0)
+    case = load_case("hexapod")
+    spec = Spec(schema_version=1, name="many", grid=Grid())
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name) / "study"
+        rows = [
+            completed(
+                {
+                    "cell": str(k), "noise_seed": PLANNED, "family": "fourier", "criterion": "ADKN"[k % 4],
+                    "solver": ("ipopt", "sqp")[k % 2], "model": 9, "duration_s": 12.0, "order": 2 + k % 6,
+                    "period_s": 3.0 + k % 5, "seed": k, "status": DONE, "converged": True, "iterations": 100,
+                    "score": float(draw.normal()), "seconds": 2.0,
+                }
+            )
+            for k in range(ROWS)
+        ]  # fmt: skip
+        with opened(folder, schema(), about_study(spec, case, "hexapod", ROWS)) as store:
+            for part in range(0, ROWS, 5000):
+                store.add(rows[part : part + 5000])
+        began = time.perf_counter()
+        table: pa.Table = read_rows(folder, schema())
+        page = render(study_page(about_study(spec, case, "hexapod", ROWS), table))
+        seconds = time.perf_counter() - began
+    assert len(table) == ROWS
+    return [[f"{ROWS} rows read and drawn ({len(page) / 1e6:.1f} MB page)", f"{seconds:.1f} s", "10 s or less"]]
