@@ -95,9 +95,10 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
     needed, target = use(best)
     if needed > 1.0:
         reached = best.predicted_std[target.name] / UNITS[target.unit][1]
+        longer = np.ceil(request.duration * needed**2 * RESERVE)
         raise InfeasiblePlan(
             f"target {target.text} is out of reach in {request.duration:g} s: the best found has "
-            f"{reached:.3g} {target.unit}; allow --duration {np.ceil(request.duration * needed**2 * RESERVE):.0f} or a wider target"
+            f"{reached:.3g} {target.unit}; allow --duration {longer:.0f} or a wider target"
         )
     too_short = SHORTEST / 2
     for _ in range(ROUNDS):
