@@ -20,6 +20,7 @@ from planner.running import execute, linuxcnc_missing
 from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
+from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.study import study_rows
 
@@ -99,9 +100,11 @@ def main() -> None:
         rows += programs(Path(name), command)
     rows += exported()
     rows += study_rows()
+    rows += pose_figures()
     rows += limits_of_information()
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
+    pose_tables()
     print_table("Figures, measured now on this machine", ("figure", "measured", "wanted"), rows)
 
 
