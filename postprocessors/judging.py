@@ -16,6 +16,7 @@ from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, p
 from identification.motion import Array, Standstill, Trajectory
 from identification.polynomial import PolynomialMotion
 from identification.profile import StraightMove
+from identification.tabulated import Tabulated
 from postprocessors.guarantees import Guarantees, family
 from postprocessors.joints import joint_checks
 from postprocessors.predicted import predicted
@@ -31,14 +32,16 @@ def judge(part: Stretch, case: Case, guarantees: Guarantees, file: str, clock: f
     """Limits and duration [s] of a stretch that starts at `clock`.
 
     Timed paths and moves with the trigger on are excitations, which keep the box of `[limits.motion]`; moves without it
-    take the machine to a place and keep `[workspace]`.
+    take the machine to a place and keep `[workspace]`, and so do the rows of a table, in which every move is timed.
 
     Raises:
         ProgramError: a timed block that the controller cannot time as written.
     """
     if isinstance(part, Timed):
         _require_timing(part, guarantees, file)
-        report = prove_at(part.points, case, telling_instants(part.points, part.points.times, case), clock)
+        in_box = part.trigger or not isinstance(part.points, Tabulated)
+        instants = telling_instants(part.points, part.points.times, case)
+        report = prove_at(part.points, case, instants, clock, in_box)
         if isinstance(part.points, PolynomialMotion):
             limits = case.need_machine("the check of a program")[2].motion
             steps = tuple(joint_checks(part.points, limits, guarantees.shortest_block, clock))

@@ -1,0 +1,64 @@
+"""`check` and `run` take programs of every dialect, told by the ending or by name."""
+
+from pathlib import Path
+
+import pytest
+
+from postprocessors.setpoints import write_csv, write_parquet
+from tests.planner.command_line import call, refused
+from tests.postprocessors.other_dialects import BOTH, SINUMERIK, TWINCAT, Typed, smooth_points
+from tests.postprocessors.test_setpoints import CASE, moves
+
+ENDING = {"sinumerik": "mpf", "twincat": "nc"}
+
+
+def written(typed: Typed, folder: Path, ending: str) -> Path:
+    file = folder / f"small.{ending}"
+    on, off = ("DO $A_OUT[1]=1", "DO $A_OUT[1]=0\nG4 F0.1") if typed is SINUMERIK else ("M100", "M101")
+    file.write_text(typed.text(f"{on}\n{typed.timed(smooth_points(typed, 'X', 2.0))}\n{off}"))
+    return file
+
+
+@pytest.mark.parametrize("typed", BOTH, ids=lambda t: t.name)
+def test_a_program_is_checked_by_its_ending_and_by_the_name_of_its_language(typed: Typed, tmp_path: Path):
+    by_ending = call("check", written(typed, tmp_path, ENDING[typed.name]), "--case", "hexapod", "--json").json()
+    by_name = call(
+        "check", written(typed, tmp_path, "txt"), "--case", "hexapod", "--dialect", typed.name, "--json"
+    ).json()
+    assert by_ending["ok"]
+    assert by_ending == by_name
+    assert by_ending["limits"]["jerk"]["status"] == "enforced by controller"
+
+
+def test_the_wrong_language_is_refused_with_its_first_strange_word(tmp_path: Path):
+    file = written(TWINCAT, tmp_path, "nc")
+    assert "line 1, column 1: cannot read '%TEST'" in refused(
+        "check", file, "--case", "hexapod", "--dialect", "sinumerik"
+    )
+    assert "'fanuc' is unknown; choose linuxcnc, sinumerik, twincat, setpoints" in refused(
+        "check", file, "--case", "hexapod", "--dialect", "fanuc"
+    )
+
+
+@pytest.mark.parametrize(("write", "ending"), [(write_csv, "csv"), (write_parquet, "parquet")])
+def test_tables_are_checked_in_both_forms(write, ending: str, tmp_path: Path):
+    file = tmp_path / f"table.{ending}"
+    file.write_bytes(write(moves(), CASE))
+    answer = call("check", file, "--case", "hexapod", "--json").json()
+    assert answer["ok"]
+    assert answer["relies_on"] == []
+
+
+def test_a_table_that_is_something_else_is_refused(tmp_path: Path):
+    file = tmp_path / "recording.csv"
+    file.write_text("t_s,l1_mm\n0,1\n")
+    assert "the columns are not t_s,x_mm,..,trigger" in refused("check", file, "--case", "hexapod")
+
+
+def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
+    text = Path("cases/hexapod/case.toml").read_text(encoding="utf-8")
+    start, end = text.index("[controller.twincat]"), text.index("[controller.setpoints]")
+    case = tmp_path / "case.toml"
+    case.write_text(text[:start] + text[end:], encoding="utf-8")
+    line = refused("check", written(TWINCAT, tmp_path, "nc"), "--case", case)
+    assert "controller.twincat: is missing; the dialect twincat needs it: add the table" in line
