@@ -66,5 +66,5 @@ def family(name: str) -> str:
     return name.split(" (")[0].split(",")[0].removeprefix("angular ")
 
 
-KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration")
+KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 """Families of limits that depend on a controller's time law; those of geometry do not."""
