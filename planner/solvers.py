@@ -99,9 +99,17 @@ def _casadi(plugin: str, options: dict[str, Any]) -> Solver:
     def solve(program: Program, start: Array, iterations: int, watch: Watch) -> Reached:
         x, c = program.unknowns, program.constraints
         p = ca.MX.sym("p", 0)
-        jacobian = ca.Function("nlp_jac_g", [x, p], [c.rows, c.jacobian], ["x", "p"], ["g", "jac_g_x"])
+        rows, names = [c.rows, c.jacobian], ["g", "jac_g_x"]
+        if plugin == "ipopt":
+            derivatives = {"jac_g": ca.Function("nlp_jac_g", [x, p], rows, ["x", "p"], names)}
+        else:
+            slope = ca.densify(ca.gradient(program.objective, x))
+            everything = [program.objective, slope, *rows]
+            derivatives = {
+                "jac_fg": ca.Function("nlp_jac_fg", [x, p], everything, ["x", "p"], ["f", "grad_f_x", *names])
+            }
         callback = _Callback(x.shape[0], c.rows.shape[0], watch)
-        common = {"jac_g": jacobian, "iteration_callback": callback, "print_time": False, "show_eval_warnings": False}
+        common = {**derivatives, "iteration_callback": callback, "print_time": False, "show_eval_warnings": False}
         limit = (
             {"ipopt": {**options, "max_iter": iterations}} if plugin == "ipopt" else {**options, "max_iter": iterations}
         )

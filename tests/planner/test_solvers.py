@@ -1,0 +1,57 @@
+"""Every solver by name: the same small problem, the same optimum; stopped ones return what they have."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from cases.schema import Case
+from identification.limits import prove
+from planner.families.family import box_middle
+from planner.families.fourier import COARSE, FourierFamily
+from planner.problem import Constraints
+from planner.solvers import SOLVERS, Program
+from planner.solving import Stage, Task, run_start
+
+
+def program() -> Program:
+    """Rosenbrock's valley inside a disc, on a line: the optimum lies where the line leaves the disc's inside free."""
+    x = ca.MX.sym("x", 3)
+    rows = ca.vertcat(x[2] - x[0] - x[1], (x[0] ** 2 + x[1] ** 2) / 2)
+    objective = (1 - x[0]) ** 2 + 10 * (x[1] - x[0] ** 2) ** 2 + x[2] ** 2 / 100
+    constraints = Constraints(rows, ca.jacobian(rows, x), np.array([0.0, -1.0]), np.array([0.0, 0.5]))
+    return Program(x, objective, constraints, np.full(3, -2.0), np.full(3, 2.0))
+
+
+@pytest.mark.parametrize("name", list(SOLVERS))
+def test_it_finds_the_constrained_optimum_and_says_so(name: str):
+    reached = SOLVERS[name](program(), np.array([0.1, 0.1, 0.2]), 200, lambda objective: False)
+    x = reached.unknowns
+    assert reached.converged
+    assert x[2] == pytest.approx(x[0] + x[1], abs=1e-4)
+    assert x[0] ** 2 + x[1] ** 2 == pytest.approx(1.0, abs=2e-3)
+    assert x[:2] == pytest.approx(
+        [0.786, 0.618], abs=0.01
+    )  # Rosenbrock on the unit disc; the last term moves it little
+
+
+@pytest.mark.parametrize("name", list(SOLVERS))
+def test_a_watch_that_has_seen_enough_stops_it(name: str):
+    seen: list[float] = []
+
+    def watch(objective: float) -> bool:
+        seen.append(objective)
+        return len(seen) >= 3
+
+    reached = SOLVERS[name](program(), np.array([-1.5, 1.5, 0.0]), 200, watch)
+    assert not reached.converged
+    assert np.isfinite(reached.unknowns).all()
+    assert len(seen) <= 5
+
+
+@pytest.mark.parametrize("name", list(SOLVERS))
+@pytest.mark.parametrize("criterion", ["D", "N"])
+def test_every_solver_improves_a_motion_within_the_limits(name: str, criterion: str, hexapod_case: Case):
+    family = FourierFamily(2, 3.0, 1, *box_middle(hexapod_case), COARSE)
+    start = run_start(Task(hexapod_case, 0, family, criterion, name, Stage("few", 15, True), 3))
+    assert start.logdet > start.start_logdet
+    assert prove(family.motion(start.unknowns), hexapod_case).kept
