@@ -109,6 +109,13 @@ class Case(Part):
         Raises:
             CaseError: the case lacks one of them.
         """
+        if self.setup == "1a":
+            raise CaseError(
+                f"case {self.name}",
+                "setup",
+                f"is 1a, a sensor frame that does not move, so that there is no {purpose}; use hexcite tare, "
+                "force, and identify with payload for what is put on it",
+            )
         if self.machine is None:
             self.missing("machine", purpose)
         if self.workspace is None:

@@ -56,9 +56,10 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
     model = result.model_of(case)
-    if recording.t is None:
+    if recording.t is None or case.setup == "1a":
         still = standstills(recording, case, model)
-        t, forces, matrices = np.arange(1.0, still.samples + 1.0), still.forces, still.regressors
+        t = np.arange(1.0, still.samples + 1.0) if recording.t is None else recording.t
+        forces, matrices = still.forces, still.regressors
     else:
         run = moving_run(recording, case, model, whole)
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)

@@ -21,7 +21,7 @@ from identification.estimators import Method, Problem, gauss_markov_of, method, 
 from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
 from identification.fit import Fit
 from identification.identifiability import Identifiability, analyse
-from identification.model import Model, identification_model
+from identification.model import MASS, Model, identification_model
 from identification.plausibility import places, scan
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
@@ -74,7 +74,7 @@ def identify(
     try:
         if len(recording.forces) > 1:
             require_alive(recording.forces)
-        evaluate = _from_standstills if recording.t is None else _from_motion
+        evaluate = _from_standstills if recording.t is None or case.setup == "1a" else _from_motion
         return evaluate(recording, case, model, how)
     except IdentificationError as error:
         raise IdentificationError(placed(recording.source, error)) from error
@@ -97,7 +97,7 @@ def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Ide
     """
     model = identification_model(case, estimate.model, estimate.terms)
     selection = estimate.how.selection(model)
-    if recording.t is None:
+    if recording.t is None or case.setup == "1a":
         matrices = standstills(recording, case, model).regressors
     else:
         run = moving_run(recording, case, model)
@@ -117,7 +117,7 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
     scale = np.ones(data.samples) if recording.weights is None else recording.weights[~found.bad]
     matrices, forces = data.regressors * scale[:, None, None], data.forces * scale[:, None]
     fit = how.estimator(problem)(matrices, forces, model.names)
-    if how.name in SANDWICHED and not how.priors:
+    if how.name in SANDWICHED and not how.priors and recording.t is None:
         selection = how.selection(model)
         reduced = independent_poses(matrices @ selection.basis, fit)
         fit = replace(fit, covariance_robust=selection.basis @ reduced @ selection.basis.T)
@@ -250,6 +250,8 @@ def _systematic(moving: Moving) -> list[str]:
 
 def _require_sense(model: Model, fit: Fit) -> None:
     """Raises IdentificationError where the mass is negative for certain."""
+    if MASS not in model.blocks:
+        return
     mass = model.names.index("m")
     value, std = float(fit.values[mass]), float(np.sqrt(fit.covariance[mass, mass]))
     if std > 0.0 and value < -3.0 * std:
@@ -278,7 +280,8 @@ def doubts(fit: Fit, forces: Array) -> list[str]:
         )
     spread = np.sum(fit.weights * forces.var(axis=0))
     left = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
-    if len(forces) > len(fit.values) and left > (1.0 - LEAST_EXPLAINED) * spread:
+    moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
+    if moves and len(forces) > len(fit.values) and left > (1.0 - LEAST_EXPLAINED) * spread:
         warnings.append(
             f"the model explains only {100 * max(0.0, 1.0 - left / spread):.0f} % of the forces' variance; check "
             "order, sign and unit of forces and struts"

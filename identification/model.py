@@ -276,7 +276,7 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
 
     Args:
         case: gives sensor frame and gravity.
-        number: in Table 2.
+        number: in Table 2; in setup 1a, where nothing moves, model 0 is the offsets alone.
         terms: names of other forms of the error compensation than the model's, `ERROR_TERMS`.
 
     Raises:
@@ -285,6 +285,13 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
     if number not in MODELS:
         raise IdentificationError(f"model {number} is not one of Table 2; choose {', '.join(map(str, MODELS))}")
     blocks = MODELS[number]
+    if case.setup == "1a":
+        if number != 0 or terms:
+            raise IdentificationError(
+                "in setup 1a the sensor frame does not move: only its offsets f_q0 are identified, by model 0; weigh "
+                "what is put on it with hexcite payload, from a result without and one with it"
+            )
+        blocks = (OFFSETS,)
     if case.sensor_frame.transducer is not None:
         blocks = tuple(_WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
     model = Model(number, blocks, structure_matrix(case.sensor_frame), case.gravity)

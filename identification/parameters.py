@@ -46,6 +46,8 @@ class PhysicalForm:
 def physical_form(model: Model) -> PhysicalForm:
     """The physical form of a model's parameters: centre of gravity for first moments, central inertia for inertia."""
     u = ca.SX.sym("u", len(model.parameters))
+    if MASS not in model.blocks:  # offsets alone
+        return PhysicalForm(model.parameters, ca.Function("physical", [u], [u, ca.SX.eye(len(model.parameters))]))
     mass = u[model.names.index(MASS.parameters[0].name)]
     first = model.names.index(FIRST_MOMENT.parameters[0].name)
     centre = u[first : first + 3] / mass

@@ -1,9 +1,10 @@
 """The payload between two identifications: the rigid body that was added from one to the other."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
 from cases.errors import IdentificationError
 from identification.model import FIRST_MOMENT, INERTIA, MASS, Block, Model
@@ -12,6 +13,9 @@ from identification.result import Value
 from identification.saved import SavedResult
 
 Array = NDArray[np.float64]
+
+LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place along it is uncertain
+UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +29,78 @@ class Payload:
 
     parameters: dict[str, Value]
     warnings: tuple[str, ...]
+
+
+def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> Payload:
+    """What was put on a frame that does not move, from the offsets without and with it (setup 1a).
+
+    Its weight pulls along gravity alone: the component of the centre of gravity along gravity stays unknown, and so do
+    all of xC, yC, zC that have a share in it; the warnings name them.
+
+    Args:
+        before: without the payload.
+        after: with it.
+        model: of both; offsets only.
+
+    Raises:
+        IdentificationError: the difference in mass is not significant.
+    """
+    body = replace(model, blocks=(MASS, FIRST_MOMENT))
+    still = np.zeros((1, 6))
+    matrix = body.matrices(np.zeros((1, 3)), np.eye(3)[None], still, still)[0]
+    white, robust = (np.diag(b + a) for b, a in _pairs(before, after))
+    variance = np.maximum(np.maximum(white, robust), np.finfo(float).tiny)
+    root = 1.0 / np.sqrt(variance)
+    along = np.abs(body.gravity) > LEVEL * np.linalg.norm(body.gravity)
+    known = np.flatnonzero(np.r_[True, ~along])
+    # With the unknown direction left free the others do not take what belongs to it.
+    spread = np.linalg.pinv(matrix * root[:, None], rcond=1e-9) * root
+    u = spread @ (after.values - before.values)
+    of_u = (spread * variance) @ spread.T
+    std = float(np.sqrt(of_u[0, 0]))
+    if not abs(u[0]) > 3.0 * std:
+        raise _no_payload(before, after, float(u[0]), std)
+    left = (after.values - before.values - matrix @ u) * root
+    warnings = _about(before, after, float(u[0]))
+    if float(left @ left) > float(stats.chi2.isf(UNLIKELY, 3)):
+        warnings.append("the change of the forces is no weight alone: something pushes, or a sensor has drifted")
+    names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
+    warnings.append(
+        f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the payload in "
+        "another orientation"
+    )
+    jacobian = np.eye(4)
+    jacobian[1:, 0], jacobian[1:, 1:] = -u[1:] / u[0] ** 2, np.eye(3) / u[0]
+    values, deviations = np.r_[u[0], u[1:] / u[0]], np.sqrt(np.diag(jacobian @ of_u @ jacobian.T))
+    units = {"m": "kg", "xC": "m", "yC": "m", "zC": "m"}
+    parameters = {
+        name: Value(float(values[k]), float(deviations[k]), float(deviations[k]), units[name])
+        for k, name in enumerate(units)
+        if k in known
+    }
+    return Payload(parameters, tuple(warnings))
+
+
+def _pairs(before: SavedResult, after: SavedResult) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    return (before.covariance, after.covariance), (before.covariance_robust, after.covariance_robust)
+
+
+def _no_payload(before: SavedResult, after: SavedResult, mass: float, std: float) -> IdentificationError:
+    return IdentificationError(
+        f"{after.source}: mass differs from {before.source} by {mass:.4g} +- {std:.2g} kg, not by a payload; name the "
+        "results without and with payload, in this order"
+    )
+
+
+def _about(before: SavedResult, after: SavedResult, mass: float) -> list[str]:
+    warnings = []
+    if before.model != after.model:
+        warnings.append(f"models {before.model} and {after.model} differ: masses of different models do not compare")
+    if before.case_hash != after.case_hash:
+        warnings.append("the case was changed between the two identifications")
+    if mass < 0.0:
+        warnings.append("the mass became smaller: this is what was taken off, as a negative payload")
+    return warnings
 
 
 def payload_between(before: SavedResult, after: SavedResult, model_before: Model, model_after: Model) -> Payload:
@@ -53,17 +129,8 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
     robust = after.covariance_robust[np.ix_(new, new)] + before.covariance_robust[np.ix_(old, old)]
     std = float(np.sqrt(max(covariance[0, 0], robust[0, 0])))
     if not abs(difference[0]) > 3.0 * std:
-        raise IdentificationError(
-            f"{after.source}: mass differs from {before.source} by {difference[0]:.4g} +- {std:.2g} kg, not by a "
-            "payload; name the results without and with payload, in this order"
-        )
-    warnings = []
-    if before.model != after.model:
-        warnings.append(f"models {before.model} and {after.model} differ: masses of different models do not compare")
-    if before.case_hash != after.case_hash:
-        warnings.append("the case was changed between the two identifications")
-    if difference[0] < 0.0:
-        warnings.append("the mass became smaller: this is what was taken off, as a negative payload")
+        raise _no_payload(before, after, float(difference[0]), std)
+    warnings = _about(before, after, float(difference[0]))
     form = physical_form(body)
     values, physical = form.of(difference, covariance)
     white, long_run = np.sqrt(np.diag(physical)), np.sqrt(np.diag(form.of(difference, robust)[1]))

@@ -60,7 +60,7 @@ def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residu
         estimate: gives model, parameters and delay.
     """
     model = identification_model(case, estimate.model, estimate.terms)
-    if recording.t is None:
+    if recording.t is None or case.setup == "1a":
         data = standstills(recording, case, model)
         count = np.arange(1.0, data.samples + 1.0)
         return Residuals(count, data.forces, data.regressors @ estimate.values, None)

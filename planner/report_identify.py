@@ -50,9 +50,13 @@ def identify_page(
 
 
 def _headline(estimate: Estimate) -> Tiles:
+    body = (("m", 1.0, "kg", "mass, with its standard deviation"), ("zC", 1e3, "mm", "centre of gravity, z"))
     tiles = [
-        Tile(_with_error(estimate, "m", 1.0, "kg"), "mass, with its standard deviation"),
-        Tile(_with_error(estimate, "zC", 1e3, "mm"), "centre of gravity, z"),
+        Tile(_with_error(estimate, name, scale, unit), text)
+        for name, scale, unit, text in body
+        if name in estimate.physical  # a frame that does not move tells offsets alone
+    ]
+    tiles += [
         Tile(f"{estimate.s0_N:.3g} N", "rms of the force residuals"),
         Tile(f"{estimate.condition:.3g}", f"condition of the scaled regressor, rank {estimate.rank}"),
     ]

@@ -58,6 +58,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     streams = _joined(streams)
     _require_one_time(streams)
     main = next(s for s in streams if s.forces is not None)
+    if case.setup == "1a" and main.forces is not None:  # the frame stands where it stands
+        main = replace(main, rotations=np.tile(np.eye(3), (len(main.forces), 1, 1)))
     if main.struts is None and main.poses is not None:
         main = _with_kinematics(main, main.poses, case)
     assert main.forces is not None
@@ -118,7 +120,7 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
     if "forces" not in owner:
         wanted = [form.file_name(c) for c in forces_of(case)]
         raise RecordingError(f"{sources}: no forces: {without(wanted, names)}")
-    if not {"struts", "poses", "rotations"} & owner.keys():
+    if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
         wanted = [form.file_name(c) for c in (STRUTS if case.machine is not None else (*ROTATION, *POSE))]
         raise RecordingError(f"{sources}: no pose: {without(wanted, names)}")
 

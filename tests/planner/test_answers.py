@@ -52,11 +52,11 @@ def test_the_paths_in_the_answers_are_those_that_were_asked_for(chain: Chain, sh
 
 def test_cases_lists_the_built_in_cases():
     rows = call("cases", "--json").json()["cases"]
-    assert {r["name"] for r in rows} == {"hexapod", "ft_wrist"}
+    assert {r["name"] for r in rows} == {"hexapod", "ft_wrist", "clamping_table"}
     assert all(Path(r["file"]).is_file() for r in rows)
 
 
-@pytest.mark.parametrize("case", ["hexapod", "ft_wrist"])
+@pytest.mark.parametrize("case", ["hexapod", "ft_wrist", "clamping_table"])
 def test_case_check_answers_with_figures(case: str):
     answer = call("case", "check", case, "--json").json()
     assert answer["ok"] is True

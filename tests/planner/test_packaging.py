@@ -93,7 +93,7 @@ def test_a_new_environment_takes_the_code_from_the_wheel_and_not_from_the_checko
 
 def test_the_command_works_outside_the_checkout(python: Path, tmp_path: Path):
     rows = json.loads(run(python.with_name("hexcite"), "cases", "--json", cwd=tmp_path))["cases"]
-    assert {r["name"] for r in rows} == {"hexapod", "ft_wrist"}
+    assert {r["name"] for r in rows} == {"hexapod", "ft_wrist", "clamping_table"}
     assert all(Path(r["file"]).is_relative_to(python.parents[1]) for r in rows)
     checked = json.loads(run(python.with_name("hexcite"), "case", "check", "hexapod", "--json", cwd=tmp_path))
     assert checked["ok"] is True
