@@ -22,6 +22,7 @@ from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
+from tests.bench.solvers import criteria_rows, paper_study
 from tests.bench.study import study_rows
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
@@ -102,6 +103,8 @@ def main() -> None:
     rows += study_rows()
     rows += pose_figures()
     rows += limits_of_information()
+    rows += criteria_rows()
+    paper_study()
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
     pose_tables()

@@ -1,4 +1,4 @@
-"""The paper's study of criteria, orders and solvers (section 7), criteria side by side, and a Monte Carlo confirmation."""
+"""The paper's study of criteria, orders and solvers (section 7), and what each criterion gains."""
 
 from dataclasses import dataclass
 
@@ -62,7 +62,7 @@ def paper_study() -> None:
     ]
     rows += [study_cell(case, "D", 5, solver, MANY).row for solver in ("ipopt", "sqp")]
     columns = ("criterion", "order", "solver", "converged", "iterations", "time", "criterion reached")
-    title = f"Section 7's study, model 9, {PERIOD:g} s; order 1 rests only where nothing moves. Wanted of D, 5: 20 of 20"
+    title = f"Section 7's study, model 9, {PERIOD:g} s; order 1 cannot rest and move. Wanted of D, 5: 20 of 20"
     print_table(title, columns, rows)
 
 
