@@ -78,11 +78,18 @@ def _linuxcnc(suffix: str = "") -> Language:
 
 
 def _sinumerik(suffix: str = "") -> Language:
+    from postprocessors.block_law import sinumerik_forecast
     from postprocessors.promises import sinumerik_guarantees, sinumerik_tolerance
     from postprocessors.reading.sinumerik import read_sinumerik
     from postprocessors.sinumerik import write_sinumerik
 
-    return Language(write_sinumerik, read_sinumerik, sinumerik_guarantees, sinumerik_tolerance)
+    return Language(
+        write_sinumerik,
+        read_sinumerik,
+        sinumerik_guarantees,
+        tolerance=sinumerik_tolerance,
+        forecast=sinumerik_forecast,
+    )
 
 
 def _twincat(suffix: str = "") -> Language:
