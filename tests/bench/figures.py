@@ -20,6 +20,7 @@ from planner.running import execute, linuxcnc_missing
 from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
+from tests.bench.monte_carlo import monte_carlo_table
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.solvers import criteria_rows, paper_study
@@ -105,6 +106,7 @@ def main() -> None:
     rows += limits_of_information()
     rows += criteria_rows()
     paper_study()
+    monte_carlo_table()
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
     pose_tables()
