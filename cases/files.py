@@ -30,6 +30,8 @@ PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "
 RUN = FolderKind("a run", frozenset({"recording.json", "recording.csv"}))
 RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"}))
 
+VALIDATION = FolderKind("a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"}))
+
 
 def _flush(path: Path) -> None:
     handle = os.open(path, os.O_RDONLY)

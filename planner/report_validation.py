@@ -1,0 +1,207 @@
+"""The page of a validation: Table 7, what the methods cost and give, and why a value is off."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import plotly.graph_objects as go
+from matplotlib.figure import Figure
+
+from cases.schema import Case
+from identification.result import Estimate
+from planner.report import Item, Note, Page, Plot, Section, Table, plain
+from planner.report_figures import COLOURS, GREY
+from planner.validation import COMPARED, SHOWN, SUSPICIOUS, Cause, Step
+
+TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
+SCALES = {"zC": (1e3, "mm"), "xC": (1e3, "mm"), "yC": (1e3, "mm")}
+LEAST_DEVIATION = 1e-12  # the first step is its own theory
+
+
+def table_7(steps: Sequence[Step]) -> list[list[str]]:
+    """Table 7's layout: a row a load, values with their relative deviation from theory."""
+    rows = []
+    for step in steps:
+        row = [f"{step.load:.0f} kg", f"{step.estimate.s0_N:.2f}"]
+        for name in SHOWN:
+            value = step.estimate.physical.get(name)
+            scale = SCALES.get(name, (1.0, ""))[0]
+            row.append("-" if value is None else f"{value.value * scale:.2f}")
+            if name[0] != "k":
+                deviation = step.deviation(name)
+                blank = deviation is None or abs(deviation) < LEAST_DEVIATION
+                row.append("" if blank or deviation is None else f"{100 * deviation:+.2f} %")
+        rows.append(row)
+    return rows
+
+
+def _methods(steps: Sequence[Step]) -> list[str]:
+    return list(dict.fromkeys(step.method for step in steps))
+
+
+def validation_page(
+    case: Case, steps: Sequence[Step], causes: Sequence[Cause], columns: Mapping[int, Estimate], machine: str
+) -> Page:
+    """The page of `hexcite validate`.
+
+    Args:
+        case: with its payloads.
+        steps: of all methods.
+        causes: why values are off.
+        columns: the run D9M without payload by models 6 to 9; empty where it was not made.
+        machine: what was used, in words.
+    """
+    payloads = case.payloads
+    assert payloads is not None
+    warnings = tuple(f"{s.method}, {s.load:.0f} kg: {w}" for s in steps for w in s.estimate.warnings)
+    tables: list[Item] = []
+    for method in _methods(steps):
+        own = [s for s in steps if s.method == method]
+        took = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
+        tables += [
+            Note(f"{method}{took}, model {own[0].estimate.model}"),
+            Table(TABLE_7, tuple(map(tuple, table_7(own)))),
+        ]
+    sections = [
+        Section("Which method gives the smallest standard deviations", (*_std_plots(steps), _std_table(steps))),
+        Section("Values and deviations from theory (Table 7)", (_deviation_note(), *tables, *_error_plots(steps))),
+        Section("Residuals grow with the load", (_s0_plot(steps),)),
+    ]
+    if causes:
+        sections.insert(1, Section("What is off, and why", tuple(Note(c.sentence() + ".") for c in causes)))
+    if columns:
+        sections.append(Section("Models 6 to 9 on the hand-made motion (Table 3)", _models(case, columns)))
+    return Page(
+        title=f"Validation with payloads: {case.title}",
+        lead=f"{len(payloads.weights)} known weights mounted one after the other and identified by "
+        f"{len(_methods(steps))} methods on {machine}.",
+        inputs=(("case", f"{case.name} (hash {case.hash})"), ("machine", machine), ("weights", payloads.source)),
+        warnings=warnings,
+        sections=tuple(sections),
+    )
+
+
+def _deviation_note() -> Note:
+    return Note(
+        "Theory: what the method itself identified without payload, plus the known weights; offsets must stay. s0 is "
+        "the rms of the residuals of the recorded forces [N]. m in kg, zC in mm, IC33 in kg m², f_q0_3 in N, "
+        "k0 in N/m, k1 in N m/m."
+    )
+
+
+def _std_plots(steps: Sequence[Step]) -> list[Plot]:
+    """Reported standard deviations without payload, at each method's own s0, and for one second of measuring."""
+    bare = [s for s in steps if s.weights == 0]
+    timed = [s for s in bare if s.duration is not None]
+    plots = [_std_plot("std", bare, lambda s: 1.0, "")]
+    if timed:
+        plots.append(_std_plot("std-per-second", timed, lambda s: float(np.sqrt(s.duration or 1.0)), " · √time"))
+    return plots
+
+
+def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], suffix: str) -> Plot:
+    figure = go.Figure()
+    for k, step in enumerate(bare):
+        names = list(step.estimate.physical)
+        values = [step.estimate.physical[n].reported * factor(step) for n in names]
+        marker = {"size": 9, "color": (*COLOURS, GREY)[k % 7]}
+        figure.add_scatter(
+            x=[plain(n) for n in names], y=values, name=plain(step.method), mode="markers", marker=marker
+        )
+    figure.update_xaxes(tickangle=-45)
+    figure.update_yaxes(title_text=f"std [SI]{suffix}", type="log")
+    note = (
+        "Reported standard deviations without payload, at each method's own residuals."
+        if not suffix
+        else "The same for one second of measuring: times the square root of the measuring time."
+    )
+    return Plot(name, figure.update_layout(height=400), note)
+
+
+def _std_table(steps: Sequence[Step]) -> Table:
+    bare = [s for s in steps if s.weights == 0]
+    names = list(dict.fromkeys(n for s in bare for n in s.estimate.physical))
+    rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
+    rows.append(("s0", *(f"{s.estimate.s0_N:.3g} N" for s in bare)))
+    for name in names:
+        scale, unit = SCALES.get(name, (1.0, ""))
+        found = [s.estimate.physical.get(name) for s in bare]
+        unit = unit or next(v.unit for v in found if v is not None)
+        rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:.3g}" for v in found)))
+    return Table(("without payload", *(s.method for s in bare)), tuple(rows))
+
+
+def _error_plots(steps: Sequence[Step]) -> list[Plot]:
+    """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
+    plots = []
+    for name in COMPARED:
+        figure = go.Figure()
+        figure.add_hrect(y0=-SUSPICIOUS, y1=SUSPICIOUS, fillcolor=COLOURS[0], opacity=0.12, line_width=0, layer="below")
+        drawn = False
+        for k, method in enumerate(_methods(steps)):
+            own = [(s.load, s.error(name)) for s in steps if s.method == method]
+            known = [(load, error) for load, error in own if error is not None]
+            if known:
+                x, y = zip(*known, strict=True)
+                line = {"color": (*COLOURS, GREY)[k % 7]}
+                figure.add_scatter(x=x, y=y, name=plain(method), mode="lines+markers", line=line)
+                drawn = True
+        figure.update_xaxes(title_text="load [kg]")
+        figure.update_yaxes(title_text=f"error of {name} / std")
+        if drawn:
+            note = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
+            plots.append(Plot(f"error-{name}", figure.update_layout(height=320), note, half=True))
+    return plots
+
+
+def _s0_plot(steps: Sequence[Step]) -> Plot:
+    figure = go.Figure()
+    for k, method in enumerate(_methods(steps)):
+        own = [s for s in steps if s.method == method]
+        line = {"color": (*COLOURS, GREY)[k % 7]}
+        figure.add_scatter(
+            x=[s.load for s in own],
+            y=[s.estimate.s0_N for s in own],
+            name=plain(method),
+            mode="lines+markers",
+            line=line,
+        )
+    figure.update_xaxes(title_text="load [kg]")
+    figure.update_yaxes(title_text="s0: rms residual [N]", type="log")
+    return Plot("s0", figure.update_layout(height=340))
+
+
+def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
+    names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")
+    rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
+    for name in names:
+        scale, unit = SCALES.get(name, (1.0, ""))
+        found = [e.physical[name] for e in columns.values()]
+        unit = unit or found[0].unit
+        rows.append((f"{name} [{unit}]", *(f"{v.value * scale:.5g} ± {v.reported * scale:.2g}" for v in found)))
+    truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
+    note = "Models 6 and 7 have no orientation-dependent error terms (K5); a motion tells mass from them all the same."
+    return (Table(("parameter", *(f"model {n}" for n in columns)), tuple(rows)), Note(note + truth))
+
+
+def std_figure(steps: Sequence[Step]) -> Figure:
+    """Reported standard deviations without payload of the methods, as bars, for papers."""
+    bare = [s for s in steps if s.weights == 0]
+    panels = ("m", "xC", "zC", "IC33", "k0", "k1")
+    figure = Figure(figsize=(12, 5.2), layout="constrained")
+    for ax, name in zip(figure.subplots(2, 3).ravel(), panels, strict=True):
+        scale = SCALES.get(name, (1.0, ""))[0]
+        unit = "mm" if name in SCALES else ""
+        for k, step in enumerate(bare):
+            value = step.estimate.physical.get(name)
+            if value is None:
+                continue
+            unit = unit or value.unit
+            ax.bar(k, value.reported * scale, color=(*COLOURS, GREY)[k % 7])
+            ax.annotate(f"{value.reported * scale:.2g}", (k, value.reported * scale), ha="center", va="bottom")
+        labels = [s.method if s.duration is None else f"{s.method}\n{s.duration:.0f} s" for s in bare]
+        ax.set_xticks(range(len(bare)), labels, fontsize=8)
+        ax.set_yscale("log")
+        ax.margins(y=0.25)
+        ax.set_title(f"std of {name} [{unit}]")
+        ax.grid(axis="y", alpha=0.25)
+    return figure
