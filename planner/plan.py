@@ -15,6 +15,7 @@ from cases.units import DEG, MM
 from identification.limits import LimitReport
 from identification.motion import Motion, Trajectory, sample
 from planner.bound import Bound
+from planner.families.fourier import FourierMotion, needless_harmonics
 from planner.families.saved import motion_entries, motion_of_entries
 from planner.request import LONGEST, Request
 from planner.solving import Failed, Start
@@ -86,6 +87,18 @@ class Plan:
         """D-efficiency against the bound of closed motions, where that is known."""
         return self.tight.efficiency(self.logdet) if self.tight is not None else None
 
+    @property
+    def notes(self) -> list[str]:
+        """What the user should know before running it."""
+        notes = []
+        if isinstance(self.motion, FourierMotion) and (needless := needless_harmonics(self.motion)):
+            order = max(2, self.motion.order - needless)
+            if order < self.motion.order:
+                notes.append(f"the highest {needless} harmonics are negligible: --order {order} would do")
+        if all(s.converged is False for s in self.starts) and self.starts:
+            notes.append("no start converged within its iterations; more --starts or another --solver may find more")
+        return notes
+
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
         return {
@@ -126,6 +139,7 @@ class Plan:
             "bound_tight": self.tight.to_json() if self.tight is not None else None,
             "predicted_std": self.predicted_std,
             "payload": self.request.payload,
+            "notes": self.notes,
             "targets": list(self.request.targets),
             "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],
             "assumed_noise_N": self.assumed_noise,

@@ -72,7 +72,7 @@ def first_family(request: Request, case: Case) -> Family:
     if request.family == "fourier":
         middle, half = box_middle(case)
         repeats = round(request.duration / request.period)
-        return FourierFamily(request.order, request.period, repeats, middle, half, COARSE)
+        return FourierFamily(request.order, request.period, repeats, middle, half, COARSE, request.centred)
     if request.family == "spline":
         moves = int(np.clip(round(MOVES_A_SECOND * request.duration), FEWEST, MOST))
         return PointToPointFamily.of(case, moves, request.duration)

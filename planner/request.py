@@ -31,6 +31,7 @@ class Request:
         duration: of the excitation [s].
         order: N of (34), family fourier.
         period: [s], family fourier; the duration is a whole number of it.
+        centred: family fourier: x0 is the middle of the box.
         moves: family ptp.
         knots: family spline, intervals between knots; None for ten a second.
         sequence: family manual: file of steps or poses; None for the one beside the case.
@@ -48,6 +49,7 @@ class Request:
     duration: float = 12.0
     order: int = 5
     period: float = 3.0
+    centred: bool = False
     moves: int = 40
     knots: int | None = None
     sequence: Path | None = None

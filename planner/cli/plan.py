@@ -23,6 +23,7 @@ def plan(
     duration: Annotated[float, typer.Option(help="Whole duration in s; for fourier a multiple of the period.")] = 12.0,
     order: Annotated[int, typer.Option(help="fourier: harmonics, 2 to 7.")] = 5,
     period: Annotated[float, typer.Option(help="fourier: period in s.")] = 3.0,
+    centred: Annotated[bool, typer.Option(help="fourier: keep x0 in the middle of the box.")] = False,
     moves: Annotated[int, typer.Option(help="ptp: point-to-point moves, 8 to 64.")] = 40,
     knots: Annotated[int | None, typer.Option(help="spline: intervals, 20 to 150; by default ten a second.")] = None,
     sequence: Annotated[
@@ -56,6 +57,7 @@ def plan(
         duration=duration,
         order=order,
         period=period,
+        centred=centred,
         moves=moves,
         knots=knots,
         sequence=sequence,
@@ -144,6 +146,8 @@ def _show(answer: dict[str, Any]) -> None:
     else:
         kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
         print(f"D-efficiency {answer['d_efficiency_tight']:.3f} against closed motions with limited jerk ({kind})")
+    for note in answer["notes"]:
+        print(f"note: {note}")
     names = list(answer["predicted_std"])
     units = {"xC": 1e3, "yC": 1e3, "zC": 1e3}
     std = [f"{n} {answer['predicted_std'][n] * units.get(n, 1.0):.3g}{' mm' if n in units else ''}" for n in names]

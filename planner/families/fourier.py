@@ -65,6 +65,16 @@ class FourierMotion:
         return Motion(time, pose, rates, accelerations, jerks)
 
 
+NEGLIGIBLE = 0.02  # of the largest amplitude; a harmonic below adds nothing that can be measured
+
+
+def needless_harmonics(motion: FourierMotion) -> int:
+    """Number of highest harmonics whose rates are negligible beside the largest, in every coordinate."""
+    amplitude = np.hypot(motion.a, motion.b)
+    share = (amplitude / np.maximum(amplitude.max(axis=0), 1e-300)).max(axis=1)
+    return int(np.argmax(share[::-1] > NEGLIGIBLE))
+
+
 def resting_basis(order: int) -> Array:
     """Basis of the coefficients (x0, a_1..a_N, b_1..b_N) that are at rest at t = 0, shape (2 N + 1, 2 N - 1)."""
     harmonics = np.arange(1, order + 1)
@@ -86,6 +96,7 @@ class FourierFamily:
         middle: middle of the box of poses, shape (6,) [m, rad].
         half: half of its width, shape (6,) [m, rad].
         density: instants of the optimiser's grid in one period of the highest harmonic.
+        centred: whether x0 is the middle of the box, as in the paper; else it is free.
     """
 
     order: int
@@ -94,6 +105,7 @@ class FourierFamily:
     middle: Array
     half: Array
     density: int
+    centred: bool = False
 
     @property
     def name(self) -> str:
@@ -103,7 +115,7 @@ class FourierFamily:
     @property
     def settings(self) -> dict[str, Any]:
         """Order, period and number of periods."""
-        return {"order": self.order, "period_s": self.period, "repeats": self.repeats}
+        return {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
 
     def sampling(self, case: Case) -> Sampling:
         """The motion as expressions."""
@@ -125,7 +137,15 @@ class FourierFamily:
     @property
     def unknowns(self) -> int:
         """Unknowns of each coordinate."""
-        return 2 * self.order - 1
+        return 2 * self.order - 1 - self.centred
+
+    @property
+    def _basis(self) -> Array:
+        """Coefficients at rest; `centred` leaves out the one with nothing but x0."""
+        basis = resting_basis(self.order)
+        if not self.centred:
+            return basis
+        return np.asarray(basis @ null_space(basis[:1]))  # its first row is x0
 
     @property
     def grid(self) -> Array:
@@ -160,7 +180,7 @@ class FourierFamily:
     def _coefficients(self, unknowns: Array) -> tuple[Array, Array, Array]:
         w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
         # Unknowns of the basis are a_l / w_1 and so on in units of the box: all of order one.
-        values = resting_basis(self.order) @ unknowns.reshape(self.unknowns, 6) * self.half
+        values = self._basis @ unknowns.reshape(self.unknowns, 6) * self.half
         return values[0], values[1 : self.order + 1] * w[0], values[self.order + 1 :] * w[0]
 
     def motion(self, unknowns: Array) -> FourierMotion:
@@ -174,7 +194,7 @@ class FourierFamily:
 
     def maps(self) -> tuple[Array, Array, Array, Array]:
         """Linear maps, each (K, q): unknowns of a coordinate -> it and its derivatives on the grid, in half widths."""
-        basis, t = resting_basis(self.order), self.grid
+        basis, t = self._basis, self.grid
         w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
         sine, cosine = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
         one, zero = np.ones((len(t), 1)), np.zeros((len(t), 1))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.families.fourier import FourierFamily, FourierMotion, resting_basis
+from planner.families.fourier import FourierFamily, FourierMotion, needless_harmonics, resting_basis
 from tests.helpers import HOME, taylor_slope
 
 HALF = np.array([0.25, 0.25, 0.1, 0.35, 0.35, 0.35])
@@ -98,3 +98,23 @@ def test_repeats_make_it_longer_and_nothing_else():
     once, thrice = (family(3, 2.0, n).motion(np.ones(30)) for n in (1, 3))
     assert (once.duration, thrice.duration) == (2.0, 6.0)
     assert np.allclose(thrice.at([4.7]).pose, once.at([0.7]).pose)
+
+
+@pytest.mark.parametrize("order", [2, 5, 7])
+def test_a_centred_family_rests_and_has_no_x0(order: int):
+    family = FourierFamily(order, 3.0, 1, np.zeros(6), np.ones(6), 12, centred=True)
+    assert family.unknowns == 2 * order - 2
+    motion = family.motion(np.random.default_rng(1).normal(size=family.unknowns * 6))
+    assert np.abs(motion.centre).max() < 1e-12
+    ends = motion.at([0.0, 3.0])
+    assert np.abs(ends.rates).max() < 1e-9
+    assert np.abs(ends.accelerations).max() < 1e-9
+    assert np.linalg.matrix_rank(family.maps()[0]) == family.unknowns
+
+
+def test_harmonics_that_do_nothing_are_counted_from_the_highest():
+    a, b = np.zeros((5, 6)), np.zeros((5, 6))
+    a[0], a[2], b[1], a[4] = 1.0, -1.0, 0.5, 0.001
+    assert needless_harmonics(FourierMotion(np.zeros(6), a, b, 3.0, 1)) == 2
+    a[4, 3] = 0.1
+    assert needless_harmonics(FourierMotion(np.zeros(6), a, b, 3.0, 1)) == 0
