@@ -20,6 +20,7 @@ from planner.running import execute, linuxcnc_missing
 from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
+from tests.bench.identified import identification_figures
 from tests.bench.monte_carlo import monte_carlo_table
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
@@ -100,6 +101,8 @@ def main() -> None:
         rows += identification(Path(name))
     with tempfile.TemporaryDirectory() as name:
         rows += programs(Path(name), command)
+    with tempfile.TemporaryDirectory() as name:
+        rows += identification_figures(Path(name), command)
     rows += exported()
     rows += study_rows()
     rows += pose_figures()

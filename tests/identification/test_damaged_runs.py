@@ -96,3 +96,48 @@ def test_a_damaged_run_is_answered_in_one_line(kind: str, seed: int, times: int,
     estimate = answer(lambda: identify(read_recording(file, case), case), str(file))
     assert estimate is None or np.isfinite(estimate.values).all()
     assert estimate is None or np.isfinite(estimate.covariance).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["moving", "standstills", "wrist"])
+def test_thousands_of_damaged_runs_are_answered_in_one_line(kind: str, tmp_path: Path) -> None:
+    case, text = FILES[kind]
+    file = tmp_path / "run.csv"
+    for seed in range(1700):
+        file.write_bytes(damaged(text, seed, 1 + seed % 3))
+        estimate = answer(lambda: identify(read_recording(file, case), case), str(file))
+        assert estimate is None or (np.isfinite(estimate.values).all() and np.isfinite(estimate.covariance).all())
+
+
+def mildly_damaged(text: str, seed: int) -> str:
+    """One value in a thousand rows is another one: nothing, zero, a neighbour's, ten or a thousand times as large."""
+    draw = random.Random(seed)
+    rows = [line.split(",") for line in text.splitlines()]
+    for first in range(1, len(rows), 1000):
+        row = draw.randrange(first, min(first + 1000, len(rows)))
+        column = draw.randrange(1, 13)
+        value = float(rows[row][column])
+        choices = ["", "0", rows[max(row - 1, 1)][column], f"{10 * value:.6f}", f"{1000 * value:.6f}", f"{-value:.6f}"]
+        rows[row][column] = draw.choice(choices)
+    return "\n".join(",".join(row) for row in rows)
+
+
+def within_3_std(seeds: range, folder: Path) -> float:
+    """Share of mildly damaged runs that give every parameter within 3 standard deviations of the undamaged ones."""
+    file = folder / "recording.csv"
+    execution = PoseExecution(Hexapod.of(HEXAPOD), Harmonic(seed=1, duration=2.0))
+    write_recording(file, simulate_recording(HEXAPOD, execution, np.array([[0.2, 1.8]]), 1), HEXAPOD)
+    text = file.read_text()
+    clean = identify(read_recording(file, HEXAPOD), HEXAPOD)
+    std = np.sqrt(np.diag(clean.covariance))
+    good = 0
+    for seed in seeds:
+        file.write_text(mildly_damaged(text, seed))
+        estimate = answer(lambda: identify(read_recording(file, HEXAPOD), HEXAPOD), str(file))
+        good += estimate is not None and bool((np.abs(estimate.values - clean.values) < 3.0 * std).all())
+    return good / len(seeds)
+
+
+@pytest.mark.parametrize("seeds", [range(10), pytest.param(range(10, 200), marks=pytest.mark.slow)])
+def test_mild_damage_leaves_most_runs_usable(seeds: range, tmp_path: Path) -> None:
+    assert within_3_std(seeds, tmp_path) >= 0.3

@@ -1,0 +1,125 @@
+"""Figures of identification: an hour at 1 kHz, forward kinematics, coloured noise, contacts, the real sensor."""
+
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from cases.loading import load_case
+from identification.executed import PoseExecution
+from identification.frame import structure_matrix
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.recording import Recording, read_recording, write_recording
+from identification.simulate import simulate_recording
+from tests.bench.coverage import coloured_coverage
+from tests.helpers import Harmonic
+
+ROWS, MINUTE = 3_600_000, 60_000
+STATIC = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
+Rows = list[list[str]]
+
+
+def identification_figures(folder: Path, command: Callable[..., tuple[float, str]]) -> Rows:
+    """All of them; `command` runs hexcite and tells how long it took."""
+    return [*_kinematics(), *_coloured(), *_contacts(), *_wrist(), *_hour(folder, command)]
+
+
+def _kinematics() -> Rows:
+    case = load_case("hexapod")
+    hexapod = Hexapod.of(case)
+    struts = hexapod.strut_lengths(Harmonic(seed=1).at(np.linspace(0.0, 3.0, 20_000)).pose)
+    times = []
+    for _ in range(5):
+        began = time.perf_counter()
+        hexapod.poses(struts)
+        times.append(time.perf_counter() - began)
+    return [["forward kinematics of 20 000 samples", f"{min(times):.2f} s", "0.1 s"]]
+
+
+def _coloured() -> Rows:
+    case = load_case("hexapod")
+    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=4.0))
+    found = coloured_coverage(case, execution, np.array([[0.2, 3.8]]), seeds=200)
+    return [
+        ["coverage, noise of a 20 Hz filter, 200 seeds: robust std", f"{found.robust:.1f} %", "91 to 98 %"],
+        ["  their width over the true spread, median", f"{found.width:.2f}", "at most 1.5"],
+        ["  the same: std (28), which noise with memory misleads", f"{found.white:.1f} %", "fails"],
+    ]
+
+
+def _contacts() -> Rows:
+    case = load_case("hexapod")
+    executions = [PoseExecution(Hexapod.of(case), Harmonic(seed=s, duration=3.0)) for s in range(3)]
+    frame = structure_matrix(case.sensor_frame)
+    alarms, late = 0, []
+    for seed in range(50):
+        run = simulate_recording(case, executions[seed % 3], np.array([[0.2, 2.8]]), seed)
+        assert run.t is not None
+        alarms += any("contact" in w for w in identify(run, case).warnings)
+        draw = np.random.default_rng(seed)
+        push, start = draw.normal(size=3), float(draw.uniform(0.4, 2.4))
+        extra = np.linalg.solve(frame, np.r_[20.0 * push / np.linalg.norm(push), 0.0, 0.0, 0.0])
+        on = (run.t >= start) & (run.t < start + 0.2)
+        touched = replace(run, forces=run.forces - on[:, None] * extra)
+        told = [w for w in identify(touched, case).warnings if "contact from" in w]
+        late.append(abs(float(told[0].split("contact from ")[1].split()[0]) - start) if told else np.inf)
+    return [
+        ["contacts of 20 N, 0.2 s: worst error of their begin, 50 runs", f"{1e3 * max(late):.0f} ms", "50 ms"],
+        ["  false alarms in 50 clean runs", f"{alarms}", "0"],
+    ]
+
+
+def _wrist() -> Rows:
+    if not STATIC.is_file():
+        return [["real force/torque sensor", "the recording is not there", ""]]
+    case = load_case("ft_wrist")
+    run = read_recording(STATIC, case)
+    assert run.rotations is not None
+    half = [replace(run, forces=run.forces[k], rotations=run.rotations[k]) for k in (slice(0, 12), slice(12, 24))]
+    estimate, whole = identify(half[0], case), identify(run, case)
+    left = half[1].forces - _static_regressor(half[1], case.gravity) @ estimate.values
+    rms = np.sqrt(np.mean(left**2, axis=0))
+    mass = whole.physical["m"]
+    return [
+        ["real sensor: mass (published 0.932 kg)", f"{mass.value:.4f} +- {mass.reported:.4f} kg", ""],
+        ["  12 poses predict the other 12, rms", f"{rms[:3].max():.3f} N, {1e3 * rms[3:].max():.1f} mN m", "0.15, 5"],
+    ]
+
+
+def _static_regressor(run: Recording, gravity: np.ndarray) -> np.ndarray:
+    """A load at rest, from F = m g and T = c x F: the pull of the load on the sensor."""
+    assert run.rotations is not None
+    pull = run.rotations.transpose(0, 2, 1) @ gravity
+    matrices = np.zeros((len(pull), 6, 10))
+    matrices[:, :3, 0], matrices[:, :, 4:] = pull, np.eye(6)
+    matrices[:, 3:, 1:4] = -np.cross(pull[:, None, :], np.eye(3)[None]).transpose(0, 2, 1)
+    return matrices
+
+
+def _hour(folder: Path, command: Callable[..., tuple[float, str]]) -> Rows:
+    """An hour at 1 kHz: a minute of a periodic motion, again and again."""
+    case = load_case("hexapod")
+    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=3.0))
+    period = simulate_recording(case, execution, np.array([[-1.0, 9.0]]), 0)
+    assert period.struts is not None
+    forces = np.tile(period.forces[:3000], (MINUTE // 3000, 1))
+    forces = forces + np.random.default_rng(1).normal(size=forces.shape)
+    repeats = ROWS // MINUTE
+    hour = Recording(
+        "hour", np.arange(ROWS) * 1e-3, np.tile(period.struts[:3000], (ROWS // 3000, 1)), None,
+        np.tile(forces, (repeats, 1)), np.ones(ROWS, dtype=bool),
+    )  # fmt: skip
+    write_recording(folder / "hour.csv", hour, case)
+    del hour
+    seconds, _ = command(
+        "identify", str(folder / "hour.csv"), "--case", "hexapod", "-o", str(folder / "hour"), "--json"
+    )
+    largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e6
+    return [
+        ["identification of 3 600 000 rows, CSV to result", f"{seconds:.0f} s", "60 s"],
+        ["  largest memory of any command so far", f"{largest:.2f} GB", "1 GB"],
+    ]
