@@ -9,12 +9,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 CHANCE = 1e-7  # for a sample by noise alone; two neighbours are asked for, so that a run of an hour stays silent
 CLEAR = 3.0  # times the limit that a contact reaches somewhere; residuals of a wrong model creep over it here and there
+SHARE = 0.2  # of what the model's force changes by nearby, that a contact leaves behind
+NEARBY = 0.03  # [s] before and after: a little more than the filter's memory
 FEWEST = 2  # neighbouring samples above the limit
 NEAR = 0.05  # [s] stretches closer than that are one contact
 MARGIN = 0.03  # [s] beside a contact that may still feel it
@@ -34,21 +37,24 @@ class Contact(NamedTuple):
     peak: float
 
 
-def find_contacts(t: Array, residuals: Array, structure: Array) -> tuple[Contact, ...]:
+def find_contacts(t: Array, residuals: Array, structure: Array, expected: Array) -> tuple[Contact, ...]:
     """Looks for contacts.
 
     Args:
         t: time of the samples, ascending, shape (n,) [s].
         residuals: measured less expected, shape (n, 6) [N, or N and N m].
         structure: J^-T, shape (6, 6), for the external force.
+        expected: forces of the model, shape (n, 6): where they change fast, a little error of time or of the model is
+            no contact.
     """
     distance = _distance(residuals)
+    clear = (distance >= CLEAR) & np.any(np.abs(residuals) > SHARE * _change(t, expected), axis=1)
     above = distance > 1.0
     edges = np.flatnonzero(np.diff(np.r_[False, above, False].astype(np.int8)))
     wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)
     found: list[Contact] = []
     for first, last in zip(edges[::2], edges[1::2] - 1, strict=True):
-        if last - first + 1 < FEWEST or distance[first : last + 1].max() < CLEAR:
+        if last - first + 1 < FEWEST or not clear[first : last + 1].any():
             continue
         contact = Contact(float(t[first]), float(t[last]), float(wrench[first : last + 1].max()))
         if found and contact.start - found[-1].end < NEAR:
@@ -64,6 +70,13 @@ def touched(t: Array, contacts: tuple[Contact, ...]) -> Rows:
     for contact in contacts:
         rows |= (t >= contact.start - MARGIN) & (t <= contact.end + MARGIN)
     return rows
+
+
+def _change(t: Array, forces: Array) -> Array:
+    """Range of the forces around each sample, shape (n, 6)."""
+    step = float(np.median(np.diff(t))) if len(t) > 1 else NEARBY
+    width = 2 * max(1, round(NEARBY / step)) + 1
+    return np.asarray(maximum_filter1d(forces, width, axis=0) - minimum_filter1d(forces, width, axis=0))
 
 
 def _distance(residuals: Array) -> Array:

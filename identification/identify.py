@@ -149,7 +149,8 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
     contacts: tuple[Contact, ...] = ()
     for _ in range(SEARCHES):
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
-        before, contacts = contacts, find_contacts(run.t, _without_pull(run, moving, how, pooled), model.structure)
+        left = _without_pull(run, moving, how, pooled)
+        before, contacts = contacts, find_contacts(run.t, left, model.structure, run.forces - left)
         if contacts == before:
             break
         rows = touched(run.t, contacts)

@@ -137,11 +137,14 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     found = []
     away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
     usual = 1.4826 * np.median(np.abs(away), axis=0)
+    # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
+    step_across = np.abs(recording.forces[2:] - recording.forces[:-2])
     # A drive that ripples makes forces that leap again and again; a glitch stands alone.
     around = percentile_filter(np.abs(away), LONELY_SHARE, size=(LONELY_WIDTH, 1), mode="nearest")
     for k in range(6):
         least = max(OUTLIER * usual[k], 1e-9 * float(np.abs(recording.forces[:, k]).max()))
         rows = _peaks(away[:, k], np.maximum(least, LONELY * around[:, k]))
+        rows[1:-1] &= step_across[:, k] < np.abs(away[:, k])
         if usual[k] > 0.0 and rows.any():
             found.append((f"channel {k + 1} jumps by up to {np.abs(away[:, k]).max():.4g} for single samples", rows))
     if recording.struts is None or case.limits is None:

@@ -15,6 +15,7 @@ from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.parameters import linear_parameters
+from identification.plausibility import scan
 from identification.recording import Recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line, simulated
@@ -145,6 +146,16 @@ def test_a_drive_that_ripples_is_no_glitch() -> None:
 
     _, warnings = errors(with_forces(ripple, run(0)))
     assert not any("jumps" in warning for warning in warnings)
+
+
+def test_an_acceleration_that_steps_is_no_glitch() -> None:
+    """Controllers without jerk limit switch forces between two samples."""
+
+    def steps(forces: np.ndarray) -> None:
+        for row in (600, 900, 1500, 2100):
+            forces[row:] += np.array([200.0, -150.0, 100.0, 80.0, -60.0, 120.0]) * (1 if row < 1000 else -1)
+
+    assert scan(with_forces(steps, run(0)), CASE).warnings == ()
 
 
 @pytest.mark.parametrize("size", [1e-3, 0.1])
