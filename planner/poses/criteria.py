@@ -113,12 +113,13 @@ class AOptimal:
     def after_removal(self, information: Array, regressors: Array) -> Array:
         """-trace F^-1 - trace((1 - A F^-1 A^T)^-1 A F^-2 A^T)."""
         weighted, leverage = _leverage(information, regressors)
-        left = np.eye(6) - leverage
-        values, vectors = np.linalg.eigh(left)
-        turned = vectors.transpose(0, 2, 1) @ weighted
-        with np.errstate(divide="ignore"):
-            loss = np.sum(np.sum(turned**2, axis=2) / np.maximum(values, 0.0), axis=1)
-        return np.asarray(self.value(information) - loss)
+        try:
+            solved = np.linalg.solve(np.eye(6) - leverage, weighted)
+        except np.linalg.LinAlgError:  # one of them loses rank exactly
+            return self.value(information - _products(regressors))
+        loss = np.einsum("nkl,nkl->n", solved, weighted)
+        # Losses are positive; where rank is lost, rounding decides their sign.
+        return np.asarray(self.value(information) - np.where(loss > 0.0, loss, np.inf))
 
     def after_addition(self, information: Array, regressors: Array) -> Array:
         """-trace F^-1 + trace((1 + A F^-1 A^T)^-1 A F^-2 A^T)."""

@@ -58,6 +58,7 @@ class PosePlan:
         condition: mu_1 / mu_u, reference scaling.
         fewest: poses that Algorithm 1 keeps of these before rank is lost.
         predicted_std: of each physical parameter [SI].
+        std_of_all: the same from all candidates.
         noise: standard deviation of an averaged force behind it [N].
         limits: of the moves.
         select_seconds: time spent on choosing [s].
@@ -79,6 +80,7 @@ class PosePlan:
     condition: float
     fewest: int
     predicted_std: dict[str, float]
+    std_of_all: dict[str, float]
     noise: float
     limits: LimitReport
     select_seconds: float
@@ -119,6 +121,7 @@ class PosePlan:
             "efficiency_space: estimate against the design over the whole pose space",
             "fewest_poses": self.fewest,
             "predicted_std": self.predicted_std,
+            "predicted_std_of_all_candidates": self.std_of_all,
             "assumed_noise_N": self.noise,
             "limits": self.limits.to_json(),
             "select_s": self.select_seconds,
@@ -184,6 +187,7 @@ def plan_poses(
         condition=float(np.sqrt(np.linalg.cond(information))),
         fewest=smallest_set(model, scaling, poses, request.criterion),
         predicted_std=_predicted_std(case, model, scaling, information, noise),
+        std_of_all=_predicted_std(case, model, scaling, total_information(regressors), noise),
         noise=noise,
         limits=limits,
         select_seconds=selected,
@@ -257,6 +261,6 @@ def save_pose_plan(plan: PosePlan, folder: Path) -> None:
         (part / "poses.csv").write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
         plots = part / "plots"
         save_figure(pose_figure(plan.case, plan.candidates.poses, plan.poses), plots, "poses")
-        save_figure(density_figure(plan.case, model, plan.predicted_std), plots, "densities")
+        save_figure(density_figure(plan.case, model, plan.predicted_std, plan.std_of_all), plots, "densities")
         found = analyse(pose_regressors(model, plan.poses), model.names)
         save_figure(identifiability_figure(found), plots, "identifiability")

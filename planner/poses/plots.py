@@ -44,6 +44,8 @@ def pose_figure(case: Case, candidates: Array, poses: Array) -> Figure:
     above.quiver(at[:, 0], at[:, 1], normal[:, 0], normal[:, 1], color="C0", angles="xy", scale_units="xy",
                  scale=0.5, width=0.004, label="tilt of the platform's normal")  # fmt: skip
     above.scatter(at[:, 0], at[:, 1], s=14, color="C3", zorder=3, label="poses")
+    reach = float(np.abs(np.vstack([some, at])[:, :2]).max()) + 1.5 * ARROW
+    above.set(xlim=(-reach, reach), ylim=(-reach, reach))
     above.set_aspect("equal")
     above.grid(alpha=0.25)
     above.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2, fontsize="small")
@@ -53,13 +55,16 @@ def pose_figure(case: Case, candidates: Array, poses: Array) -> Figure:
     return figure
 
 
-def density_figure(case: Case, model: Model, deviations: dict[str, float]) -> Figure:
+def density_figure(case: Case, model: Model, deviations: dict[str, float], every: dict[str, float]) -> Figure:
     """Normal density of each parameter about its nominal value, as in the last row of Table 5.
+
+    Chosen poses in colour; in grey what all candidates together would give.
 
     Args:
         case: gives the nominal body; parameters without a nominal value are drawn about 0.
         model: of the parameters.
-        deviations: predicted standard deviation of each physical parameter [SI].
+        deviations: predicted standard deviation of each physical parameter from the chosen poses [SI].
+        every: the same from all candidates.
     """
     centre = {p.name: 0.0 for p in physical_form(model).parameters}
     if case.nominal is not None:
@@ -70,13 +75,14 @@ def density_figure(case: Case, model: Model, deviations: dict[str, float]) -> Fi
     names = list(deviations)
     columns = min(5, len(names))
     rows = -(-len(names) // columns)
-    figure = Figure(figsize=(2.4 * columns, 1.9 * rows), layout="constrained")
+    figure = Figure(figsize=(2.7 * columns, 1.9 * rows), layout="constrained")
     for ax, name in zip(figure.subplots(rows, columns, squeeze=False).flat, names, strict=False):
         scale, unit = (1e3, "mm") if units[name] == "m" else (1.0, units[name])
         middle, std = centre[name] * scale, deviations[name] * scale
         x = np.linspace(middle - 4 * std, middle + 4 * std, 200)
-        ax.fill_between(x, norm.pdf(x, middle, std), color="C0", alpha=0.35)
-        ax.set_title(f"{name} ± {std:.2g} {unit}", fontsize="small")
+        ax.fill_between(x, norm.pdf(x, middle, every[name] * scale), color="0.8")
+        ax.fill_between(x, norm.pdf(x, middle, std), color="C0", alpha=0.6)
+        ax.set_title(f"{name} ± {std:.2g} {unit} (all ± {every[name] * scale:.2g})", fontsize="small")
         ax.set_yticks([])
         ax.tick_params(labelsize=7)
         ax.ticklabel_format(axis="x", useOffset=False)

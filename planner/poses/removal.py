@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 TIE = 1e-10  # relative; the first of equally good removals is taken, so that symmetric grids give one answer anywhere
 CHUNK = 16  # poses that are evaluated together at first
 REFRESH = 48  # evaluations in one step after which new bounds are cheaper
+EXACT = 500  # removals after which the information is summed anew: differences accumulate rounding
 FEW = 60  # poses from which on the information is summed anew and the rank is watched at every step
 MOST_EXHAUSTIVE = 2500  # poses that `reduce_smallest_change` starts from: it evaluates all of them at every step
 
@@ -69,7 +70,7 @@ def reduce_best(
     alive = np.ones(len(members), dtype=bool)
     information = total_information(regressors)
     present, screen = regressors, criterion.screen(regressors, information)
-    removed, values = [], []
+    removed, values, summed = [], [], EXACT
     for size in range(len(regressors), count, -1):
         found = None
         if size > FEW:
@@ -77,7 +78,8 @@ def reduce_best(
         if found is None:  # the bounds have become loose, or the sum wants to be exact
             members = members[alive]
             present, alive = regressors[members], np.ones(size, dtype=bool)
-            information = total_information(present)
+            if size <= FEW or size < len(regressors) - summed:
+                information, summed = total_information(present), len(regressors) - size + EXACT
             screen = criterion.screen(present, information)
             found = _best_removal(present, criterion, screen, information, alive, size)
         assert found is not None
