@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import percentile_filter
+from scipy.ndimage import maximum_filter1d, percentile_filter
 
 from cases.errors import RecordingError
 from cases.schema import Case
@@ -22,6 +22,7 @@ Rows = NDArray[np.bool_]
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is no chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
+TOGETHER = 10  # samples between a leap of the motion and that of the forces, delay included
 LONELY = 5.0  # times what most samples around it do, for a glitch
 LONELY_SHARE = 90.0  # [%] of these samples
 LONELY_WIDTH = 101  # samples around
@@ -139,12 +140,14 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     usual = 1.4826 * np.median(np.abs(away), axis=0)
     # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
     step_across = np.abs(recording.forces[2:] - recording.forces[:-2])
+    shaken = _shaken(recording)
     # A drive that ripples makes forces that leap again and again; a glitch stands alone.
     around = percentile_filter(np.abs(away), LONELY_SHARE, size=(LONELY_WIDTH, 1), mode="nearest")
     for k in range(6):
         least = max(OUTLIER * usual[k], 1e-9 * float(np.abs(recording.forces[:, k]).max()))
         rows = _peaks(away[:, k], np.maximum(least, LONELY * around[:, k]))
         rows[1:-1] &= step_across[:, k] < np.abs(away[:, k])
+        rows &= ~shaken
         if usual[k] > 0.0 and rows.any():
             found.append((f"channel {k + 1} jumps by up to {np.abs(away[:, k]).max():.4g} for single samples", rows))
     if recording.struts is None or case.limits is None:
@@ -160,6 +163,18 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
             text = f"strut {k + 1} jumps by up to {size:.4g} mm between samples {step * 1e3:.3g} ms apart, "
             found.append((text + f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids", rows))
     return found
+
+
+def _shaken(recording: Recording) -> Rows:
+    """Samples at or shortly after which the acceleration of a strut leaves its neighbours too, shape (n,)."""
+    rows = np.zeros(len(recording.forces), dtype=bool)
+    if recording.struts is None:
+        return rows
+    second = np.diff(recording.struts, 2, axis=0)
+    away = np.abs(second[1:-1] - (second[:-2] + second[2:]) / 2)
+    usual = 1.4826 * np.median(away, axis=0)
+    rows[2:-2] = np.any((away > OUTLIER * usual) & (usual > 0.0), axis=1)
+    return np.asarray(maximum_filter1d(rows, 2 * TOGETHER + 1))
 
 
 def _peaks(away: Array, most: Array | float) -> Rows:
