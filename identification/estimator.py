@@ -100,8 +100,7 @@ def per_channel(
     if len(forces) < 2:
         raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
     require_alive(forces)
-    # Start from each channel's own spread: N and N m are not comparable.
-    spread = forces.std(axis=0)
+    spread = _own_noise(regressors, forces)
     weights = 1.0 / np.maximum(spread, 1e-12 * max(spread.max(), 1e-300)) ** 2
     fit = gauss_markov(regressors, forces, names, weights, nuisance, filtered)
     independent = len(forces) * filtered.gain * filtered.stride
@@ -125,6 +124,23 @@ def per_channel(
         if settled:
             break
     return fit
+
+
+def _own_noise(regressors: Array, forces: Array) -> Array:
+    """Noise of each channel to start from, shape (6,): what a fit to this channel alone leaves of it.
+
+    From the channels' spread, a channel whose forces vary much would begin with so little weight that the turns may end
+    where it is not fitted at all. Where samples are few, the spread has to do.
+    """
+    samples, _, unknowns = regressors.shape
+    if samples < 2 * unknowns:
+        return np.asarray(forces.std(axis=0))
+    left = [
+        forces[:, k] - regressors[:, k] @ np.linalg.lstsq(regressors[:, k], forces[:, k], rcond=None)[0]
+        for k in range(forces.shape[1])
+    ]
+    noise = np.std(left, axis=1)
+    return np.asarray(np.maximum(noise, 1e-6 * forces.std(axis=0)))
 
 
 def channel_leverage(regressors: Array, weights: Array) -> Array:

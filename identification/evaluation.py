@@ -117,6 +117,15 @@ class Run:
         step = DELAY_STEP if delay < 0.0 else -DELAY_STEP  # inwards, where the filter reaches
         return np.asarray((self.regressors(delay + step) - matrices) @ values / step)
 
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """Names of what is estimated beside the model."""
+        return ("delay",)
+
+    def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
+        """Their columns, shape (n, 6, 1)."""
+        return self.effect_of_delay(delay, matrices, values)[:, :, None]
+
     def without(self, left_out: NDArray[np.bool_]) -> "Run":
         """The run without some of its evaluated samples, shape (n,)."""
         share = 1.0 - float(left_out.mean())

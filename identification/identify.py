@@ -26,6 +26,7 @@ from identification.plausibility import places, scan
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
 from identification.swapped import other_wiring
+from identification.wrist import WristRun, wrist_run
 
 Array = NDArray[np.float64]
 
@@ -100,7 +101,8 @@ def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Ide
     if recording.t is None or case.setup == "1a":
         matrices = standstills(recording, case, model).regressors
     else:
-        run = moving_run(recording, case, model)
+        strutless = recording.struts is None
+        run = wrist_run(recording, case, model, MOST_DELAY) if strutless else moving_run(recording, case, model)
         matrices = run.regressors(estimate.delay.value if estimate.delay else 0.0)
     return analyse(matrices @ selection.basis, selection.names)
 
@@ -135,7 +137,7 @@ def _inertia(model: Model) -> set[str]:
 class Moving(NamedTuple):
     """A run with its fit: residuals are those of the forces as recorded."""
 
-    run: Run
+    run: Run | WristRun
     fit: Fit
     delay: Delay
     residuals: Array
@@ -143,11 +145,15 @@ class Moving(NamedTuple):
 
 def _from_motion(recording: Recording, case: Case, model: Model, how: Method) -> Estimate:
     found = scan(recording, case)
-    run = moving_run(recording, case, model, found=found)
+    run: Run | WristRun
+    if recording.struts is None:
+        run = wrist_run(recording, case, model, MOST_DELAY)
+    else:
+        run = moving_run(recording, case, model, found=found)
     pooled = case.sensors.weights == "equal"
     moving = fit_with_delay(run, how, pooled)
     contacts: tuple[Contact, ...] = ()
-    for _ in range(SEARCHES):
+    for _ in range(SEARCHES if isinstance(run, Run) else 0):  # a wrist run leaves too much for that
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
         left = _without_pull(run, moving, how, pooled)
         before, contacts = contacts, find_contacts(run.t, left, model.structure, run.forces - left)
@@ -170,7 +176,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
     return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
 
 
-def _without_pull(run: Run, moving: Moving, how: Method, pooled: bool) -> Array:
+def _without_pull(run: Run | WristRun, moving: Moving, how: Method, pooled: bool) -> Array:
     """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
     selection = how.selection(run.model)
     matrices, forces = run.regressors(moving.delay.value), run.forces
@@ -187,7 +193,7 @@ def _told(recording: Recording, contact: Contact) -> str:
     )
 
 
-def fit_with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> Moving:
+def fit_with_delay(run: Run | WristRun, how: Method, pooled: bool, delay: float = 0.0) -> Moving:
     """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
 
     Args:
@@ -197,9 +203,10 @@ def fit_with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> M
         delay: to start from [s].
     """
     model = run.model
-    problem = Problem(model, pooled, nuisance=1, filtered=run.filtered)
+    beside = len(run.nuisances)
+    problem = Problem(model, pooled, nuisance=beside, filtered=run.filtered)
     search = gauss_markov_of(problem)
-    forces, names = run.forces, [*model.names, "delay"]
+    forces, names = run.forces, [*model.names, *run.nuisances]
     matrices = run.regressors(delay)
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not pooled else np.ones(6)
@@ -209,10 +216,10 @@ def fit_with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> M
         left = (forces - matrices @ selection.offset) * scale
         reduced = matrices @ selection.basis * scale[:, None]
         free = np.linalg.lstsq(reduced.reshape(-1, reduced.shape[2]), left.ravel(), rcond=None)[0]
-        effect = run.effect_of_delay(delay, matrices, selection.offset + selection.basis @ free)
+        effect = run.nuisance_columns(delay, matrices, selection.offset + selection.basis @ free)
         augmented = np.dstack([matrices, effect])
         first = np.dstack([matrices @ selection.basis, effect])
-        fit = search(first, forces - matrices @ selection.offset, [*selection.names, "delay"])
+        fit = search(first, forces - matrices @ selection.offset, [*selection.names, *run.nuisances])
         if delay == 0.0:
             _require_wiring(first, forces - matrices @ selection.offset, fit)
         step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
@@ -226,12 +233,12 @@ def fit_with_delay(run: Run, how: Method, pooled: bool, delay: float = 0.0) -> M
         )
     fit = how.estimator(problem)(augmented, forces, names)
     if how.name in SANDWICHED and not how.priors:
-        basis = block_diag(selection.basis, np.eye(1))
+        basis = block_diag(selection.basis, np.eye(beside))
         coloured = coloured_covariance(augmented @ basis, fit.residuals, fit.weights)
         if coloured is not None:
             fit = replace(fit, covariance_robust=basis @ coloured @ basis.T)
     _require_sense(model, fit)
-    residuals = run.recorded_forces - matrices @ fit.values[:-1]
+    residuals = run.recorded_forces - augmented[:, :, :-1] @ fit.values[:-1]
     value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < DELAY_TOLERANCE else 0.0)
     return Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals)
 

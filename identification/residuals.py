@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 from scipy.signal import welch
 
 from cases.schema import Case
-from identification.evaluation import moving_run, standstills
+from identification.evaluation import MOST_DELAY, moving_run, standstills
 from identification.model import identification_model
 from identification.recording import Recording
 from identification.result import Estimate
+from identification.wrist import wrist_run
 
 Array = NDArray[np.float64]
 
@@ -64,6 +65,10 @@ def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residu
         data = standstills(recording, case, model)
         count = np.arange(1.0, data.samples + 1.0)
         return Residuals(count, data.forces, data.regressors @ estimate.values, None)
+    if recording.struts is None:
+        wrist = wrist_run(recording, case, model, MOST_DELAY)
+        values = wrist.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
+        return Residuals(wrist.t, wrist.recorded_forces, values, wrist.filter.step * wrist.filter.stride)
     run = moving_run(recording, case, model)
     every = replace(run, rows=np.arange(run.rows[0], min(run.rows[-1] + 1, run.rows[0] + MOST_SAMPLES)))
     predicted = every.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values

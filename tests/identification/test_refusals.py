@@ -90,7 +90,7 @@ REFUSALS: dict[str, tuple[Recording, Case, int | None, type[HexciteError], str]]
     "inertia from standstills": (STILL, CASE, 9, UNFIT, "contains inertia.*choose a model from 0"),
     "position from rotations": (ROTATIONS, WRIST, 5, UNFIT, "needs the platform's position.*choose model 0"),
     "inertia from rotations at rest": (ROTATIONS, WRIST, 6, UNFIT, "standstills cannot excite"),
-    "a motion of rotations only": (replace(ROTATIONS, t=np.arange(24.0)), WRIST, None, UNREADABLE, "remove t_s"),
+    "a motion of rotations only": (replace(ROTATIONS, t=np.arange(24.0)), WRIST, None, UNREADABLE, "and an acceler"),
     "a standstill with trigger": (standing(True), CASE, None, UNFIT, "the pose is constant"),
     "a standstill without trigger": (standing(False), CASE, None, UNFIT, "the pose is constant"),
     "a machine that trembles": (with_struts(tremble, standing(True)), CASE, None, UNFIT, "constant .*at least 0.1 mm"),
