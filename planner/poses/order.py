@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-STARTS = 12
+STARTS = 12  # first poses that are tried
+FEW_STARTS, MANY = 1, 100  # of more poses than that, for their tours take long to improve
 LONGEST_STRETCH = 3
 GAIN = 1e-9  # [s] below, rounding would turn tours in circles
 
@@ -23,7 +24,8 @@ def shortest_order(times: Array) -> Index:
     """
     finite = np.where(np.isfinite(times), times, 1e6)
     count = len(times)
-    firsts = np.argsort(finite[0, 1:])[:: max(1, (count - 1) // STARTS)][:STARTS] + 1
+    starts = STARTS if count <= MANY else FEW_STARTS
+    firsts = np.argsort(finite[0, 1:])[:: max(1, (count - 1) // starts)][:starts] + 1
     tours = [_improved(_nearest(finite, int(first)), finite) for first in firsts]
     best = min(tours, key=lambda tour: (duration(tour, finite), tuple(tour)))
     return np.array(best)

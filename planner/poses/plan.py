@@ -162,9 +162,10 @@ def plan_poses(
     require_full_rank(regressors, model)
     choice = choose(request, case, model, candidates.poses, regressors, scaling, done)
     selected = perf_counter() - began
-    order, travel, unordered = _ordered(case, choice)
+    order, unordered = _ordered(case, choice)
     poses = choice.poses[order]
     motion, limits = _motion(case, poses)
+    travel = sum(part.duration for part in motion.parts if not isinstance(part, Measurement))
     chosen = pose_regressors(model, poses) * scaling
     seeds = np.vstack([candidates.poses[:: max(1, len(candidates.poses) // SEEDS)], poses])
     space = continuous_bound(case, model, scaling, seeds)
@@ -195,15 +196,15 @@ def plan_poses(
     )
 
 
-def _ordered(case: Case, choice: Choice) -> tuple[NDArray[np.int64], float, float]:
-    """Order of visit, travel in it and travel in the order of choice [s]; home first and last."""
+def _ordered(case: Case, choice: Choice) -> tuple[NDArray[np.int64], float]:
+    """Order of visit, and travel in the order of choice [s], both from home to home."""
     home = case.need_machine("a plan of poses")[0].home.vector
     stations = np.vstack([home, choice.poses])
     times = travel_times(case, stations)
     order = shortest_order(times)
     require_ways(times, order)
     as_chosen = duration([*range(len(stations)), 0], np.where(np.isfinite(times), times, 0.0))
-    return order[1:-1] - 1, duration(order, times), as_chosen
+    return order[1:-1] - 1, as_chosen
 
 
 def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:

@@ -20,6 +20,9 @@ from postprocessors.execute.ruckig_law import RuckigLaw
 Array = NDArray[np.float64]
 
 INSTANTS = 161  # of a move, at which its struts are looked at
+COARSE = 17  # the same where there are so many pairs of poses that only their order matters
+MANY_PAIRS = 5000
+CHUNK = 2000  # pairs at once, bounds memory
 MARGIN = 1.0 - 1e-3  # share of the strut limits that moves are slowed to, for what happens between the instants
 
 
@@ -34,12 +37,14 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     limits = case.need_machine("moves between poses")[2].motion
     move = StraightMove.fastest(start, end, limits.rate, limits.acceleration, limits.jerk)
     assert isinstance(move.profile, Profile)
-    slowness = float(_slowness(case, start[None], end[None], [move.profile])[0])
+    slowness = float(_slowness(case, start[None], end[None], [move.profile], INSTANTS)[0])
     return move if slowness <= 1.0 else StraightMove(move.start, move.end, move.profile.slowed(1.0 / slowness))
 
 
 def travel_times(case: Case, poses: Array) -> Array:
     """Duration of the fastest move between each two poses by ruckig, infinite where there is no way, shape (n, n) [s].
+
+    Of more than a hundred poses struts are looked at in few places: good for an order, not for a proof.
 
     Args:
         case: its limits.
@@ -52,8 +57,11 @@ def travel_times(case: Case, poses: Array) -> Array:
     rows = [(limit / way).min(axis=1) for limit in (limits.rate, limits.acceleration, limits.jerk)]
     profiles = [fastest_profile(1.0, *row) for row in zip(*rows, strict=True)]
     durations = np.array([RuckigLaw.within(*map(float, row)).duration for row in zip(*rows, strict=True)])
-    durations = durations * np.maximum(_slowness(case, start, end, profiles), 1.0)
-    durations[~_passable(case, start, end)] = np.inf
+    instants = INSTANTS if len(pairs) <= MANY_PAIRS else COARSE
+    for first in range(0, len(pairs), CHUNK):
+        some = slice(first, first + CHUNK)
+        durations[some] *= np.maximum(_slowness(case, start[some], end[some], profiles[some], instants), 1.0)
+        durations[some][~_passable(case, start[some], end[some], instants)] = np.inf
     times = np.zeros((len(poses), len(poses)))
     times[pairs[:, 0], pairs[:, 1]] = times[pairs[:, 1], pairs[:, 0]] = durations
     return times
@@ -69,10 +77,10 @@ def require_ways(times: Array, order: NDArray[np.int64]) -> None:
             )
 
 
-def _slowness(case: Case, start: Array, end: Array, profiles: list[Profile]) -> Array:
+def _slowness(case: Case, start: Array, end: Array, profiles: list[Profile], instants: int) -> Array:
     """By how much each move must be slowed for the struts' sake; below 1 where it need not be, shape (n,)."""
     limits = case.need_machine("moves between poses")[2].motion
-    laws = np.array([profile.at(_instants(profile))[:3] for profile in profiles])  # (n, 3, instants)
+    laws = np.array([profile.at(_instants(profile, instants))[:3] for profile in profiles])  # (n, 3, instants)
     way = (end - start)[:, None, :]
     pose = start[:, None, :] + laws[:, 0, :, None] * way
     rates, accelerations = (laws[:, k, :, None] * way for k in (1, 2))
@@ -83,14 +91,14 @@ def _slowness(case: Case, start: Array, end: Array, profiles: list[Profile]) -> 
     return np.asarray(np.maximum(fast, np.sqrt(hard)) / MARGIN)
 
 
-def _instants(profile: Profile) -> Array:
+def _instants(profile: Profile, instants: int) -> Array:
     """Equal steps, and the corners of the profile, where velocity and acceleration peak, shape (instants,) [s]."""
     jerk, hold = profile.jerk_time, profile.hold_time
     corners = np.cumsum([jerk, hold, jerk, profile.cruise_time, jerk, hold])
-    return np.sort(np.r_[np.linspace(0.0, profile.duration, INSTANTS), corners])
+    return np.sort(np.r_[np.linspace(0.0, profile.duration, instants), corners])
 
 
-def _passable(case: Case, start: Array, end: Array) -> NDArray[np.bool_]:
-    share = np.linspace(0.0, 1.0, INSTANTS)[:, None]
+def _passable(case: Case, start: Array, end: Array, instants: int) -> NDArray[np.bool_]:
+    share = np.linspace(0.0, 1.0, instants)[:, None]
     pose = start[:, None, :] + share * (end - start)[:, None, :]
     return np.asarray(valid_poses(case, pose.reshape(-1, 6)).reshape(len(start), -1).all(axis=1))

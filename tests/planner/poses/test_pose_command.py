@@ -173,3 +173,53 @@ def test_30_poses_take_at_most_81_s(tmp_path: Path) -> None:
     assert answer["settings"]["settle_s"] == 0.8
     assert answer["settings"]["average_s"] == 1.0
     assert 54.0 < answer["duration_s"] <= 81.0
+
+
+def test_standstills_are_averaged_wherever_they_are_if_asked_for(folder: Path, recorded: Path, quick: Path) -> None:
+    """Without trigger and without plan; home counts too where the machine rests there long enough."""
+    with (recorded / "recording.csv").open(encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    trigger = rows[0].index("trigger")
+    plain = folder / "unnamed.csv"
+    with plain.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([row[:trigger] + row[trigger + 1 :] for row in rows])
+    words = ("identify", plain, "--case", quick, "--standstills", "-o", folder / "wherever")
+    answer = call(*words, "--json").json()
+    assert answer["standstills"]["count"] in (8, 9, 10)
+    assert not answer["standstills"]["matched_to_poses"]
+    assert "averaged standstills, found where the machine stands, by the motion" in call(*words).out
+
+
+def test_averaged_rows_are_not_averaged_again(folder: Path, quick: Path) -> None:
+    names = [f"l{k}_mm" for k in range(1, 7)] + [f"f{k}_N" for k in range(1, 7)]
+    rows = [[1000.0 + 7 * j * (k + 1) % 90 for k in range(6)] + [float(j * k % 11) for k in range(6)] for j in range(5)]
+    file = folder / "averaged.csv"
+    with file.open("w", newline="", encoding="utf-8") as out:
+        csv.writer(out).writerows([names, *rows])
+    line = refused("identify", file, "--case", quick, "--standstills", "-o", folder / "no")
+    assert "averaged already" in line
+
+
+@pytest.mark.parametrize("entry", [[[1.0, 2.0]], "poses", [[None] * 6], [["x"] * 6]])
+def test_damaged_poses_of_a_recording_are_refused(folder: Path, recorded: Path, tmp_path: Path, entry: object) -> None:
+    damaged = tmp_path / "run"
+    damaged.mkdir()
+    (damaged / "recording.csv").symlink_to(recorded / "recording.csv")
+    about = json.loads((recorded / "recording.json").read_text(encoding="utf-8"))
+    (damaged / "recording.json").write_text(json.dumps(about | {"poses_m_rad": entry}), encoding="utf-8")
+    assert "poses_m_rad" in refused("identify", damaged, "-o", tmp_path / "no")
+
+
+@pytest.mark.parametrize(
+    "change", [{"average_s": 0.0}, {"settle_s": -1.0}, {"average_s": "long"}, {"pose_m_rad": [0.0] * 5}, {"kind": "x"}]
+)
+def test_damaged_measurements_of_a_plan_are_refused(
+    planned: dict[str, Any], tmp_path: Path, change: dict[str, object]
+) -> None:
+    data = json.loads((Path(planned["plan"]) / "plan.json").read_text(encoding="utf-8"))
+    first = next(m for m in data["moves"] if m["kind"] == "measure")
+    first.update(change)
+    (tmp_path / "plan.json").write_text(json.dumps(data), encoding="utf-8")
+    line = refused("post", tmp_path, "--dialect", "sinumerik", "-o", tmp_path / "no.mpf")
+    assert "plan.json" in line
+    assert "plan again" in line
