@@ -30,6 +30,7 @@ PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "
 RUN = FolderKind("a run", frozenset({"recording.json", "recording.csv"}))
 RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"}))
 
+COMPARISON = FolderKind("a comparison", frozenset({"comparison.json", "report.html", "plots"}))
 VALIDATION = FolderKind("a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"}))
 
 

@@ -10,7 +10,22 @@ import traceback
 import typer
 
 from cases.errors import HexciteError
-from planner.cli import bound, cases, demo, export, force, identify, plan, poses, post, retime, run, study, validate
+from planner.cli import (
+    bound,
+    cases,
+    compare,
+    demo,
+    export,
+    force,
+    identify,
+    plan,
+    poses,
+    post,
+    retime,
+    run,
+    study,
+    validate,
+)
 from planner.interruption import Interrupted, ctrl_c_raises
 
 app = typer.Typer(
@@ -36,6 +51,7 @@ app.command("export")(export.export)
 app.command("bound")(bound.bound)
 app.command("study")(study.study)
 app.command("retime")(retime.retime)
+app.command("compare")(compare.compare)
 app.command("validate")(validate.validate)
 app.command("demo")(demo.demo)
 

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from cases.schema import Case
     from planner.validation import Excitation
 
-ACCEPTED = ("acceleration", "jerk", "strut acceleration")  # no metal moves: the machine is simulated
+# LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
+# are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does.
+ACCEPTED = ("acceleration", "jerk", "strut acceleration")
 
 
 def validate(
@@ -153,8 +155,9 @@ def _excitation(name: str, case: "Case", method: str, settings: tuple[str, int, 
         "spline": Request(name, family="spline", starts=starts, seed=seed),
     }
     make_plan(requests[method], plan, quiet=True)
-    program = folder / "programs" / f"{method}.ngc"
-    make_program(plan, "linuxcnc", 1.0, ACCEPTED, program, quiet=True)
+    dialect, suffix, accepted = ("linuxcnc", "ngc", ACCEPTED) if on == "linuxcnc" else ("sinumerik", "mpf", ())
+    program = folder / "programs" / f"{method}.{suffix}"
+    make_program(plan, dialect, 1.0, accepted, program, quiet=True)
     outcome = execute(program, case, on, seed)
     run = (outcome.run.execution, outcome.run.trigger)
     return dynamic(case, method, METHODS[method], outcome.run.excitation, run, seed)

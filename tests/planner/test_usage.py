@@ -31,7 +31,21 @@ def test_help_imports_nothing_heavy(arguments: tuple[str, ...]):
 def test_help_lists_every_command():
     answer = call("--help")
     assert answer.code == 0
-    for command in ("cases", "case", "plan", "post", "check", "run", "identify", "demo", "force", "tare", "payload"):
+    for command in (
+        "cases",
+        "case",
+        "plan",
+        "post",
+        "check",
+        "run",
+        "identify",
+        "demo",
+        "force",
+        "tare",
+        "payload",
+        "compare",
+        "validate",
+    ):
         assert f"\n  {command} " in answer.out
 
 

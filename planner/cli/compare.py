@@ -1,0 +1,71 @@
+"""`hexcite compare`: plans, runs and results side by side, with a recommendation."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, print_json, print_table, status
+
+
+def compare(
+    folders: Annotated[list[Path], typer.Argument(help="Folders of plan, poses, run and identify, in any mix.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder to write.")] = Path("hexcite-comparison"),
+    json: Json = False,
+) -> None:
+    """Compare excitations before and after running them: cost, information, standard deviations, and which to prefer.
+
+    A result belongs to the run it was made of, a run to the plan whose path it followed.
+    """
+    answer = run_comparison(folders, output, quiet=json)
+    if json:
+        print_json(answer)
+
+
+def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, Any]:
+    """Reads, compares, writes the page, prints unless `quiet`; returns the JSON answer."""
+    from cases.errors import HexciteError
+    from cases.files import COMPARISON, atomic_folder, check_folder, json_text
+    from planner.comparing import groups, read_entry, recommend
+    from planner.plots import save_figure
+    from planner.report import render
+    from planner.report_compare import compare_figure, compare_page, warnings_of
+
+    if len({f.resolve() for f in folders}) < len(folders):
+        raise HexciteError("a folder is named twice; name each once")
+    check_folder(output, COMPARISON, folders)
+    with status("comparing", quiet):
+        found = groups([read_entry(folder) for folder in folders])
+        advice = recommend(found)
+        entries = [e for g in found for e in g]
+        answer: dict[str, Any] = {
+            "rows": [e.to_json() for e in entries],
+            "groups": [[e.name for e in g] for g in found],
+            "recommendation": advice._asdict(),
+            "warnings": list(warnings_of(entries)),
+        }
+        with atomic_folder(output, COMPARISON) as part:
+            (part / "comparison.json").write_text(json_text(answer), encoding="utf-8")
+            (part / "report.html").write_text(render(compare_page(found, advice)), encoding="utf-8")
+            save_figure(compare_figure(entries), part / "plots", "standard_deviations")
+    answer = {"report": str(output / "report.html")} | answer
+    if not quiet:
+        _show(answer, found)
+    return answer
+
+
+def _show(answer: dict[str, Any], found: Any) -> None:
+    from planner.report_compare import EXECUTION, execution_rows, figure_rows, parameter_rows
+
+    entries = [e for g in found for e in g]
+    names = [e.name for e in entries]
+    print_table("Figures; criteria of the mean information, reference scaling", ("", *names), figure_rows(entries))
+    columns = ("parameter", *(label for n in names for label in (n, "std")))
+    print_table("Parameters side by side; std of plans and runs is predicted", columns, parameter_rows(entries))
+    if rows := execution_rows(found):
+        print_table("Planned and executed", EXECUTION, rows)
+    for warning in answer["warnings"]:
+        print(f"warning: {warning}")
+    for sentence in answer["recommendation"]["sentences"]:
+        print(f"recommendation: {sentence}")
+    print(f"report written: {answer['report']}")

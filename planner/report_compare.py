@@ -1,0 +1,160 @@
+"""The page of a comparison: parameters side by side (Table 6), what controllers made of plans, and what to prefer."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import plotly.graph_objects as go
+from matplotlib.figure import Figure
+
+from planner.comparing import Entry, Recommendation
+from planner.report import Item, Note, Page, Plot, Section, Table, plain
+from planner.report_figures import COLOURS, GREY
+
+
+def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
+    """Rows: what each entry is, costs and holds; criteria of the mean information in the reference scaling."""
+    rows = [
+        ["is", *(e.level.name.lower() for e in entries)],
+        ["family or controller", *(e.family for e in entries)],
+        ["model", *(str(e.model) for e in entries)],
+        ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
+        ["samples", *(str(e.samples) for e in entries)],
+        ["s0 [N]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
+    ]
+    words = {"D": "log det F (D)", "A": "-trace F^-1 (A)", "K": "-mu_1/mu_u (K)", "N": "mu_u²/mu_1 (N)"}
+    for key, label in (*words.items(), ("condition", "condition")):
+        rows.append([label, *(f"{e.criteria[key]:.4g}" if key in e.criteria else "-" for e in entries)])
+    return rows
+
+
+def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
+    """Table 6's layout: a row a parameter, value and standard deviation of each entry."""
+    rows = []
+    for name in dict.fromkeys(n for e in entries for n in e.parameters):
+        told = [e.parameters.get(name) for e in entries]
+        unit = next(t.unit for t in told if t is not None)
+        scale, shown = (1e3, "mm") if unit == "m" else (1.0, unit)
+        row = [f"{name} [{shown}]"]
+        for t in told:
+            row.append("-" if t is None or t.value is None else f"{t.value * scale:.6g}")
+            row.append("-" if t is None else f"{t.std * scale:.2g}")
+        rows.append(row)
+    return rows
+
+
+def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
+    """Standard deviations for one second of measuring: times the square root of the measuring time."""
+    rows = []
+    for name in dict.fromkeys(n for e in entries for n in e.parameters):
+        told = [e.parameters.get(name) for e in entries]
+        unit = next(t.unit for t in told if t is not None)
+        scale, shown = (1e3, "mm") if unit == "m" else (1.0, unit)
+        row = [f"{name} [{shown} √s]"]
+        for entry, t in zip(entries, told, strict=True):
+            known = t is not None and entry.duration is not None
+            row.append(f"{t.std * scale * np.sqrt(entry.duration):.2g}" if known and t and entry.duration else "-")
+        rows.append(row)
+    return rows
+
+
+def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
+    """Planned against executed, a row a run."""
+    rows = []
+    for group in groups:
+        plan = next((e.name for e in group if e.level == 1), "-")
+        for run in (e for e in group if e.notes):
+            keys = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
+            rows.append([plan, run.name, *(f"{run.notes[k]:.3f}" if k in run.notes else "-" for k in keys)])
+    return rows
+
+
+EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. planned", "executed", "off the path [mm]")
+
+
+def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> Page:
+    """The page of `hexcite compare`."""
+    entries = [e for g in groups for e in g]
+    names = tuple(e.name for e in entries)
+    wide = ("parameter", *(label for n in names for label in (n, "std")))
+    execution = execution_rows(groups)
+    sections = [
+        Section("Recommendation", tuple(Note(s) for s in advice.sentences)),
+        Section(
+            "Parameters side by side (Table 6)",
+            (
+                _std_plot(entries),
+                Table(wide, tuple(map(tuple, parameter_rows(entries)))),
+                Note(
+                    "std of plans and runs: predicted from the information alone, with white noise as the case states."
+                ),
+            ),
+        ),
+        Section("Figures", (Table(("", *names), tuple(map(tuple, figure_rows(entries)))), _scaling_note())),
+        Section(
+            "Per second of measuring time",
+            (Table(("std · √time", *names), tuple(map(tuple, per_second_rows(entries)))),),
+        ),
+    ]
+    if execution:
+        items: tuple[Item, ...] = (Table(EXECUTION, tuple(map(tuple, execution)), left=2),)
+        sections.append(Section("Planned and executed", items))
+    hashes = dict.fromkeys((f"case {e.case.name}", e.case.hash) for e in entries)
+    return Page(
+        title="Comparison of excitations",
+        lead=f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
+        inputs=(*hashes, *((e.name, e.level.name.lower()) for e in entries)),
+        warnings=warnings_of(entries),
+        sections=tuple(sections),
+    )
+
+
+def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """What keeps figures from being compared."""
+    warnings = []
+    if len({e.model for e in entries}) > 1:
+        warnings.append("models differ: criteria of different models do not compare, standard deviations do")
+    if len({e.case.hash for e in entries}) > 1:
+        warnings.append("cases differ: the machines are not the same, or the case was changed between")
+    return tuple(warnings)
+
+
+def _scaling_note() -> Note:
+    return Note(
+        "Criteria (30)-(33): of the mean information in the reference scaling of case and model; larger is better."
+    )
+
+
+def _std_plot(entries: Sequence[Entry]) -> Plot:
+    figure = go.Figure()
+    for k, entry in enumerate(entries):
+        names = list(entry.parameters)
+        marker = {
+            "size": 9,
+            "color": (*COLOURS, GREY)[k % 7],
+            "symbol": ("circle-open", "diamond", "circle")[entry.level - 1],
+        }
+        y = [entry.parameters[n].std for n in names]
+        figure.add_scatter(x=[plain(n) for n in names], y=y, name=plain(entry.name), mode="markers", marker=marker)
+    figure.update_xaxes(tickangle=-45)
+    figure.update_yaxes(title_text="std [SI]", type="log")
+    note = (
+        "Standard deviations: open circles predicted by a plan, diamonds for the motion as executed, dots identified."
+    )
+    return Plot("std", figure.update_layout(height=420), note)
+
+
+def compare_figure(entries: Sequence[Entry]) -> Figure:
+    """Standard deviations side by side, for papers."""
+    figure = Figure(figsize=(11, 4.5), layout="constrained")
+    ax = figure.subplots()
+    names = list(dict.fromkeys(n for e in entries for n in e.parameters))
+    for k, entry in enumerate(entries):
+        x = [names.index(n) + 0.1 * (k - len(entries) / 2) for n in entry.parameters]
+        y = [t.std for t in entry.parameters.values()]
+        ax.plot(x, y, "osD"[k % 3], color=(*COLOURS, GREY)[k % 7], label=f"{entry.name} ({entry.level.name.lower()})")
+    ax.set_xticks(range(len(names)), names, rotation=60)
+    ax.set_yscale("log")
+    ax.set_ylabel("standard deviation [SI]")
+    ax.grid(alpha=0.25)
+    ax.legend(fontsize="small")
+    return figure

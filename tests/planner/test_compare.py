@@ -1,0 +1,113 @@
+"""`hexcite compare`: what belongs together is found by what it is, and the advice follows the figures."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser
+
+from cases.schema import Case
+from planner.comparing import Entry, Level, Told, groups, read_entry, recommend
+from tests.planner.browser import opened
+from tests.planner.command_line import call, refused
+
+Chain = dict[str, dict[str, Any]]
+
+
+def entry(case: Case, name: str, std: float, seconds: float, names: tuple[str, ...] = ("m", "zC")) -> Entry:
+    told = {n: Told(1.0, std, "kg") for n in names}
+    return Entry(
+        name, Level.IDENTIFIED, case, 9, "", seconds, 1000, {}, told, 1.0, {}, None, frozenset({name})
+    )  # fmt: skip
+
+
+def noisier(one: Entry, factor: float) -> Entry:
+    return replace(one, parameters={n: t._replace(std=factor * t.std) for n, t in one.parameters.items()})
+
+
+def test_the_advice_follows_the_noise_and_not_the_order(hexapod_case: Case):
+    a, b = entry(hexapod_case, "a", 0.10, 12.0), entry(hexapod_case, "b", 0.15, 12.0)
+    assert recommend([[a], [b]]).best == "a"
+    assert recommend([[b], [a]]).best == "a"
+    assert recommend([[noisier(a, 2.0)], [b]]).best == "b"
+    assert recommend([[b], [noisier(a, 2.0)]]).best == "b"
+    assert recommend([[a], [b]]).ratios == pytest.approx({"a": 1.0, "b": 1.5})
+
+
+def test_of_two_that_are_alike_the_shorter_is_advised(hexapod_case: Case):
+    long, short = entry(hexapod_case, "long", 0.100, 40.0), entry(hexapod_case, "short", 0.102, 10.0)
+    advice = recommend([[long], [short]])
+    assert advice.best == advice.per_second == "short"
+    assert "10.0 s against 40.0 s" in advice.sentences[0]
+
+
+def test_a_long_measurement_may_be_best_and_yet_not_per_second(hexapod_case: Case):
+    long, short = entry(hexapod_case, "long", 0.10, 1200.0), entry(hexapod_case, "short", 0.20, 12.0)
+    advice = recommend([[long], [short]])
+    assert (advice.best, advice.per_second) == ("long", "short")
+    assert "per second of measuring time short tells most" in advice.sentences
+
+
+def test_what_one_does_not_determine_is_said_and_not_compared(hexapod_case: Case):
+    static = entry(hexapod_case, "static", 0.1, 12.0)
+    moving = entry(hexapod_case, "moving", 0.2, 12.0, ("m", "zC", "IC33"))
+    advice = recommend([[static], [moving]])
+    assert advice.best == "static"
+    assert any("static does not determine IC33" in s for s in advice.sentences)
+
+
+def test_a_chain_is_one_excitation(chain: Chain, shared: Path):
+    """The run is known by the path that it followed, the result by the hash of its recording."""
+    found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
+    assert [[e.level for e in g] for g in found] == [[Level.PLANNED, Level.EXECUTED, Level.IDENTIFIED]]
+    plan, run, result = found[0]
+    assert result.duration == run.duration == pytest.approx(plan.duration, abs=0.01)
+    for letter in ("D", "condition"):  # three ways to the same information
+        assert run.criteria[letter] == pytest.approx(plan.criteria[letter], rel=0.02, abs=0.1)
+        # The result's covariance pays for the delay and for samples that the filter makes dependent.
+        assert result.criteria[letter] == pytest.approx(run.criteria[letter], rel=0.02, abs=0.5)
+    for name, told in plan.parameters.items():
+        assert run.parameters[name].std == pytest.approx(told.std, rel=0.05)
+
+
+def test_criteria_of_a_plan_are_those_that_it_was_chosen_by(chain: Chain, shared: Path):
+    plan = read_entry(shared / "plan")
+    assert plan.criteria["D"] == pytest.approx(chain["plan"]["logdet"], abs=1e-6)
+    assert plan.criteria["condition"] == pytest.approx(chain["plan"]["condition"], rel=1e-6)
+
+
+def test_another_plan_is_not_taken_for_the_runs_own(chain: Chain, shared: Path, tmp_path: Path):
+    call("plan", "hexapod", "--family", "manual", "-o", tmp_path / "manual")
+    found = groups([read_entry(p) for p in (tmp_path / "manual", shared / "recording")])
+    assert [len(g) for g in found] == [1, 1]
+
+
+def test_the_command_compares_and_writes_a_page(chain: Chain, shared: Path, tmp_path: Path, browser: Browser):
+    call("plan", "hexapod", "--family", "manual", "-o", tmp_path / "manual")
+    folders = (tmp_path / "manual", shared / "plan", shared / "recording", shared / "result")
+    answer = call("compare", *folders, "-o", tmp_path / "cmp", "--json").json()
+    assert {"rows", "recommendation", "report"} <= set(answer)
+    assert len(answer["rows"]) == 4
+    assert answer["recommendation"]["best"] == str(shared / "plan")
+    assert answer["recommendation"]["level"] == "planned"
+    ratios = answer["recommendation"]["ratios"]
+    rows = {r["name"]: r["parameters"] for r in answer["rows"]}
+    logs = [np.log(rows[str(folders[0])][n]["std"] / rows[str(folders[1])][n]["std"]) for n in rows[str(folders[1])]]
+    assert ratios[str(folders[0])] == pytest.approx(np.exp(np.mean(logs)))
+    with opened(browser, Path(answer["report"]), 400) as tab:
+        assert (tab.errors, tab.requests) == ([], [])
+        assert "smallest" in tab.page.locator(".note").first.inner_text()
+
+
+def test_units_stand_in_the_tables(chain: Chain, shared: Path, tmp_path: Path):
+    said = call("compare", shared / "plan", shared / "result", "-o", tmp_path / "c").out
+    assert "m [kg]" in said
+    assert "zC [mm]" in said
+
+
+def test_what_cannot_be_compared_is_refused(chain: Chain, shared: Path, tmp_path: Path):
+    assert "holds no plan, run or result" in refused("compare", tmp_path, "-o", tmp_path / "c")
+    assert "named twice" in refused("compare", shared / "plan", shared / "plan", "-o", tmp_path / "c")
+    assert not (tmp_path / "c").exists()
