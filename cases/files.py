@@ -26,7 +26,7 @@ class FolderKind:
     contents: frozenset[str]
 
 
-PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots"}))
+PLAN = FolderKind("a plan", frozenset({"plan.json", "motion.csv", "poses.csv", "plots", "report.html"}))
 RUN = FolderKind("a run", frozenset({"recording.json", "recording.csv"}))
 RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json", "plots", "report.html"}))
 

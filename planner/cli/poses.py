@@ -57,7 +57,7 @@ def make_poses(request: Any, output: Path | None, quiet: bool) -> dict[str, Any]
         plan = plan_poses(request, loaded, case_file, lambda left: counted(f"{left} poses"))
     with status("writing", quiet):
         save_pose_plan(plan, folder)
-    answer = {"plan": str(folder)} | plan.to_json()
+    answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if not quiet:
         _show(answer, plan)
@@ -89,4 +89,4 @@ def _show(answer: dict[str, Any], plan: Any) -> None:
         f"measured in {answer['duration_s']:.1f} s: travel {answer['travel_s']:.1f} s "
         f"({answer['travel_in_order_of_choice_s']:.1f} s in the order of choice), settling and averaging the rest"
     )
-    print(f"plan written: {answer['plan']} (chosen in {answer['select_s']:.1f} s)")
+    print(f"plan written: {answer['plan']} (chosen in {answer['select_s']:.1f} s), with its report {answer['report']}")

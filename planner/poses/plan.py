@@ -251,9 +251,11 @@ def _in_units(poses: Array) -> Array:
 
 
 def save_pose_plan(plan: PosePlan, folder: Path) -> None:
-    """Writes a plan folder: plan.json, poses.csv, plots/."""
+    """Writes a plan folder: plan.json, poses.csv, report.html, plots/."""
     from planner.plots import identifiability_figure, save_figure
     from planner.poses.plots import density_figure, pose_figure
+    from planner.report import render
+    from planner.report_poses import poses_page
 
     model = identification_model(plan.case, plan.request.model)
     rows = [f"{k}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(_in_units(plan.poses), 1)]
@@ -265,3 +267,4 @@ def save_pose_plan(plan: PosePlan, folder: Path) -> None:
         save_figure(density_figure(plan.case, model, plan.predicted_std, plan.std_of_all), plots, "densities")
         found = analyse(pose_regressors(model, plan.poses), model.names)
         save_figure(identifiability_figure(found), plots, "identifiability")
+        (part / "report.html").write_text(render(poses_page(plan, found)), encoding="utf-8")

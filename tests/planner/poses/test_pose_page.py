@@ -1,0 +1,20 @@
+"""The page of `hexcite poses`: every pose can be stepped to, and what it promises is what the plan says."""
+
+from pathlib import Path
+
+from playwright.sync_api import Browser
+
+from tests.planner.browser import opened
+from tests.planner.command_line import call
+
+
+def test_a_pose_plan_has_its_page(tmp_path: Path, browser: Browser):
+    answer = call(
+        "poses", "hexapod", "--method", "backward", "--count", "12", "-o", tmp_path / "poses", "--json"
+    ).json()
+    with opened(browser, Path(answer["report"]), 400) as tab:
+        assert tab.page.locator("#instant").inner_text() == "pose 1 of 12"
+        assert tab.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        shown = tab.page.locator("table").first.inner_text()
+        assert f"{answer['predicted_std']['m']:.3g}" in shown
+        assert (tab.errors, tab.requests) == ([], [])
