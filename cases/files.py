@@ -191,6 +191,10 @@ def json_text(value: Any) -> str:
     return json.dumps(value, indent=2, allow_nan=False) + "\n"
 
 
+def _refuse(constant: str) -> float:
+    raise ValueError(f"{constant} is no number of JSON")
+
+
 def read_json(path: Path, made_by: str) -> dict[str, Any]:
     """Reads a JSON object.
 
@@ -202,7 +206,7 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
         FileProblem: it is missing, unreadable or not a JSON object.
     """
     try:
-        value = json.loads(path.read_text(encoding="utf-8"))
+        value = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
     except OSError as error:
         raise FileProblem(f"{path}: cannot be read ({_reason(error)}); {made_by} writes it") from error
     except ValueError as error:

@@ -180,7 +180,14 @@ def test_what_is_not_json_is_not_written(value: float) -> None:
 
 @pytest.mark.parametrize(
     ("content", "says"),
-    [(b"{", "is not JSON"), (b"[1]", "holds no JSON object"), (b"", "is not JSON"), (b"\xff\xfe{}", "is not JSON")],
+    [
+        (b"{", "is not JSON"),
+        (b"[1]", "holds no JSON object"),
+        (b"", "is not JSON"),
+        (b"\xff\xfe{}", "is not JSON"),
+        (b'{"m": NaN}', "is not JSON"),
+        (b'{"m": -Infinity}', "is not JSON"),
+    ],
 )
 def test_what_is_not_a_json_object_is_named_with_its_maker(content: bytes, says: str, tmp_path: Path) -> None:
     (tmp_path / "r.json").write_bytes(content)
