@@ -24,7 +24,7 @@ def force(
     json: Json = False,
 ) -> None:
     """Compute external force and moment over a recording."""
-    from cases.files import atomic_file
+    from cases.files import atomic_file, check_file
     from identification.force import external_force
     from identification.recording import read_recording
     from identification.saved import load_result
@@ -32,6 +32,7 @@ def force(
 
     loaded = case_of(recording, case)
     file = output if output is not None else Path(f"{recording.resolve().stem}-force.csv")
+    check_file(file, [".csv"], [recording, *recording.glob("*")] if recording.is_dir() else [recording])
     found = external_force(read_recording(recording, loaded), loaded, load_result(parameters))
     with atomic_file(file) as part:
         _write(part, found)

@@ -40,7 +40,7 @@ def make_retimed(
 ) -> dict[str, Any]:
     """Re-times, writes, prints unless `quiet`; returns the JSON answer."""
     from cases.errors import HexciteError
-    from cases.files import write_text
+    from cases.files import check_file, write_text
     from cases.loading import load_case
     from identification.model import identification_model
     from identification.motion import Trajectory, sample
@@ -49,6 +49,8 @@ def make_retimed(
 
     if method is not None and method not in list(Method):
         raise HexciteError(f"method {method!r} is unknown; choose {' or '.join(Method)}")
+    if output is not None:
+        check_file(output, [".csv"], [source, *source.glob("*")] if source.is_dir() else [source])
     motion: Trajectory
     if source.is_dir():
         saved = load_plan(source)

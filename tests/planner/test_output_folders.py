@@ -81,6 +81,15 @@ def test_a_recording_is_not_overwritten_by_the_result_that_is_made_from_it(chain
     assert contents(recording) == before
 
 
+@pytest.mark.parametrize("words", [("force", "--parameters", "result"), ("retime",)])
+def test_a_table_is_not_overwritten_by_what_is_made_from_it(words: tuple[str, ...], tmp_path: Path):
+    table = tmp_path / "run.csv"
+    table.write_text("t_s,x_mm\n")
+    line = refused(*words, table, "--case", "hexapod", "-o", table, "--json")
+    assert "is also what is read; choose another place with -o" in line
+    assert table.read_text() == "t_s,x_mm\n"
+
+
 @pytest.mark.parametrize("command", ["plan", "run"])
 def test_a_folder_of_another_kind_is_not_overwritten(
     command: str, sources: dict, chain: Any, shared: Path, tmp_path: Path
