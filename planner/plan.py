@@ -97,6 +97,10 @@ class Plan:
                 notes.append(f"the highest {needless} harmonics are negligible: --order {order} would do")
         if all(s.converged is False for s in self.starts) and self.starts:
             notes.append("no start converged within its iterations; more --starts or another --solver may find more")
+        if self.family != self.request.family:
+            notes.append(
+                f"this is a {self.family} plan: no {self.request.family} found carries more; more --knots may help"
+            )
         return notes
 
     def to_json(self) -> dict[str, Any]:

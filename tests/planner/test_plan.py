@@ -1,6 +1,7 @@
 """A plan keeps all limits, by a computation that shares nothing with the planner, and is worth more than chance."""
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,9 @@ from identification.limits import prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner.families.fourier import COARSE, FINE, FourierFamily, FourierMotion
-from planner.plan import SavedPlan
+from planner.plan import Plan, SavedPlan
 from planner.problem import build_problem, mean_information
+from planner.request import Request
 from planner.solving import keep_limits, random_start
 from tests.postprocessors.independent import strut_lengths
 
@@ -119,3 +121,10 @@ def test_every_limit_is_proven(planned: dict[str, Any]):
     kinds |= {"angular jerk", "strut length", "strut velocity", "strut acceleration", "base joint angle"}
     kinds |= {"platform joint angle", "singularity", "workspace position"}
     assert set(planned["limits"]) >= kinds
+
+
+def test_a_spline_that_lost_against_the_moves_it_began_from_is_told():
+    """The best motion found is kept, whatever its family; nobody should take it for a spline."""
+    found = SimpleNamespace(motion=None, starts=(), family="ptp", request=Request("hexapod", family="spline"))
+    (note,) = vars(Plan)["notes"].fget(found)
+    assert "this is a ptp plan: no spline found carries more" in note
