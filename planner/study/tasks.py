@@ -5,7 +5,9 @@ often a task may be tried, how long it may take, and that its failure is an answ
 """
 
 import contextlib
+import os
 import queue
+import signal
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -83,7 +85,7 @@ def run_tasks(
         client: of a cluster whose workers can import `function`.
         function: what to do with a payload; whatever it raises is an outcome.
         tasks: keys, each once, and payloads.
-        time_limit: for one try [s]; a worker that is past it is restarted.
+        time_limit: for one try [s]; a worker that is past it is killed, and its nanny starts another.
 
     Raises:
         HexciteError: no worker is left.
@@ -174,11 +176,16 @@ def _overdue(client: "Client", function: Callable[[Any], Any], state: _State, ti
             if other is not task and other.worker == task.worker and other.started is not None:
                 other.tries, other.started = other.tries - 1, None
         with contextlib.suppress(ValueError, OSError, TimeoutError):  # no nanny, or gone: the task keeps its thread
-            client.restart_workers([task.worker], timeout=30, raise_for_error=False)
+            client.run(_kill, workers=[task.worker], nanny=True, on_error="ignore")
         if task.tries < TRIES:
             _again(client, function, key, task, state)
         else:
             yield _given_up(key, task, f"past its time limit of {time_limit:g} s", state)
+
+
+def _kill(dask_worker: Any) -> None:
+    """Run by a worker's nanny, which then starts another: code that holds the interpreter listens to nobody else."""
+    os.kill(dask_worker.pid, signal.SIGKILL)
 
 
 def _again(client: "Client", function: Callable[[Any], Any], key: str, task: _Running, state: _State) -> None:

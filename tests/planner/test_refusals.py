@@ -14,7 +14,7 @@ PLAN = ("plan", "hexapod", "--json")
     [
         (("plan", "hexapo"), ("hexapo", "did you mean 'hexapod'", "ft_wrist, hexapod")),
         (("plan", "ft_wrist"), ("ft_wrist", "machine", "is missing")),
-        ((*PLAN, "--family", "magic"), ("'magic'", "choose fourier")),
+        ((*PLAN, "--family", "magic"), ("'magic'", "choose manual, fourier, ptp, spline")),
         ((*PLAN, "--criterion", "E"), ("'E'", "choose A, D, K, N")),
         ((*PLAN, "--order", "1"), ("order 1", "2 to 7")),
         ((*PLAN, "--period", "0"), ("period 0 s", "choose")),
@@ -54,7 +54,7 @@ def test_a_wrong_argument_is_named_with_its_remedy(
         ("radius_mm = 700.0", "radius = 700.0", ("machine.base.ring.radius", "has no unit", "write radius_mm")),
         ("x_mm = [-250.0, 250.0]", "x_mm = [250.0, -250.0]", ("limits.motion.x_mm", "250", "-250", "swap")),
         ("half_angle_deg = 52.0", "half_angle_deg = 20.0", ("sensor_frame.bars", "condition", "must not all")),
-        ("radius_mm = 171.0", "radius_mm = 171.0.0", ("is not TOML", "line 43")),
+        ("radius_mm = 171.0", "radius_mm = 171.0.0", ("is not TOML", "(at line ")),
         ("z_mm = 900.0", "z_mm = 2900.0", ("machine.home", "out of reach", "strut length", "2946", "1460")),
     ],
 )
