@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from cases.disturbances import Disturbances
 from cases.errors import FileProblem, HexciteError
-from cases.parts import Six, Vector
 from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.executed import Execution
@@ -241,21 +240,21 @@ def _identified(
 
 
 def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
-    """The platform as identified without payload, with weights on it; offsets stay."""
+    """The platform as identified without payload, with weights on it; offsets stay.
+
+    Masses, first moments and moments about the origin of {P} add; the estimate need not be one of a real body.
+    """
     value = {name: v.value for name, v in bare.physical.items()}
-    theory = {name: v for name, v in value.items() if name.startswith("f_q0")}
-    centre = (value["xC"] * 1e3, value["yC"] * 1e3, value["zC"] * 1e3)
-    if "IC33" not in value:  # a static model knows no inertia, and mass and centre do not depend on it
-        sphere = (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
-        body = joined_body((_body(value["m"], centre, sphere), *mounted))
-        return theory | {n: v for n, v in _values(body).items() if not n.startswith("IC")}
-    i11, i12, i13, i22, i23, i33 = (value[f"IC{ij}"] for ij in ("11", "12", "13", "22", "23", "33"))
-    return theory | _values(joined_body((_body(value["m"], centre, (i11, i12, i13, i22, i23, i33)), *mounted)))
-
-
-def _body(mass: float, centre_mm: Vector, inertia: Six) -> RigidBody:
-    """Without validation: an estimate need not be a real body."""
-    return RigidBody.model_construct(mass_kg=mass, centre_of_gravity_mm=centre_mm, inertia_kg_m2=inertia)
+    centres = np.array([[value["xC"], value["yC"], value["zC"]], *(w.centre_of_gravity for w in mounted)])
+    masses = np.array([value["m"], *(w.mass_kg for w in mounted)])
+    centre = masses @ centres / masses.sum()
+    theory = {name: v for name, v in value.items() if name.startswith("f_q0")} | {"m": float(masses.sum())}
+    theory |= dict(zip(("xC", "yC", "zC"), centre.tolist(), strict=True))
+    if "IC33" in value:  # a static model knows no inertia
+        own = value["IC33"] + sum(float(w.inertia[2, 2]) for w in mounted)
+        apart = centres[:, :2] - centre[:2]
+        theory["IC33"] = float(own + masses @ np.sum(apart**2, axis=1))
+    return theory
 
 
 def _values(body: RigidBody) -> dict[str, float]:
@@ -272,28 +271,30 @@ def without_each(found: Disturbances) -> dict[str, Disturbances]:
     }
 
 
-def causes(case: Case, excitation: Excitation, last: Step, disturbances: Disturbances) -> list[Cause]:
-    """Why the compared parameters of a step are off by more than `SUSPICIOUS` standard deviations, if they are.
+def causes(case: Case, excitation: Excitation, found: Sequence[Step], disturbances: Disturbances) -> list[Cause]:
+    """Why compared parameters are off by more than `SUSPICIOUS` standard deviations, where they are most.
 
     The same run is recorded again without each of the disturbances, and identified.
 
     Args:
         case: with a simulated machine.
-        excitation: the method of the step.
-        last: a step of the simulated machine.
-        disturbances: of its recording.
+        excitation: the method of the steps.
+        found: its steps.
+        disturbances: of their recordings.
     """
-    wrong = [n for n in COMPARED if (error := last.error(n)) is not None and abs(error) > SUSPICIOUS]
-    if not wrong:
-        return []
-    tries = {}
-    for name, fewer in without_each(disturbances).items():
-        tries[name] = identify(excitation.recorded(last.weights, fewer), case).physical
+    tries: dict[int, dict[str, Estimate]] = {}
     result = []
-    for name in wrong:
-        without = {k: p[name].value / last.truth[name] - 1.0 for k, p in tries.items()}
-        error = last.estimate.physical[name].value / last.truth[name] - 1.0
-        result.append(Cause(last.method, last.weights, name, error, without))
+    for name in COMPARED:
+        step = max(found, key=lambda s: abs(s.error(name) or 0.0))
+        if abs(step.error(name) or 0.0) <= SUSPICIOUS:
+            continue
+        if step.weights not in tries:
+            fewer = without_each(disturbances).items()
+            tries[step.weights] = {k: identify(excitation.recorded(step.weights, d), case) for k, d in fewer}
+        truth = step.truth[name]
+        without = {k: e.physical[name].value / truth - 1.0 for k, e in tries[step.weights].items()}
+        error = step.estimate.physical[name].value / truth - 1.0
+        result.append(Cause(step.method, step.weights, name, error, without))
     return result
 
 

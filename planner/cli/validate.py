@@ -107,7 +107,8 @@ def run_validation(
                         found.append(step)
                         count(f"{step.method} {step.load:.0f} kg")
                     if disturbances is not None:
-                        why += causes(case, excitation, found[-1], disturbances)
+                        own = [s for s in found if s.method == excitation.name]
+                        why += causes(case, excitation, own, disturbances)
                     if excitation.name == "D9M":
                         columns = models(case, excitation, disturbances)
         answer = _answer(case, found, why, columns, disturbances, recordings)

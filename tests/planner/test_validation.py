@@ -1,19 +1,23 @@
 """The payload experiment: an ideal machine meets theory exactly, a disturbed one errs as far as it is told why."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
+from cases.disturbances import Disturbances
 from cases.loading import load_case
 from cases.schema import Case
+from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
+from identification.identify import identify
 from identification.loaded import Circumstances
-from identification.recording import STRUTS
+from identification.recording import STRUTS, Recording
 from identification.simulate import simulate_standstills
-from planner.validation import SHOWN, Cause, causes, static, steps, without_each
-from tests.helpers import ideal, paper_poses
+from planner.validation import RIGID, SHOWN, Cause, Excitation, _theory, causes, dynamic, static, steps, without_each
+from tests.helpers import Harmonic, ideal, paper_poses
 from tests.planner.browser import opened
 from tests.planner.command_line import call, hexcite, refused
 
@@ -64,9 +68,39 @@ def test_each_disturbance_is_taken_away_alone():
 
 def test_what_is_not_off_needs_no_cause():
     excitation = static(CASE, "ideal", "", 1.0, poses(), 0)
-    last = list(steps(CASE, excitation, None))[-1]
-    assert all(abs(last.error(name)) < 3.0 for name in ("m", "zC"))
-    assert causes(CASE, excitation, last, CASE.simulation.disturbances) == []
+    found = list(steps(CASE, excitation, None))
+    assert all(abs(s.error(name)) < 3.0 for s in found for name in ("m", "zC"))
+    assert causes(CASE, excitation, found, CASE.simulation.disturbances) == []
+
+
+def test_a_machine_that_errs_by_its_mode_is_told_to_err_by_its_mode():
+    """Forces are five per cent too large wherever the mode is there, and right without it."""
+    exact = static(CASE, "Q", "", 1.0, poses(), 0)
+
+    def recorded(weights: int, disturbances: Disturbances | None) -> Recording:
+        right = exact.recorded(weights, None)
+        return right if disturbances.mode_Hz == RIGID else replace(right, forces=1.05 * right.forces)
+
+    found = CASE.simulation.disturbances
+    excitation = Excitation("Q", "", 1.0, recorded)
+    (cause,) = [c for c in causes(CASE, excitation, list(steps(CASE, excitation, found)), found) if c.parameter == "m"]
+    assert cause.name == "the structural mode"
+    assert cause.error == pytest.approx(0.05, abs=0.005)
+    assert cause.without["the ripple of the struts"] == pytest.approx(cause.error)
+
+
+def test_theory_of_a_motion_contains_the_inertia_of_the_weights():
+    """An ideal moving run: what theory says of a loaded platform is what the machine truly has."""
+    motion = Harmonic(seed=1, duration=4.0)
+    run = (PoseExecution(Hexapod.of(CASE), motion), np.array([[0.5, 3.5]]))
+    found = dynamic(ideal(CASE), "D", "", 3.0, run, 0)
+    for k, recording in enumerate((found.recorded(0, None), found.recorded(2, None))):
+        estimate = identify(recording, CASE)
+        if k == 0:
+            theory = _theory(estimate, CASE.payloads.weights[:2])
+        else:
+            assert estimate.physical["IC33"].value == pytest.approx(theory["IC33"], rel=1e-3)
+            assert estimate.physical["m"].value == pytest.approx(theory["m"], rel=1e-4)
 
 
 def test_the_command_prints_table_7_and_says_what_machine_it_was(tmp_path: Path, browser: Browser):
