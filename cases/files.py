@@ -92,9 +92,8 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = ())
     """
     allowed = tuple(suffixes)
     if path.suffix.lower() not in allowed:
-        raise FileProblem(
-            f"{path}: ends in {path.suffix or 'nothing'!r}; name a file that ends in {' or '.join(allowed)}"
-        )
+        ending = repr(path.suffix) if path.suffix else "no suffix"
+        raise FileProblem(f"{path}: ends in {ending}; name a file that ends in {' or '.join(allowed)}")
     if path.is_dir():
         raise FileProblem(f"{path}: is a folder; name a file in it with -o")
     for source in inputs:

@@ -62,6 +62,8 @@ class Request:
         _one_of("family", self.family, FAMILIES)
         _one_of("criterion", self.criterion, CRITERIA)
         _one_of("solver", self.solver, SOLVER_NAMES)
+        if np.isnan(self.duration):
+            raise HexciteError("duration nan s is no duration; choose about 12 s")
         if not self.duration <= LONGEST:
             raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
         if self.family == "fourier":

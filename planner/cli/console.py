@@ -87,12 +87,21 @@ def status_text(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
 
 
 def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
-    """Rows of a limit report as it stands in JSON."""
+    """Rows of a limit report as it stands in JSON; what a controller's own time law decides is predicted, with a ~."""
     rows = []
     for v in limits.values():
-        known = v["status"] == "proven"  # what the controller times itself has no value that we know
-        worst, used = (f"{v['worst']:.4g}", f"{100 * v['ratio']:.2f} %") if known else ("-", "-")
-        rows.append([v["at"], worst, f"{v['limit']:.4g}", v["unit"], used, v["status"]])
+        about = "" if v["status"] == "proven" else "~"
+        status = "PASSED" if about == "" and v["ratio"] > 1.000001 else v["status"]
+        rows.append(
+            [
+                v["at"],
+                f"{about}{v['worst']:.4g}",
+                f"{v['limit']:.4g}",
+                v["unit"],
+                f"{about}{100 * v['ratio']:.2f} %",
+                status,
+            ]
+        )
     return rows
 
 

@@ -154,4 +154,4 @@ def _show(answer: dict[str, Any]) -> None:
     print(f"predicted standard deviations ({answer['assumed_noise_N']:g} N white force noise, 1 kHz, "
           f"{answer['payload']} payloads; SI units unless named): " + ", ".join(std))  # fmt: skip
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
-    print(f"plan written: {answer['plan']}")
+    print(f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s)")
