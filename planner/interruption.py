@@ -8,7 +8,10 @@ from types import FrameType
 
 
 class Interrupted(BaseException):
-    """Ctrl-C. Not a KeyboardInterrupt: the command-line library turns those into a word of its own."""
+    """Ctrl-C. Not a KeyboardInterrupt: the command-line library turns those into a word of its own.
+
+    An argument is what the user is told instead of "nothing was written".
+    """
 
 
 def _raise(number: int, frame: FrameType | None) -> None:

@@ -63,8 +63,8 @@ def main() -> None:
             app()
     except HexciteError as error:
         _stop(str(error))
-    except Interrupted:
-        print("hexcite: interrupted; nothing was written", file=sys.stderr)
+    except Interrupted as error:
+        print(f"hexcite: interrupted; {str(error) or 'nothing was written'}", file=sys.stderr)
         sys.exit(130)
     except Exception as error:  # a bug of ours: still no traceback unless asked for
         if os.environ.get("HEXCITE_TRACEBACK"):

@@ -39,6 +39,7 @@ def run(
     from cases.errors import HexciteError
     from cases.files import read_json, write_text
     from cases.loading import lasting_name, load_case
+    from planner.interruption import Interrupted
     from planner.study.cluster import local_client, remote_client, require_dask
     from planner.study.rows import DONE, PLANNED, schema
     from planner.study.running import about_study, cells_of, missing, run_study
@@ -76,8 +77,8 @@ def run(
                     count(outcome.reason)
 
                 computed = run_study(client, wanted, loaded, case_file, folder, done, retry)
-        except KeyboardInterrupt:
-            raise HexciteError(f"{folder}: stopped; what is done is kept, the same command goes on") from None
+        except Interrupted:
+            raise Interrupted(f"what is done is kept in {folder}, the same command goes on") from None
     seconds = time.perf_counter() - began
     table = read_rows(folder, schema())
     found = groups(table)

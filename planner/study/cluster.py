@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 from cases.errors import HexciteError
+from planner.interruption import ctrl_c_waits
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -36,26 +37,28 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
     import dask
     from distributed import Client, LocalCluster
 
+    from planner.study.deaf import Deaf
+
     settings = {
         "distributed.scheduler.allowed-failures": 1,
         "distributed.scheduler.worker-saturation": 1.0,
         "distributed.nanny.pre-spawn-environ": _ONE_THREAD | {"MALLOC_TRIM_THRESHOLD_": 65536},
         "distributed.admin.log-length": 1000,
     }
-    with (
-        dask.config.set(settings),
-        LocalCluster(
-            n_workers=workers or os.cpu_count() or 1,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address=None,
-            memory_limit=int(memory_GB * 1e9),
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
-        Client(cluster) as client,
-    ):
-        yield client
+    with dask.config.set(settings):
+        with ctrl_c_waits():
+            cluster = LocalCluster(
+                n_workers=workers or os.cpu_count() or 1,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address="127.0.0.1:0",
+                memory_limit=int(memory_GB * 1e9),
+                silence_logs=logging.CRITICAL,
+            )
+        with cluster, Client(cluster) as client:
+            client.register_plugin(Deaf())
+            yield client
 
 
 @contextmanager

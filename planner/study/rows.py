@@ -5,7 +5,19 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pyarrow as pa
 
-SETTINGS = ("family", "criterion", "solver", "model", "duration_s", "order", "period_s", "moves", "knots", "seed")
+SETTINGS = (
+    "family",
+    "criterion",
+    "solver",
+    "model",
+    "duration_s",
+    "order",
+    "period_s",
+    "moves",
+    "knots",
+    "payload",
+    "seed",
+)
 PLANNED = -1  # noise seed of the row that holds the plan itself
 
 DONE, FAILED = "done", "failed"
@@ -31,6 +43,7 @@ def schema() -> "pa.Schema":
             ("period_s", number),
             ("moves", whole),
             ("knots", whole),
+            ("payload", whole),
             ("seed", whole),
             ("status", text),
             ("reason", text),

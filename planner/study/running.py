@@ -117,7 +117,8 @@ def run_study(
 
         def tasks() -> Iterator[tuple[str, Job]]:
             for cell, seeds in work_left:
-                yield cell.key, Job(case, request_of(cell.settings, case_file), seeds)
+                disturbed = spec.execute is not None and spec.execute.disturbed
+                yield cell.key, Job(case, request_of(cell.settings, case_file), seeds, disturbed)
 
         for outcome in run_tasks(client, work, tasks(), spec.cells.time_limit_s):
             store.add(_rows(known[outcome.key], outcome, case))

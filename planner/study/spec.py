@@ -42,6 +42,7 @@ class Grid(Part):
     period_s: Values[Positive] = (3.0,)
     moves: Values[Whole] = (40,)
     knots: Values[Whole] = (120,)
+    payload: Values[Whole] = (0,)
     seed: Values[Whole] = (0,)
 
 
@@ -49,6 +50,7 @@ class Execution(Part):
     """What to do with each plan: run it, and identify it with several seeds of the sensors' noise."""
 
     on: Literal["virtual"] = "virtual"
+    disturbed: bool = False
     noise_seeds: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
 
 
@@ -169,7 +171,7 @@ def request_of(settings: dict[str, Any], case_file: str) -> Request:
 
 def cell_key(settings: dict[str, Any], execute: Execution | None, case: Case, version: str) -> str:
     """What a cell's rows are known by: 16 hexadecimal digits of case, settings, execution and version."""
-    content = [settings, None if execute is None else execute.on, case.hash, version]
+    content = [settings, None if execute is None else [execute.on, execute.disturbed], case.hash, version]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 

@@ -5,7 +5,7 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from planner.request import Request
 from planner.study.rows import DONE, FAILED, PLANNED
+
+if TYPE_CHECKING:
+    from identification.loaded import Circumstances
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,11 +26,13 @@ class Job:
         case: machine and limits, and a simulated machine where runs are asked for.
         request: what to plan, from one start.
         noise_seeds: of the recordings to identify; none: the plan alone.
+        disturbed: whether the simulated machine vibrates, ripples and errs with the pose.
     """
 
     case: Case
     request: Request
     noise_seeds: tuple[int, ...]
+    disturbed: bool = False
 
 
 def work(job: Job) -> list[dict[str, Any]]:
@@ -72,6 +77,7 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
 
 def _runs(job: Job, motion: Any, began: float) -> list[dict[str, Any]]:
     from identification.identify import identify
+    from identification.loaded import circumstances
     from identification.simulate import simulate_recording
     from planner.comparison import truth_rows
     from planner.running import execute
@@ -79,17 +85,19 @@ def _runs(job: Job, motion: Any, began: float) -> list[dict[str, Any]]:
     from postprocessors.guarantees import KINETIC
     from postprocessors.writing import proven_program
 
+    around = circumstances(job.case, job.request.payload, job.disturbed)
+    truth_case = _loaded_case(job.case, around)
     # Nothing moves but numbers: limits that this controller would leave to nobody are reported by `post`, not here.
     written = proven_program(motion, job.case, dialect("linuxcnc").load(), "study.ngc", ("study",), 1.0, KINETIC)
     with tempfile.TemporaryDirectory(prefix="hexcite-study-") as folder:
         program = Path(folder) / "study.ngc"
         program.write_bytes(written.content)
-        run = execute(program, job.case, "virtual", job.noise_seeds[0]).run
+        run = execute(program, job.case, "virtual", job.noise_seeds[0], around).run
     rows = []
     for seed in job.noise_seeds:
-        recording = simulate_recording(job.case, run.execution, run.trigger, seed)
+        recording = simulate_recording(job.case, run.execution, run.trigger, seed, around=around)
         estimate = identify(recording, job.case, job.request.model)
-        truth = truth_rows(job.case, estimate)
+        truth = truth_rows(truth_case, estimate)
         half = [v.interval(estimate.freedom)[1] - v.value for v in estimate.physical.values()]
         shares = [r["std"] / v.std for r, v in zip(truth, estimate.physical.values(), strict=True)]
         inside = sum(abs(r["error"]) <= h * s for r, h, s in zip(truth, half, shares, strict=True))
@@ -109,3 +117,12 @@ def _runs(job: Job, motion: Any, began: float) -> list[dict[str, Any]]:
         )
         began = now
     return rows
+
+
+def _loaded_case(case: Case, around: "Circumstances") -> Case:
+    """The case whose true parameters include what is mounted."""
+    from identification.loaded import loaded_truth
+
+    simulation = case.need_simulation("a study that executes its plans")
+    truth = loaded_truth(simulation.parameters, around.weights)
+    return case.model_copy(update={"simulation": simulation.model_copy(update={"parameters": truth})})

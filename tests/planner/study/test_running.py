@@ -1,6 +1,7 @@
 """A study goes on where it was, and what it says of its cells is what the rows hold."""
 
 import os
+import signal
 import subprocess
 import time
 from collections.abc import Iterator
@@ -214,3 +215,34 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) ->
     with opened(folder, schema(), about):
         pass
     assert "holds a study of another case" in refused("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder)
+
+
+def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(hexapod_case: Case) -> None:
+    """The estimate holds the mass of machine and weights: an error against the bare machine's would be 20 kg."""
+    from planner.study.spec import request_of
+    from planner.study.work import work
+
+    request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1}, "hexapod")
+    plan, run = work(Job(hexapod_case, request, (7,)))
+    assert (plan["status"], run["status"], run["noise_seed"]) == (DONE, DONE, 7)
+    assert abs(run["mass_error_kg"]) < 4.0 * run["mass_std_kg"] < 0.5
+    assert run["inside_95"] <= run["parameters"] == 20
+
+
+def test_ctrl_c_keeps_what_is_done_and_leaves_no_workers(tmp_path: Path) -> None:
+    spec, folder = tmp_path / "small.toml", tmp_path / "study"
+    spec.write_text(SMALL.replace("[0, 1]", str(list(range(40)))))
+    command = [PROGRAM, "study", "hexapod", "--spec", spec, "--workers", "1", "-o", folder]
+    environment = os.environ | {"MARK": str(tmp_path)}
+    with subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment, start_new_session=True
+    ) as process:
+        while not (folder / JOURNAL).exists() or not (folder / JOURNAL).read_text():
+            assert process.poll() is None
+            time.sleep(0.05)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert said == f"hexcite: interrupted; what is done is kept in {folder}, the same command goes on\n"
+    assert len(read_rows(folder, schema())) >= 1
+    assert not [p for p in Path("/proc").glob("[0-9]*/environ") if _holds(p, f"MARK={tmp_path}")]
