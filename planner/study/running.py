@@ -31,10 +31,10 @@ def cells_of(spec: Spec, case: Case, case_file: str) -> list[Cell]:
     Raises:
         HexciteError: a combination cannot be planned, or there are too many.
     """
-    found = []
+    ours, found = version("hexcite"), []
     for settings in settings_of(spec):
         request_of(settings, case_file)
-        found.append(Cell(cell_key(settings, spec.execute, case, version("hexcite")), settings))
+        found.append(Cell(cell_key(settings, spec.execute, case, ours), settings))
     return found
 
 
