@@ -1,0 +1,49 @@
+"""Other people's clusters: reached over their address, and asked for their versions before any work."""
+
+import operator
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cases.errors import HexciteError
+from planner.study.cluster import local_client, remote_client, same_version
+from planner.study.tasks import run_tasks
+from tests.helpers import one_line
+
+
+class Workers:
+    """Stands in for a client: its workers answer what they are told to."""
+
+    def __init__(self, **answers: object) -> None:
+        self.answers = answers
+
+    def run(self, function: object, *words: str, on_error: str) -> dict[str, Any]:
+        assert (function, words, on_error) == (version, ("hexcite",), "return")
+        return dict(self.answers)
+
+
+def test_a_running_cluster_does_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[3]))
+    with local_client(2, 1.0) as there, remote_client(there.scheduler.address) as client:
+        found = list(run_tasks(client, operator.neg, ((str(k), k) for k in range(20)), 60.0))
+    assert {o.key: o.value for o in found} == {str(k): -k for k in range(20)}
+
+
+@pytest.mark.parametrize(
+    ("answers", "says"),
+    [
+        ({}, "has no workers; start `dask worker tcp://a:1`"),
+        ({"w1": version("hexcite"), "w2": PackageNotFoundError("hexcite")}, "worker w2 has no hexcite; install"),
+        ({"w1": "0.0.9"}, "worker w1 has hexcite 0.0.9, this is"),
+    ],
+)
+def test_a_worker_without_this_version_is_named(answers: dict[str, object], says: str) -> None:
+    with pytest.raises(HexciteError) as caught:
+        same_version(Workers(**answers), "tcp://a:1")
+    assert says in one_line(caught.value)
+
+
+def test_workers_of_the_same_version_will_do() -> None:
+    same_version(Workers(w1=version("hexcite"), w2=version("hexcite")), "tcp://a:1")
