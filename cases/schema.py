@@ -70,6 +70,20 @@ class Case(Part):
         return value
 
     @model_validator(mode="after")
+    def _noise_of_the_channels(self) -> "Case":
+        force, moment = self.sensors.force_noise_N, self.sensors.moment_noise_Nm
+        if self.sensor_frame.bars is not None and moment is not None:
+            raise ValueError(
+                f"sensors.moment_noise_Nm = {moment:g}, but the bars of sensor_frame measure forces only; remove it"
+            )
+        if self.sensor_frame.transducer is not None and (force is None) != (moment is None):
+            missing = "force_noise_N" if force is None else "moment_noise_Nm"
+            raise ValueError(
+                f"sensors.{missing} is missing; a transducer has noise of forces and of moments, give both"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _box_inside_workspace(self) -> "Case":
         if self.workspace is None or self.limits is None:
             return self

@@ -59,6 +59,35 @@ class Sensors(Part):
     range_N: Positive | None = None
     weights: Literal["equal", "per_channel"]
     """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel (mixed units)."""
+    force_noise_N: Positive | None = None
+    """Standard deviation of white noise on a force, of one recorded sample."""
+    moment_noise_Nm: Positive | None = None
+    """The same on the moments of a force/torque sensor; the two are given together."""
+    encoder_resolution_um: Positive | None = None
+    """Step of the recorded strut lengths."""
+    strut_noise_um: Positive | None = None
+    """Standard deviation of white noise on the recorded strut lengths, beside their steps."""
+
+    @property
+    def force_noise(self) -> Array | None:
+        """Standard deviation of each channel, shape (6,) [N, or N and N m]; None where the case states none."""
+        if self.force_noise_N is None:
+            return None
+        others = self.force_noise_N if self.moment_noise_Nm is None else self.moment_noise_Nm
+        return frozen([self.force_noise_N] * 3 + [others] * 3)
+
+    @property
+    def strut_variance(self) -> float | None:
+        """Of white errors of a recorded strut length, a step q counting q^2 / 12 [m^2]; None where none is stated."""
+        if self.encoder_resolution_um is None and self.strut_noise_um is None:
+            return None
+        step, noise = ((v or 0.0) * UM for v in (self.encoder_resolution_um, self.strut_noise_um))
+        return step**2 / 12 + noise**2
+
+    @property
+    def state_noise(self) -> bool:
+        """Whether the case states any noise."""
+        return self.force_noise is not None or self.strut_variance is not None
 
 
 class RigidBody(Part):

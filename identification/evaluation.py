@@ -96,10 +96,14 @@ class Run:
 
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
+        return regressors(self.model, self.kinematics(delay))
+
+    def kinematics(self, delay: float) -> Kinematics:
+        """Motion of the platform at the instants t_k - delay, of n samples."""
         assert self.recording.struts is not None
         strut_motion = [self.filter.apply(self.recording.struts, order, delay)[self.rows] for order in range(3)]
         try:
-            return regressors(self.model, self.hexapod.kinematics(*strut_motion))
+            return self.hexapod.kinematics(*strut_motion)
         except StrutsDoNotClose as error:  # say where in the file it is
             row = int(self.filter.margin + self.rows[error.sample])
             raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error

@@ -22,6 +22,7 @@ from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
 from identification.fit import Fit
 from identification.identifiability import Identifiability, analyse
 from identification.model import MASS, Model, identification_model
+from identification.noise_sources import noise_sources
 from identification.plausibility import places, scan
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
@@ -172,7 +173,16 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
         warnings.append(f"delay of {moving.delay.value * 1e3:.1f} ms: do the streams match?")
     warnings += doubts(moving.fit, moving.run.forces)
     warnings += _systematic(moving)
-    evaluation = Evaluation(moving.run.samples, moving.residuals, moving.delay)
+    noise = None
+    if case.sensors.state_noise and isinstance(moving.run, Run):
+        if how.name in SANDWICHED and not how.priors:
+            noise = noise_sources(moving.run, moving.fit, moving.delay.value, case.sensors)
+            warnings += noise.doubts
+        else:
+            warnings.append(
+                "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
+            )
+    evaluation = Evaluation(moving.run.samples, moving.residuals, moving.delay, noise)
     return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
 
 

@@ -11,6 +11,7 @@ from cases.schema import Case
 from identification.estimators import Method
 from identification.fit import Fit
 from identification.model import ERROR_TERMS, Model, identification_model
+from identification.noise_sources import Attenuation, NoiseSources, attenuation_of
 from identification.parameters import physical_form
 
 Array = NDArray[np.float64]
@@ -32,11 +33,13 @@ class Evaluation(NamedTuple):
         samples: recorded samples that went into the fit.
         residuals: recorded forces less the model, shape (n, 6) [N, or N and N m].
         delay: of the forces, where it was estimated.
+        noise: what s0 consists of, where the case states noise.
     """
 
     samples: int
     residuals: Array
     delay: Delay | None
+    noise: NoiseSources | None = None
 
 
 class Value(NamedTuple):
@@ -88,6 +91,8 @@ class Estimate:
         notes: what the estimator did beside.
         warnings: sentences.
         residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
+        noise_sources: what s0 consists of, where the case states noise.
+        attenuation: of physical parameters by name, where the case states noise of the struts.
     """
 
     case: str
@@ -114,6 +119,8 @@ class Estimate:
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
     residuals: Array
+    noise_sources: NoiseSources | None
+    attenuation: dict[str, Attenuation] | None
 
     def to_json(self) -> dict[str, Any]:
         """Everything but the residuals, SI units."""
@@ -137,6 +144,10 @@ class Estimate:
             "condition": self.condition,
             "weights": self.weights,
             "w_diagonal": self.w.tolist(),
+            "noise_sources": None if self.noise_sources is None else self.noise_sources.to_json(),
+            "attenuation": None
+            if self.attenuation is None
+            else {name: value._asdict() for name, value in self.attenuation.items()},
             "delay_s": None if self.delay is None else {"value": self.delay.value, "std": self.delay.std},
             "parameters": {name: value._asdict() for name, value in self.physical.items()},
             "linear": {"names": list(self.names), "values": self.values.tolist()},
@@ -170,6 +181,11 @@ def estimate_of(
         p.name: Value(float(v), float(s), float(r), p.unit)
         for p, v, s, r in zip(form.parameters, values, std, robust, strict=True)
     }
+    noise = evaluation.noise
+    attenuation = None
+    if noise is not None and noise.bias is not None:
+        reported = np.array([value.reported for value in physical.values()])
+        attenuation = attenuation_of(form, linear, noise.bias, reported)
     newtons = slice(0, 6) if case.sensor_frame.bars is not None else slice(0, 3)
     return Estimate(
         case=case.name,
@@ -196,4 +212,6 @@ def estimate_of(
         notes=fit.notes,
         warnings=warnings,
         residuals=fit.residuals,
+        noise_sources=noise,
+        attenuation=attenuation,
     )

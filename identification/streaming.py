@@ -104,6 +104,8 @@ def _identified(path: Path, case: Case, model: Model) -> LongRun:
         *fit.doubts,
         "a long run, evaluated in blocks: external contacts were not searched for",
     )
+    if case.sensors.state_noise:
+        warnings += ("a long run, evaluated in blocks: s0 is not compared with the noise that the case states",)
     estimate = estimate_of(model, fit, str(path), case, about, GAUSS_MARKOV, warnings)
     rms = np.sqrt(total.squares / total.rows)
     return LongRun(replace(estimate, residual_rms=rms, s0_N=float(np.sqrt(np.mean(rms**2)))), head)

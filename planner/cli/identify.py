@@ -287,6 +287,26 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
 
 
+def show_noise(answer: dict[str, Any]) -> None:
+    """Prints what s0 consists of and what noise draws the parameters by, where the case states noise."""
+    sources = answer["noise_sources"]
+    if sources is None:
+        return
+    stated = {"force sensors": sources["force_sensors"], "accelerations": sources["accelerations"]}
+    parts = [f"{name} {100 * share:.3g} %" for name, share in stated.items() if share is not None]
+    left = "unexplained" if len(parts) == 2 else "anything else"
+    print(f"s0^2 consists of: noise of {', of '.join(parts)}, {left} {100 * sources['unexplained']:.3g} %")
+    drawn = {n: a for n, a in (answer["attenuation"] or {}).items() if a["of_std"] is not None}
+    if drawn:
+        worst = max(drawn, key=lambda name: abs(drawn[name]["of_std"]))
+        bias, unit = drawn[worst], answer["parameters"][worst]["unit"]
+        scale, unit = (1e3, "mm") if unit == "m" else (1.0, unit)
+        print(
+            f"noise of the accelerations draws parameters by at most {abs(bias['of_std']):.2g} of their +- "
+            f"(attenuation, not taken out): {worst} by {bias['bias'] * scale:+.2g} {unit}"
+        )
+
+
 def show_result(answer: dict[str, Any]) -> None:
     """Prints a result for people."""
     rows = parameter_rows(answer["parameters"])
@@ -308,6 +328,7 @@ def show_result(answer: dict[str, Any]) -> None:
             f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms "
             "(estimated and compensated)"
         )
+    show_noise(answer)
     for note in answer["notes"]:
         print(note)
     if "standstills" in answer:

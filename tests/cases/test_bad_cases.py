@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from cases.errors import CaseError
-from cases.loading import load_case
+from cases.loading import built_in_cases, load_case
 from tests.cases.editing import HEXAPOD, edited
 from tests.helpers import one_line
 
@@ -65,6 +65,9 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "impossible inertia": (INERTIA, "[1.65, 0.0, 0.0, 0.05, 0.0, 1.51]", "nominal", "no rigid body has .*0.05, 1.51"),
     "negative inertia": (INERTIA, "[1.65, 0.0, 0.0, -1.65, 0.0, 1.51]", "nominal", "no rigid body"),
     "large moments of deviation": (INERTIA, "[1.65, 2.0, 0.0, 1.65, 0.0, 1.51]", "nominal", "no rigid body"),
+    "noise of zero": ("range_N = 5000.0", "force_noise_N = 0.0", "sensors.force_noise_N", "0.0: .*greater than 0"),
+    "noise of moments of bars": ("range_N = 5000.0", "moment_noise_Nm = 0.1", "", "moment_noise_Nm = 0.1, but"),
+    "another unit of noise": ("range_N = 5000.0", "strut_noise_mm = 0.1", "sensors.strut_noise_mm", "noise_um"),
     "another version": ("schema_version = 1", "schema_version = 2", "schema_version", "2: .*1"),
     "unknown setup": ('setup = "1b"', 'setup = "r"', "setup", "'r': .*'1a', '1b' or 'R'"),
     "safe feed that is too fast": ("safe_feed_mm_min = ", "safe_feed_mm_min = 99", "", "faster than limits.motion.vel"),
@@ -112,4 +115,13 @@ def test_the_first_of_several_mistakes_is_told_and_the_others_are_counted(tmp_pa
     file = edited(tmp_path, "base_joint_angle_deg = 55.0\nplatform_joint_angle_deg = 80.0", "base_joint_angle_deg = -1")
     with pytest.raises(CaseError, match=r"base_joint_angle_deg: -1: .*\(1 more problem\)") as caught:
         load_case(file)
+    one_line(caught.value)
+
+
+def test_a_transducer_has_noise_of_forces_and_of_moments(tmp_path: Path) -> None:
+    text = built_in_cases()["ft_wrist"].read_text(encoding="utf-8")
+    text = text.replace("[sensors]", "[sensors]\nforce_noise_N = 0.1")
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(CaseError, match=r"sensors\.moment_noise_Nm is missing; .*give both") as caught:
+        load_case(str(tmp_path))
     one_line(caught.value)

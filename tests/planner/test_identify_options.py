@@ -1,11 +1,13 @@
 """`hexcite identify` with everything that can be asked of it: several files, estimators, known values, priors."""
 
+import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cases.loading import load_case
+from cases.loading import built_in_cases, load_case
 from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
@@ -118,3 +120,18 @@ def test_what_cannot_be_asked_is_refused(what: str, run: Path, tmp_path: Path) -
 def test_two_files_of_one_kind_are_refused(run: Path, tmp_path: Path) -> None:
     line = refused("identify", run / "run.csv", run / "forces.csv", "--case", "hexapod", "-o", tmp_path / "r")
     assert "give the files of one run" in line
+
+
+def test_noise_that_the_case_states_is_compared_with_what_is_left(run: Path, tmp_path: Path) -> None:
+    noise = "[sensors]\nforce_noise_N = 1.0\nencoder_resolution_um = 0.1"
+    text = built_in_cases()["hexapod"].read_text(encoding="utf-8").replace("[sensors]", noise)
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    words = ("identify", run / "run.csv", "--case", tmp_path / "case.toml", "-o", tmp_path / "result")
+    printed = " ".join(call(*words).out.split())
+    assert re.search(
+        r"s0\^2 consists of: noise of force sensors \d+ %, of accelerations 0\.\d+ %, unexplained", printed
+    )
+    assert re.search(r"draws parameters by at most \S+ of their \+-", printed)
+    saved = json.loads((tmp_path / "result" / "result.json").read_text())
+    assert saved["noise_sources"]["force_sensors"] == pytest.approx(1.0, abs=0.15)
+    assert set(saved["attenuation"]) == set(saved["parameters"])
