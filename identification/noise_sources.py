@@ -49,8 +49,10 @@ class NoiseSources:
         force_sensors: of the stated noise of the forces; None where none is stated.
         accelerations: of what the stated noise of the struts does to the forces expected; None where none is stated.
         acceleration_std: of a strut acceleration behind the filter [m/s^2]; None where none is stated.
-        equivalent_force_noise: white noise of the recorded forces with the same effect as that of the accelerations,
-            in units of s0; None where none is stated.
+        equivalent_force_noise: white noise of the recorded forces that leaves as large residuals as that of the
+            accelerations, in units of s0; None where none is stated. Errors of struts reach the accelerations mostly
+            near the cut-off, where the motion tells nothing: they scatter the parameters far less than such white
+            noise, which is what `std_robust` beside (28) shows.
         bias: of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes
             up half of what the run tells of a parameter.
     """
