@@ -129,7 +129,7 @@ def test_noise_that_the_case_states_is_compared_with_what_is_left(run: Path, tmp
     words = ("identify", run / "run.csv", "--case", tmp_path / "case.toml", "-o", tmp_path / "result")
     printed = " ".join(call(*words).out.split())
     assert re.search(
-        r"s0\^2 consists of: noise of force sensors \d+ %, of accelerations 0\.\d+ %, unexplained", printed
+        r"s0\^2 consists of: noise of force sensors [\d.]+ %, of accelerations 0\.\d+ %, unexplained", printed
     )
     assert re.search(r"draws parameters by at most \S+ of their \+-", printed)
     saved = json.loads((tmp_path / "result" / "result.json").read_text())
