@@ -6,6 +6,7 @@ Keys of the file carry their unit; properties without a unit in their name are S
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from functools import cached_property
 from itertools import accumulate
 from typing import Literal, NoReturn
@@ -24,6 +25,10 @@ from cases.units import MINUTE, MM
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
 LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9
+
+
+def _fingerprint(content: object) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
 class Case(Part):
@@ -103,12 +108,33 @@ class Case(Part):
 
     @cached_property
     def hash(self) -> str:
-        """Fingerprint of the validated content: comments and layout of the file do not matter, every value does.
+        """Fingerprint of the machine: comments and layout of the file do not matter, every value does.
 
-        A setting left at its default and one that states the default are the same case, in later versions too.
+        A setting left at its default and one that states the default are the same case, in later versions too. What
+        `[controller]` says of programs has a fingerprint of its own: plans and results do not depend on it, but for
+        `cycle_ms`.
         """
-        content = json.dumps(self.model_dump(mode="json", exclude_defaults=True), sort_keys=True)
-        return hashlib.sha256(content.encode()).hexdigest()[:16]
+        return _fingerprint(self._of_the_machine())
+
+    @cached_property
+    def controller_hash(self) -> str:
+        """Fingerprint of `[controller]`, on which programs and runs depend."""
+        return _fingerprint(self.model_dump(mode="json", exclude_defaults=True).get("controller"))
+
+    @cached_property
+    def table_hashes(self) -> dict[str, str]:
+        """Fingerprint of each table and key at the top of what `hash` covers."""
+        return {name: _fingerprint(value)[:8] for name, value in self._of_the_machine().items()}
+
+    def _of_the_machine(self) -> dict[str, object]:
+        content = self.model_dump(mode="json", exclude_defaults=True)
+        controller = content.pop("controller", {})
+        return content | ({"controller.cycle_ms": controller["cycle_ms"]} if "cycle_ms" in controller else {})
+
+    def changes_since(self, table_hashes: Mapping[str, str]) -> tuple[str, ...]:
+        """Names of the tables and keys that are not what they were when `table_hashes` was taken."""
+        now = self.table_hashes
+        return tuple(name for name in dict.fromkeys((*table_hashes, *now)) if now.get(name) != table_hashes.get(name))
 
     def missing(self, part: str, purpose: str) -> NoReturn:
         """Raises CaseError: `part` of the case is needed for `purpose`."""

@@ -110,6 +110,7 @@ class Plan:
             "case": self.case.name,
             "case_file": self.case_file,
             "case_hash": self.case.hash,
+            "case_tables": self.case.table_hashes,
             "family": self.family,
             "criterion": self.request.criterion,
             "solver": self.request.solver,
@@ -211,5 +212,15 @@ def load_plan(folder: Path) -> SavedPlan:
         raise FileProblem(f"{file}: a motion of {motion.duration:g} s is no excitation; plan again")
     case = load_case(case_file)
     if case.hash != case_hash:
-        raise FileProblem(f"{file}: case {case_file} has changed since (hash {case.hash}, was {case_hash}); plan again")
+        what = _what_changed(case, data)
+        raise FileProblem(
+            f"{file}: case {case_file} has changed since{what} (hash {case.hash}, was {case_hash}); plan again"
+        )
     return SavedPlan(folder, case, case_file, motion, data)
+
+
+def _what_changed(case: Case, data: dict[str, Any]) -> str:
+    """In which tables, where the plan says what they were."""
+    then = data.get("case_tables")
+    names = case.changes_since(then) if isinstance(then, dict) else ()
+    return f" in {', '.join(names)}" if names else ""

@@ -206,6 +206,7 @@ def save_recording(
         "case": case.name,
         "case_file": case_file,
         "case_hash": case.hash,
+        "controller_hash": case.controller_hash,
         "program": str(program.resolve()),
         "program_hash": outcome.program_hash,
         "controller": outcome.run.controller,

@@ -62,7 +62,7 @@ def make_program(
     saved = load_plan(plan)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
-        f"case {saved.case.name}, hash {saved.case.hash}",
+        f"case {saved.case.name}, hash {saved.case.hash}, controller settings {saved.case.controller_hash}",
         f"plan {plan.resolve().name}: {saved.data['family']}, {saved.motion.duration:g} s at speed {speed:g}",
         language.start,
     )

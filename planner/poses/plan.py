@@ -95,6 +95,7 @@ class PosePlan:
             "case": self.case.name,
             "case_file": self.case_file,
             "case_hash": self.case.hash,
+            "case_tables": self.case.table_hashes,
             "family": "poses",
             "criterion": request.criterion,
             "method": str(request.method),

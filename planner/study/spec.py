@@ -170,8 +170,12 @@ def request_of(settings: dict[str, Any], case_file: str) -> Request:
 
 
 def cell_key(settings: dict[str, Any], execute: Execution | None, case: Case, version: str) -> str:
-    """What a cell's rows are known by: 16 hexadecimal digits of case, settings, execution and version."""
-    content = [settings, None if execute is None else [execute.on, execute.disturbed], case.hash, version]
+    """What a cell's rows are known by: 16 hexadecimal digits of case, settings, execution and version.
+
+    The settings of the controller count where it runs the plans.
+    """
+    executed = None if execute is None else [execute.on, execute.disturbed, case.controller_hash]
+    content = [settings, executed, case.hash, version]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 

@@ -109,15 +109,22 @@ def test_a_faster_motion_that_somebody_typed_into_the_plan_is_not_written(copy: 
     assert not (copy.parent / "p.ngc").exists()
 
 
+def count_of_blocks(program: Path) -> int:
+    return sum(1 for line in program.read_text().splitlines() if line.startswith("G1"))
+
+
 def test_a_plan_whose_case_was_edited_since_is_refused(copy: Path, hexapod_file: Path):
-    """Another limit is another plan; another comment is not."""
+    """Another limit is another plan; another comment or another setting of the controller's programs is not."""
     rewrite(copy, "case_file", to=str(hexapod_file))
     hexapod_file.write_text(hexapod_file.read_text() + "\n# a comment\n")
     call("post", copy, *ACCEPT, "-o", copy.parent / "p.ngc", "--json").json()
+    hexapod_file.write_text(hexapod_file.read_text().replace("block_ms = 10.0", "block_ms = 12.0"))
+    longer = call("post", copy, *ACCEPT, "-o", copy.parent / "longer.ngc", "--json").json()
+    assert longer["blocks"] < count_of_blocks(copy.parent / "p.ngc")
     edited = hexapod_file.read_text().replace("velocity_mm_s = [600.0", "velocity_mm_s = [500.0")
     hexapod_file.write_text(edited)
     line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
     assert str(hexapod_file) in line
-    assert "has changed since" in line
+    assert "has changed since in limits (hash" in line
     hexapod_file.unlink()
     assert "no such case" in refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
