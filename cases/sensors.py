@@ -57,8 +57,9 @@ class Sensors(Part):
     """Properties of the six channels."""
 
     range_N: Positive | None = None
-    weights: Literal["equal", "per_channel"]
-    """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel (mixed units)."""
+    weights: Literal["equal", "per_channel", "per_unit"]
+    """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel; `per_unit`: from
+    that of all forces and that of all moments (a force/torque sensor whose residuals are more than its noise)."""
     force_noise_N: Positive | None = None
     """Standard deviation of white noise on a force, of one recorded sample."""
     moment_noise_Nm: Positive | None = None

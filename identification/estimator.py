@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from identification.compressed import Compressed, compress, determined, fit_along, inverse_root
-from identification.fit import UNFILTERED, Filtered, Fit, long_run_covariance
+from identification.fit import EACH, UNFILTERED, Filtered, Fit, long_run_covariance
 
 __all__ = ["UNFILTERED", "Filtered", "Fit", "gauss_markov", "long_run_covariance", "per_channel", "require_alive"]
 
@@ -84,7 +84,12 @@ def require_alive(forces: Array) -> None:
 
 
 def per_channel(
-    regressors: Array, forces: Array, names: Sequence[str], nuisance: int = 0, filtered: Filtered = UNFILTERED
+    regressors: Array,
+    forces: Array,
+    names: Sequence[str],
+    nuisance: int = 0,
+    filtered: Filtered = UNFILTERED,
+    alike: Sequence[int] = EACH,
 ) -> Fit:
     """Gauss-Markov with W from the residual variance of each channel, estimated in turns with the parameters.
 
@@ -93,6 +98,7 @@ def per_channel(
     a channel that the parameters follow become ever more certain.
 
     Args: see `gauss_markov`.
+        alike: channels with the same number have the same noise, which is estimated from all of them, shape (6,).
 
     Raises:
         IdentificationError: as `gauss_markov`; or too few samples to judge a channel's variance by.
@@ -100,7 +106,8 @@ def per_channel(
     if len(forces) < 2:
         raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
     require_alive(forces)
-    spread = _own_noise(regressors, forces)
+    same = np.equal.outer(np.asarray(alike), np.asarray(alike)).astype(float)  # sums over channels of a kind
+    spread = np.sqrt(same @ _own_noise(regressors, forces) ** 2 / same.sum(axis=1))
     weights = 1.0 / np.maximum(spread, 1e-12 * max(spread.max(), 1e-300)) ** 2
     fit = gauss_markov(regressors, forces, names, weights, nuisance, filtered)
     independent = len(forces) * filtered.gain * filtered.stride
@@ -114,7 +121,7 @@ def per_channel(
                 f"{leverage[worst]:.1f}; at least {LEAST_FREEDOM:g} more are needed to tell its noise: record more, "
                 "or choose a model with fewer parameters"
             )
-        variance = np.sum(fit.residuals**2, axis=0) * filtered.stride / freedom
+        variance = same @ np.sum(fit.residuals**2, axis=0) * filtered.stride / (same @ freedom)
         if variance.min() <= (1e-12 * np.abs(forces).max()) ** 2 * np.finfo(float).eps:
             raise IdentificationError("a channel fits without any residual; its variance cannot be estimated: check it")
         new = 1.0 / variance

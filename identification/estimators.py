@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from cases.schema import Case
 from identification.consistent import consistent
 from identification.estimator import gauss_markov, per_channel
-from identification.fit import UNFILTERED, Estimator, Filtered, Fit
+from identification.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
 from identification.full_weights import full_weights
 from identification.model import Model
 from identification.nonlinear import nonlinear
@@ -27,6 +28,7 @@ from identification.selection import Selection, estimate_selected, select
 Array = NDArray[np.float64]
 
 THINNEST = 1e-3  # [m] rms distance of a body's mass from any plane: thinner than any tool or workpiece
+PER_UNIT = (0, 0, 0, 1, 1, 1)  # channels of a force/torque sensor: forces, moments
 UNLIKELY = 1e-3  # chance of so inconsistent an estimate below which it is told
 CONFLICT = 3.0  # standard deviations between data and a prior from which it is told
 
@@ -40,12 +42,20 @@ class Problem:
         pooled: all channels have the same noise, as identical sensors do; else each its own.
         nuisance: columns beyond the model's.
         filtered: what was done to regressors and forces before.
+        alike: where they are not pooled, channels with the same number have the same noise.
     """
 
     model: Model
     pooled: bool
     nuisance: int = 0
     filtered: Filtered = UNFILTERED
+    alike: tuple[int, ...] = EACH
+
+    @classmethod
+    def of(cls, model: Model, case: Case) -> "Problem":
+        """With the noise of the channels as the case's weights say."""
+        alike = PER_UNIT if case.sensors.weights == "per_unit" else EACH
+        return cls(model, case.sensors.weights == "equal", alike=alike)
 
 
 Maker = Callable[[Problem], Estimator]
@@ -111,7 +121,7 @@ def gauss_markov_of(problem: Problem) -> Estimator:
     """(24) with W = 1, or from the variance of each channel."""
     if problem.pooled:
         return partial(gauss_markov, weights=np.ones(6), nuisance=problem.nuisance, filtered=problem.filtered)
-    return partial(per_channel, nuisance=problem.nuisance, filtered=problem.filtered)
+    return partial(per_channel, nuisance=problem.nuisance, filtered=problem.filtered, alike=problem.alike)
 
 
 def robust_of(problem: Problem) -> Estimator:
@@ -160,7 +170,7 @@ def method(
 
 
 def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:
-    found = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered)
+    found = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
     share = ", ".join(f"{100 * r:.0f}" for r in found.reduced)
     note = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
     doubt = f"robust: weights still changed after {found.rounds} rounds; compare with gauss-markov"

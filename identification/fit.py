@@ -23,6 +23,7 @@ class Filtered(NamedTuple):
 
 
 UNFILTERED = Filtered(1.0, 1)
+EACH = (0, 1, 2, 3, 4, 5)  # channels that have the same noise carry the same number: here none
 
 
 @dataclass(frozen=True, slots=True)

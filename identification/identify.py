@@ -116,7 +116,7 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
         )
     found = scan(recording, case)
     data = standstills(recording, case, model, found)
-    problem = Problem(model, case.sensors.weights == "equal")
+    problem = Problem.of(model, case)
     scale = np.ones(data.samples) if recording.weights is None else recording.weights[~found.bad]
     matrices, forces = data.regressors * scale[:, None, None], data.forces * scale[:, None]
     fit = how.estimator(problem)(matrices, forces, model.names)
@@ -151,12 +151,12 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
         run = wrist_run(recording, case, model, MOST_DELAY)
     else:
         run = moving_run(recording, case, model, found=found)
-    pooled = case.sensors.weights == "equal"
-    moving = fit_with_delay(run, how, pooled)
+    problem = Problem.of(model, case)
+    moving = fit_with_delay(run, how, problem)
     contacts: tuple[Contact, ...] = ()
     for _ in range(SEARCHES if isinstance(run, Run) else 0):  # a wrist run leaves too much for that
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
-        left = _without_pull(run, moving, how, pooled)
+        left = _without_pull(run, moving, how, problem)
         before, contacts = contacts, find_contacts(run.t, left, model.structure, run.forces - left)
         if contacts == before:
             break
@@ -166,7 +166,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
                 f"the forces leave the model in {100 * rows.mean():.0f} % of the samples, as in contact; an "
                 "identification run must be free: check columns, struts and model, or record again"
             )
-        moving = fit_with_delay(run.without(rows), how, pooled, moving.delay.value)
+        moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value)
     warnings = [*found.warnings, *run.warnings]
     warnings += [_told(recording, contact) for contact in contacts]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
@@ -186,11 +186,11 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
     return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
 
 
-def _without_pull(run: Run | WristRun, moving: Moving, how: Method, pooled: bool) -> Array:
+def _without_pull(run: Run | WristRun, moving: Moving, how: Method, problem: Problem) -> Array:
     """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
     selection = how.selection(run.model)
     matrices, forces = run.regressors(moving.delay.value), run.forces
-    robust = robust_of(Problem(run.model, pooled, filtered=run.filtered))
+    robust = robust_of(replace(problem, filtered=run.filtered))
     return robust(matrices @ selection.basis, forces - matrices @ selection.offset, selection.names).residuals
 
 
@@ -203,23 +203,23 @@ def _told(recording: Recording, contact: Contact) -> str:
     )
 
 
-def fit_with_delay(run: Run | WristRun, how: Method, pooled: bool, delay: float = 0.0) -> Moving:
+def fit_with_delay(run: Run | WristRun, how: Method, problem: Problem, delay: float = 0.0) -> Moving:
     """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
 
     Args:
         run: to be evaluated.
         how: estimator.
-        pooled: whether all channels have the same noise.
+        problem: the run's model, and which channels have the same noise.
         delay: to start from [s].
     """
     model = run.model
     beside = len(run.nuisances)
-    problem = Problem(model, pooled, nuisance=beside, filtered=run.filtered)
+    problem = replace(problem, nuisance=beside, filtered=run.filtered)
     search = gauss_markov_of(problem)
     forces, names = run.forces, [*model.names, *run.nuisances]
     matrices = run.regressors(delay)
     channels = forces.std(axis=0)
-    scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not pooled else np.ones(6)
+    scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
     selection = how.selection(model)
     for _ in range(DELAY_STEPS):
         # The effect of the delay is that of the best forces of the moment, whatever parameters make them.

@@ -14,7 +14,7 @@ from scipy.linalg import solve_triangular
 from cases.errors import IdentificationError
 from identification.compressed import column_scale
 from identification.estimator import gauss_markov
-from identification.fit import UNFILTERED, Filtered, Fit, long_run_covariance
+from identification.fit import EACH, UNFILTERED, Filtered, Fit, long_run_covariance
 
 Array = NDArray[np.float64]
 
@@ -58,6 +58,7 @@ def huber(
     pooled: bool,
     nuisance: int = 0,
     filtered: Filtered = UNFILTERED,
+    alike: Sequence[int] = EACH,
 ) -> RobustFit:
     """Huber's M-estimate of u with the scale of the noise estimated in turns.
 
@@ -68,12 +69,14 @@ def huber(
         pooled: one scale for all channels (identical sensors), else one for each (mixed units).
         nuisance: so many of the last columns are no parameters of the model.
         filtered: what was done to both before; a low-pass smears gross errors, so look for them before it.
+        alike: where scales are not pooled, channels with the same number share one.
 
     Raises:
         IdentificationError: as `gauss_markov`; or a channel fits without any residual.
     """
     samples, sensors, unknowns = regressors.shape
-    std = forces.std(axis=0)
+    kind = np.zeros(6, dtype=int) if pooled else np.asarray(alike)
+    std = np.array([np.sqrt(np.mean(forces.var(axis=0)[kind == k])) for k in kind])
     spread = np.ones(6) if pooled else np.maximum(std, 1e-12 * max(float(std.max()), 1e-300))
     least = np.zeros(6) if pooled else SILENT * np.abs(forces).max() / spread
     start = gauss_markov(regressors, forces, names, spread**-2.0, nuisance, filtered)
@@ -88,14 +91,14 @@ def huber(
     converged, rounds = False, 0
     while not converged and rounds < ROUNDS:
         residuals = right - q @ v
-        noise = _noise(residuals.reshape(-1, 6), pooled, least) * shrunk
+        noise = _noise(residuals.reshape(-1, 6), kind, least) * shrunk
         attention = _attention(residuals, noise)
         weighted = q * (attention / noise**2)[:, None]
         new = np.linalg.solve(q.T @ weighted, weighted.T @ right)
         converged = bool(np.abs(new - v).max() <= TOLERANCE * noise.min() + floor)
         v, rounds = new, rounds + 1
     residuals = right - q @ v
-    noise = _noise(residuals.reshape(-1, 6), pooled, least) * shrunk
+    noise = _noise(residuals.reshape(-1, 6), kind, least) * shrunk
     psi = np.clip(residuals / noise, -HUBER_K, HUBER_K)
     back = scale[:, None] * solve_triangular(r, np.eye(unknowns))
     spread_of_u = back @ _bread(q, residuals, noise)
@@ -118,10 +121,10 @@ def huber(
     return RobustFit(fit, converged, rounds, recorded, _attention(residuals, noise).reshape(samples, sensors))
 
 
-def _noise(residuals: Array, pooled: bool, least: Array) -> Array:
+def _noise(residuals: Array, kind: NDArray[np.int_], least: Array) -> Array:
     """Normalised MAD about zero, which the offsets make the centre, one value a force, shape (6 n,)."""
     size = np.abs(residuals)
-    mad = np.full(6, np.median(size)) if pooled else np.median(size, axis=0)
+    mad = np.array([np.median(size[:, kind == k]) for k in kind])
     silent = mad <= least
     if silent.any():
         raise IdentificationError(

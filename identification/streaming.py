@@ -16,6 +16,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.compressed import Compressed, degrees_of_freedom, determined, inverse_root, scores
 from identification.estimator import best_values
+from identification.estimators import Problem
 from identification.evaluation import MOST_DELAY, Run, checked_filter
 from identification.fit import Filtered, Fit, long_run_covariance
 from identification.formats.stream import UNIFORMITY, Recording, Stream
@@ -83,7 +84,7 @@ def identify_long(path: Path, case: Case, number: int | None = None) -> LongRun:
 
 def _identified(path: Path, case: Case, model: Model) -> LongRun:
     head, low_pass = _head(path, case)
-    first = fit_with_delay(_run(head, case, model, low_pass, _Window()), GAUSS_MARKOV, True)
+    first = fit_with_delay(_run(head, case, model, low_pass, _Window()), GAUSS_MARKOV, Problem.of(model, case))
     names, delay, values = [*model.names, "delay"], first.delay.value, first.fit.values[:-1]
     total = _Total()
     for number in range(PASSES):

@@ -102,7 +102,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         rows += programs(Path(name), command)
     with tempfile.TemporaryDirectory() as name:
-        rows += identification_figures(Path(name), command)
+        rows += identification_figures(Path(name))
     rows += exported()
     rows += study_rows()
     rows += pose_figures()

@@ -1,8 +1,6 @@
 """Figures of identification: an hour at 1 kHz, forward kinematics, coloured noise, contacts, the real sensor."""
 
-import resource
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,19 +11,19 @@ from identification.executed import PoseExecution
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.recording import Recording, read_recording, write_recording
+from identification.recording import Recording, read_recording
 from identification.simulate import simulate_recording
 from tests.bench.coverage import coloured_coverage
+from tests.bench.hour import hour_figures
 from tests.helpers import Harmonic
 
-ROWS, MINUTE = 3_600_000, 60_000
 STATIC = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
 Rows = list[list[str]]
 
 
-def identification_figures(folder: Path, command: Callable[..., tuple[float, str]]) -> Rows:
-    """All of them; `command` runs hexcite and tells how long it took."""
-    return [*_kinematics(), *_coloured(), *_contacts(), *_wrist(), *_hour(folder, command)]
+def identification_figures(folder: Path) -> Rows:
+    """All of them; long recordings are written to `folder`."""
+    return [*_kinematics(), *_coloured(), *_contacts(), *_wrist(), *hour_figures(folder)]
 
 
 def _kinematics() -> Rows:
@@ -98,28 +96,3 @@ def _static_regressor(run: Recording, gravity: np.ndarray) -> np.ndarray:
     matrices[:, :3, 0], matrices[:, :, 4:] = pull, np.eye(6)
     matrices[:, 3:, 1:4] = -np.cross(pull[:, None, :], np.eye(3)[None]).transpose(0, 2, 1)
     return matrices
-
-
-def _hour(folder: Path, command: Callable[..., tuple[float, str]]) -> Rows:
-    """An hour at 1 kHz: a minute of a periodic motion, again and again."""
-    case = load_case("hexapod")
-    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=3.0))
-    period = simulate_recording(case, execution, np.array([[-1.0, 9.0]]), 0)
-    assert period.struts is not None
-    forces = np.tile(period.forces[:3000], (MINUTE // 3000, 1))
-    forces = forces + np.random.default_rng(1).normal(size=forces.shape)
-    repeats = ROWS // MINUTE
-    hour = Recording(
-        "hour", np.arange(ROWS) * 1e-3, np.tile(period.struts[:3000], (ROWS // 3000, 1)), None,
-        np.tile(forces, (repeats, 1)), np.ones(ROWS, dtype=bool),
-    )  # fmt: skip
-    write_recording(folder / "hour.csv", hour, case)
-    del hour
-    seconds, _ = command(
-        "identify", str(folder / "hour.csv"), "--case", "hexapod", "-o", str(folder / "hour"), "--json"
-    )
-    largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e6
-    return [
-        ["identification of 3 600 000 rows, CSV to result", f"{seconds:.0f} s", "60 s"],
-        ["  largest memory of any command so far", f"{largest:.2f} GB", "1 GB"],
-    ]

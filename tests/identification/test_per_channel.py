@@ -106,3 +106,23 @@ def test_forces_that_are_all_zero_are_refused(samples: int) -> None:
     with pytest.raises(IdentificationError) as caught:
         per_channel(A[:samples], np.zeros((samples, 6)), NAMES)
     one_line(caught.value)
+
+
+def test_channels_that_are_alike_share_one_variance_which_is_the_mean_of_their_own() -> None:
+    """So a channel whose residuals are small by chance, or by a model that fits it better, does not rule the fit."""
+    alike = (0, 0, 0, 1, 1, 1)
+    fit = per_channel(A, FORCES, NAMES, alike=alike)
+    noise = 1 / np.sqrt(fit.weights)
+    assert np.ptp(noise[:3]) == np.ptp(noise[3:]) == 0.0
+    np.testing.assert_allclose(
+        noise[[0, 3]] ** 2, [np.mean(NOISE_STD[k] ** 2) for k in (slice(3), slice(3, 6))], rtol=0.1
+    )
+    left = np.sum(fit.residuals**2, axis=0) / (len(FORCES) - channel_leverage(A, fit.weights))
+    assert left[:3].mean() * fit.weights[0] == pytest.approx(1.0, rel=1e-2)
+
+
+def test_one_kind_for_all_is_the_fit_with_equal_weights() -> None:
+    one, equal = per_channel(A, FORCES, NAMES, alike=(0,) * 6), gauss_markov(A, FORCES, NAMES, np.ones(6))
+    np.testing.assert_allclose(one.values, equal.values, rtol=1e-9)
+    np.testing.assert_allclose(one.covariance, equal.covariance, rtol=1e-6)
+    assert 1 / np.sqrt(one.weights) == pytest.approx([equal.s0] * 6, rel=1e-6)

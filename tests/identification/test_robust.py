@@ -119,3 +119,9 @@ def test_forces_that_are_all_zero_are_refused_where_each_channel_has_its_scale()
     with pytest.raises(IdentificationError) as caught:
         huber(A, np.zeros((200, 6)), NAMES, pooled=True)
     one_line(caught.value)
+
+
+def test_channels_that_are_alike_share_one_scale() -> None:
+    found = huber(A * UNITS[:, None], forces(0) * UNITS, NAMES, pooled=False, alike=(0, 0, 0, 1, 1, 1))
+    assert np.ptp(found.scales[:3]) == np.ptp(found.scales[3:]) == 0.0
+    assert found.scales[3] == pytest.approx(1e-3 * found.scales[0], rel=0.1)

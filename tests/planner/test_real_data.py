@@ -15,7 +15,7 @@ OFFSETS = [9.0765, -1.0181, 9.9848, 0.4325, -0.6916, -0.1570]
 def test_the_static_set_gives_mass_centre_of_gravity_and_offsets_of_the_literature(tmp_path: Path):
     command = ("identify", STATIC, "--case", "ft_wrist", "-o", tmp_path / "result", "--json")
     answer = hexcite(*command, cwd=tmp_path).json()
-    assert (answer["model"], answer["weights"], answer["rank"]) == (0, "per_channel", 10)
+    assert (answer["model"], answer["weights"], answer["rank"]) == (0, "per_unit", 10)
     p = answer["parameters"]
     expected = {"m": (0.932, 0.004), "zC": (0.0439, 0.0005), "xC": (0.0003, 0.0005), "yC": (0.0001, 0.0005)}
     for name, (value, tolerance) in expected.items():

@@ -1,0 +1,89 @@
+"""An hour at 1 kHz through `hexcite identify`: processor and wall time, memory, and the time per row of a shorter run."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.loading import load_case
+from identification.executed import PoseExecution
+from identification.hexapod import Hexapod
+from identification.recording import Recording, write_recording
+from identification.simulate import simulate_recording
+from tests.helpers import Harmonic
+
+HEXCITE = Path(sys.executable).parent / "hexcite"
+ROWS, SHORTER, PERIOD, NOISY = 3_600_000, 1_200_000, 3000, 60_000  # both are read in blocks
+
+
+class Use(NamedTuple):
+    """What one command took: wall time, time of all processors [s], largest resident memory [byte]; its answer."""
+
+    wall: float
+    processors: float
+    memory: float
+    answer: str
+
+
+def used(folder: Path, *words: str) -> Use:
+    """Runs hexcite and waits for this one process, so that its memory is not that of commands before it.
+
+    Raises:
+        RuntimeError: the command failed.
+    """
+    began = time.perf_counter()
+    with (folder / "answer.json").open("wb") as out:
+        process = subprocess.Popen([str(HEXCITE), *words], stdout=out)
+        _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise RuntimeError(f"hexcite {' '.join(words)}: exit code {process.returncode}")
+    wall = time.perf_counter() - began
+    return Use(wall, usage.ru_utime + usage.ru_stime, 1024.0 * usage.ru_maxrss, (folder / "answer.json").read_text())
+
+
+def long_recording(rows: int) -> Recording:
+    """Three seconds of motion again and again, with a minute of noise: a long run of the simulated machine."""
+    case = load_case("hexapod")
+    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=PERIOD / 1000))
+    period = simulate_recording(case, execution, np.array([[-1.0, 9.0]]), 0)
+    assert period.struts is not None
+    noise = np.random.default_rng(1).normal(size=(NOISY, 6))
+    forces = np.tile(period.forces[:PERIOD], (NOISY // PERIOD, 1)) + noise
+    return Recording(
+        "hour", np.arange(rows) * 1e-3, np.tile(period.struts[:PERIOD], (rows // PERIOD, 1)), None,
+        np.tile(forces, (rows // NOISY, 1)), np.ones(rows, dtype=bool),
+    )  # fmt: skip
+
+
+def hour_figures(folder: Path) -> list[list[str]]:
+    """Rows of the table of figures; the files are deleted as soon as they are measured."""
+    found = {}
+    for rows in (SHORTER, ROWS):
+        file = folder / f"run-{rows}.csv"
+        write_recording(file, long_recording(rows), load_case("hexapod"))
+        size = file.stat().st_size
+        found[rows] = used(folder, "identify", str(file), "--case", "hexapod", "-o", str(folder / f"{rows}"), "--json")
+        file.unlink()
+    hour, shorter = found[ROWS], found[SHORTER]
+    mass = json.loads(hour.answer)["parameters"]["m"]
+    return [
+        [
+            f"identification of {ROWS} rows, {size / 1e6:.0f} MB of CSV to result: wall time",
+            f"{hour.wall:.0f} s",
+            "60 s",
+        ],
+        ["  the same: time of all processors", f"{hour.processors:.0f} s", ""],
+        ["  its largest memory", f"{hour.memory / 1e9:.2f} GB", "1 GB"],
+        [
+            "  time of the processors per million rows: an hour, a third of it",
+            f"{hour.processors / ROWS * 1e6:.1f} s, {shorter.processors / SHORTER * 1e6:.1f} s",
+            "equal",
+        ],
+        ["  mass", f"{mass['value']:.4f} +- {max(mass['std'], mass['std_robust']):.4f} kg", ""],
+    ]
