@@ -1,4 +1,4 @@
-"""An hour at 1 kHz through `hexcite identify`: processor and wall time, memory, and the time per row of a shorter run."""
+"""An hour at 1 kHz through `hexcite identify`: processor and wall time, memory, time per row of a shorter run."""
 
 import json
 import os
