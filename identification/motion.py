@@ -58,7 +58,9 @@ class TimedPoints:
     """A motion through given poses at given times, from rest to rest.
 
     Between the points it is the quintic spline through them (continuous up to the fourth derivative), with rates and
-    accelerations zero at both ends. That is an assumption about what a controller does between the points it is given.
+    accelerations zero at both ends. Points of a motion whose jerk is constant between knots (a cubic spline) get the
+    cubic one, which is that motion itself; a smoother curve would overshoot its jerks. Either is an assumption about
+    what a controller does between the points it is given.
 
     Args:
         times: shape (k,), strictly increasing from 0 [s].
@@ -78,6 +80,8 @@ class TimedPoints:
         t, p = np.asarray(times, dtype=float), np.asarray(poses, dtype=float)
         if len(t) < 2 or np.any(np.diff(t) <= 0.0) or t[0] != 0.0 or p.shape != (len(t), 6):
             raise ValueError("timed points need at least two poses at times that increase from 0")
+        if _piecewise_cubic(t, p) and (cubic := _cubic_at_rest(t, p)) is not None:
+            return cls(t, p, cubic)
         at_rest = [(1, np.zeros(6)), (2, np.zeros(6))]
         return cls(t, p, make_interp_spline(t, p, k=5, bc_type=(at_rest, at_rest)))
 
@@ -90,6 +94,36 @@ class TimedPoints:
         """The motion at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
         return Motion(time, *(self.spline(time, nu=order) for order in range(4)))
+
+
+RESOLUTION = 1e-8  # [m, rad] of program words
+SAME_JERK = 0.005  # of a coordinate's range of jerks
+FEWEST_POINTS = 8
+OFTEN = (
+    0.2  # of the blocks; of smooth motions 0.1 or less, of cubic splines 0.25 or more from four blocks an interval on
+)
+NO_ACCELERATION = 0.01  # of the largest
+
+
+def _piecewise_cubic(times: Array, poses: Array) -> bool:
+    """Whether third divided differences stay the same from block to block as those of cubic pieces do."""
+    if len(times) < FEWEST_POINTS:
+        return False
+    values = poses
+    for order in (1, 2, 3):
+        values = np.diff(values, axis=0) / (times[order:] - times[:-order])[:, None]
+    rounding = 8.0 * RESOLUTION / (6.0 * np.diff(times).min() ** 3)
+    same = np.abs(np.diff(values, axis=0)) <= SAME_JERK * np.ptp(values, axis=0) + rounding
+    return bool(np.mean(same.all(axis=1)) >= OFTEN)
+
+
+def _cubic_at_rest(times: Array, poses: Array) -> BSpline | None:
+    """The cubic spline with rates zero at both ends; None where it has accelerations there."""
+    spline = make_interp_spline(times, poses, k=3, bc_type=([(1, np.zeros(6))], [(1, np.zeros(6))]))
+    accelerations = np.abs(spline(times, nu=2))
+    rounding = 4.0 * RESOLUTION / np.diff(times).min() ** 2
+    at_ends = accelerations[[0, -1]] <= NO_ACCELERATION * accelerations.max(axis=0) + rounding
+    return spline if bool(at_ends.all()) else None
 
 
 @dataclass(frozen=True, slots=True)

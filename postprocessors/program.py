@@ -177,8 +177,15 @@ class Slowed:
         return Motion(time, fast.pose, fast.rates * s, fast.accelerations * s**2, fast.jerks * s**3)
 
 
+def _block_ends(trajectory: Trajectory, block: float) -> Array:
+    knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
+    counts = np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2)
+    steps = zip(knots, knots[1:], counts, strict=False)
+    return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in steps]), knots[-1])
+
+
 def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) -> TimedPath:
-    """A trajectory as equally timed poses.
+    """A trajectory as equally timed poses; of a spline the ends of its pieces are among them.
 
     Args:
         name: what it is for.
@@ -186,8 +193,7 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
         block: duration of a block at full speed, at most [s].
         speed: share of the planned speed; 0.1 takes ten times as long.
     """
-    count = max(2, int(np.ceil(trajectory.duration / block - 1e-9)))
-    times = np.linspace(0.0, trajectory.duration, count + 1)
+    times = _block_ends(trajectory, block)
     source = trajectory if speed == 1.0 else Slowed(trajectory, speed)
     return TimedPath(name, times / speed, trajectory.at(times).pose, source)
 

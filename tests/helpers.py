@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.motion import Motion
+from identification.polynomial import Piece, PolynomialMotion
 
 Array = NDArray[np.float64]
 Answer = TypeVar("Answer")
@@ -83,3 +84,15 @@ def answer(call: Callable[[], Answer], place: str) -> Answer | None:
         message = one_line(error)
     assert place in message
     return None
+
+
+def jerked(jerk: Array, step: float) -> PolynomialMotion:
+    """There and back by steps of constant jerk, from rest to rest: full use of a jerk limit."""
+    signs, taylor, built = (1, -1, -1, 1, -1, 1, 1, -1), np.vstack([HOME, np.zeros((3, 6))]), []
+    for sign in signs:
+        taylor[3] = sign * jerk / 6
+        built.append(Piece(taylor.copy(), step))
+        for order in range(3):
+            derivative = np.polynomial.polynomial.polyder(built[-1].coefficients, order)
+            taylor[order] = np.polynomial.polynomial.polyval(step, derivative) / (1, 1, 2)[order]
+    return PolynomialMotion(tuple(built))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from identification.motion import Joined, Motion, Standstill, TimedPoints, sample
 from identification.profile import StraightMove
-from tests.helpers import HOME, Harmonic
+from tests.helpers import HOME, Harmonic, jerked
 
 gaps = st.lists(st.floats(0.05, 2.0), min_size=1, max_size=12)
 ORDERS = ("pose", "rates", "accelerations", "jerks")
@@ -32,6 +32,24 @@ def test_timed_points_are_passed_on_time_from_rest_to_rest(gaps: list[float], se
     speed = np.abs(motion.poses).max() / min(gaps)
     np.testing.assert_allclose(ends.rates, 0.0, atol=1e-8 * speed)
     np.testing.assert_allclose(ends.accelerations, 0.0, atol=1e-7 * speed / min(gaps))
+
+
+def test_points_of_a_motion_of_constant_jerks_are_that_motion() -> None:
+    """Any smoother curve through them would overshoot the jerks where they jump."""
+    motion = jerked(np.array([100.0, -50.0, 20.0, 200.0, 10.0, 0.0]), 0.05)
+    times = np.linspace(0.0, motion.duration, 41)
+    poses = np.round(motion.at(times).pose, 8)  # as in a program
+    points = TimedPoints.through(times, poses)
+    t = np.linspace(0.0, motion.duration, 2001)[1:-1] + 1e-7
+    for order, tolerance in zip(ORDERS, (2e-8, 1e-5, 5e-3, 1.0), strict=True):
+        np.testing.assert_allclose(getattr(points.at(t), order), getattr(motion.at(t), order), atol=tolerance)
+
+
+def test_points_of_a_smooth_motion_are_not_taken_for_constant_jerks() -> None:
+    motion = StraightMove.fastest(HOME, HOME + 0.1, np.ones(6), np.full(6, 5.0), np.full(6, 50.0))
+    times = np.linspace(0.0, motion.duration, 50)
+    share = np.sin(np.pi * times / times[-1]) ** 4
+    assert TimedPoints.through(times, HOME + 0.1 * share[:, None]).spline.k == 5
 
 
 def test_timed_points_are_continuous_up_to_the_jerk() -> None:

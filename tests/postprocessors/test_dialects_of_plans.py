@@ -10,6 +10,7 @@ from identification.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import DIALECTS, dialect, dialect_of_file
 from postprocessors.writing import proven_program
+from tests.helpers import jerked
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE
 from tests.postprocessors.programs import HOME
@@ -36,6 +37,7 @@ MOTIONS = {
     ),
     "moves": moves,
     "spline": lambda: spline(5).slowed(0.3),
+    "spline of full jerk": lambda: jerked(0.998 * CASE.limits.motion.jerk * [1, 0, 0, 1, 0, 0], 0.04),
     "circle": lambda: fastest_circle(
         HOME, Plane.XY, HOME[:2] + np.array([0.05, 0.0]), 2 * np.pi, *[0.5 * v for v in LIMITS]
     ),

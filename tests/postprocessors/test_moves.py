@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cases.errors import ProgramError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.circle import CircularMove, Plane, fastest_circle
@@ -21,6 +22,7 @@ from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.reading.words import Turn
 from postprocessors.stretches import Timed, Untimed, stretches
 from postprocessors.writing import proven_program
+from tests.helpers import jerked
 from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text
 
 CASE = load_case("hexapod")
@@ -109,6 +111,16 @@ def test_a_slowed_program_takes_the_same_way_longer(hexapod_case: Case):
         written = proven_program(motion, hexapod_case, LANGUAGE, "p.ngc", (), speed, ACCEPTED)
         durations.append(written.proof.excitation)
     assert durations[1] == pytest.approx(10 * durations[0], rel=1e-3)
+
+
+def test_a_spline_that_uses_the_whole_jerk_limit_is_proven_though_blocks_are_finer_than_its_knots(hexapod_case: Case):
+    motion = jerked(0.998 * BOX.jerk * [1, 0, 0, 1, 0, 0], 0.04)
+    accepted = ("acceleration", *ACCEPTED)
+    proof = proven_program(motion, hexapod_case, LANGUAGE, "p.ngc", (), accepted=accepted).proof
+    assert proof.limits.to_json()["jerk"]["ratio"] == pytest.approx(0.998, abs=2e-3)
+    faster = jerked(1.01 * BOX.jerk * [1, 0, 0, 1, 0, 0], 0.04)
+    with pytest.raises(ProgramError, match="jerk"):
+        proven_program(faster, hexapod_case, LANGUAGE, "p.ngc", (), accepted=accepted)
 
 
 def test_a_spline_becomes_a_timed_path_of_its_own_duration(hexapod_case: Case):
