@@ -86,6 +86,9 @@ class Case(Part):
             raise ValueError(
                 f"sensors.{missing} is missing; a transducer has noise of forces and of moments, give both"
             )
+        if force is None and (self.sensors.weights == "stated" or self.sensors.acceleration_noise is not None):
+            what = 'weights = "stated"' if self.sensors.weights == "stated" else "noise of accelerations"
+            raise ValueError(f"sensors.force_noise_N is missing; {what} goes with it, from the sensors' data sheet")
         return self
 
     @model_validator(mode="after")

@@ -57,9 +57,10 @@ class Sensors(Part):
     """Properties of the six channels."""
 
     range_N: Positive | None = None
-    weights: Literal["equal", "per_channel", "per_unit"]
+    weights: Literal["equal", "per_channel", "per_unit", "stated"]
     """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel; `per_unit`: from
-    that of all forces and that of all moments (a force/torque sensor whose residuals are more than its noise)."""
+    that of all forces and that of all moments (a force/torque sensor whose residuals are more than its noise);
+    `stated`: from the noise of forces and accelerations that is stated here, through the model."""
     force_noise_N: Positive | None = None
     """Standard deviation of white noise on a force, of one recorded sample."""
     moment_noise_Nm: Positive | None = None
@@ -68,6 +69,11 @@ class Sensors(Part):
     """Step of the recorded strut lengths."""
     strut_noise_um: Positive | None = None
     """Standard deviation of white noise on the recorded strut lengths, beside their steps."""
+    acceleration_noise_m_s2: Positive | None = None
+    """Standard deviation of white accelerations of the origin of {P} that the recorded struts do not show, of one
+    recorded sample and in each direction: vibration of the structure."""
+    angular_acceleration_noise_rad_s2: Positive | None = None
+    """The same of angular accelerations."""
 
     @property
     def force_noise(self) -> Array | None:
@@ -86,9 +92,16 @@ class Sensors(Part):
         return step**2 / 12 + noise**2
 
     @property
+    def acceleration_noise(self) -> Array | None:
+        """Standard deviation of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]; None where none is."""
+        if self.acceleration_noise_m_s2 is None and self.angular_acceleration_noise_rad_s2 is None:
+            return None
+        return frozen([self.acceleration_noise_m_s2 or 0.0] * 3 + [self.angular_acceleration_noise_rad_s2 or 0.0] * 3)
+
+    @property
     def state_noise(self) -> bool:
         """Whether the case states any noise."""
-        return self.force_noise is not None or self.strut_variance is not None
+        return self.force_noise is not None or self.strut_variance is not None or self.acceleration_noise is not None
 
 
 class RigidBody(Part):
@@ -162,6 +175,10 @@ class Simulation(Part):
     force_delay_ms: NonNegative
     force_sampling_offset_cycles: NonNegative = Field(le=1.0)
     encoder_rate_Hz: Positive
+    acceleration_noise_m_s2: NonNegative = 0.0
+    """White accelerations of the platform beside those of the struts, as in `Sensors`."""
+    angular_acceleration_noise_rad_s2: NonNegative = 0.0
+    """The same of angular accelerations."""
     disturbances: Disturbances | None = None
     """Of the structure; runs are simulated with them where that is asked for, as a validation does."""
 
@@ -169,6 +186,11 @@ class Simulation(Part):
     def encoder_resolution(self) -> float:
         """Step of the strut encoders [m]."""
         return self.encoder_resolution_um * UM
+
+    @property
+    def acceleration_noise(self) -> Array:
+        """Standard deviation of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]."""
+        return frozen([self.acceleration_noise_m_s2] * 3 + [self.angular_acceleration_noise_rad_s2] * 3)
 
     @property
     def force_delay(self) -> float:

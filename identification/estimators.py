@@ -18,6 +18,7 @@ from identification.estimator import gauss_markov, per_channel
 from identification.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
 from identification.full_weights import full_weights
 from identification.model import Model
+from identification.noise_model import StatedNoise
 from identification.nonlinear import nonlinear
 from identification.parameters import physical_form
 from identification.prior_estimation import with_priors
@@ -30,6 +31,8 @@ Array = NDArray[np.float64]
 THINNEST = 1e-3  # [m] rms distance of a body's mass from any plane: thinner than any tool or workpiece
 PER_UNIT = (0, 0, 0, 1, 1, 1)  # channels of a force/torque sensor: forces, moments
 UNLIKELY = 1e-3  # chance of so inconsistent an estimate below which it is told
+WHITENED = ("gauss-markov", "consistent", "nonlinear")  # which take forces whose noise is white in all channels
+WEIGHTS = ("equal", "per_channel", "per_unit", "stated")
 CONFLICT = 3.0  # standard deviations between data and a prior from which it is told
 
 
@@ -43,6 +46,8 @@ class Problem:
         nuisance: columns beyond the model's.
         filtered: what was done to regressors and forces before.
         alike: where they are not pooled, channels with the same number have the same noise.
+        noise: that the case states and that W follows from; forces and regressors are then multiplied with its
+            `whitening` before they are estimated from, after which all channels are alike.
     """
 
     model: Model
@@ -50,12 +55,23 @@ class Problem:
     nuisance: int = 0
     filtered: Filtered = UNFILTERED
     alike: tuple[int, ...] = EACH
+    noise: StatedNoise | None = None
 
     @classmethod
-    def of(cls, model: Model, case: Case) -> "Problem":
-        """With the noise of the channels as the case's weights say."""
-        alike = PER_UNIT if case.sensors.weights == "per_unit" else EACH
-        return cls(model, case.sensors.weights == "equal", alike=alike)
+    def of(cls, model: Model, case: Case, how: "Method") -> "Problem":
+        """With the noise of the channels as the method's weights say, or else the case's.
+
+        Raises:
+            IdentificationError: weights from stated noise where none is stated, or with an estimator of their own.
+        """
+        weights = how.weights or case.sensors.weights
+        if weights == "stated":
+            if how.name not in WHITENED:
+                raise IdentificationError(
+                    f"the weights stated go with the estimators {', '.join(WHITENED)}; {how.name} finds its own"
+                )
+            return cls(model, True, noise=StatedNoise.of(model, case.sensors))
+        return cls(model, weights == "equal", alike=PER_UNIT if weights == "per_unit" else EACH)
 
 
 Maker = Callable[[Problem], Estimator]
@@ -71,6 +87,7 @@ class Method:
         known: exact values by linear or physical name [SI].
         dropped: linear parameters without a column.
         priors: uncertain knowledge.
+        weights: `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case.
     """
 
     maker: Maker
@@ -78,6 +95,7 @@ class Method:
     known: Mapping[str, float]
     dropped: tuple[str, ...]
     priors: tuple[Prior, ...]
+    weights: str | None = None
 
     def selection(self, model: Model) -> Selection:
         """What of a model is estimated, where the problem is linear; for the non-linear form all of it.
@@ -158,15 +176,18 @@ def method(
     known: Mapping[str, float] | None = None,
     dropped: Sequence[str] = (),
     priors: Sequence[Prior] = (),
+    weights: str | None = None,
 ) -> Method:
     """A method by the name of its estimator.
 
     Raises:
-        IdentificationError: no such estimator, with those that there are.
+        IdentificationError: no such estimator or weights, with those that there are.
     """
+    if weights is not None and weights not in WEIGHTS:
+        raise IdentificationError(f"weights {weights!r} are unknown; choose {', '.join(WEIGHTS)}")
     if name not in ESTIMATORS:
         raise IdentificationError(f"estimator {name!r} is unknown; choose {', '.join(ESTIMATORS)}")
-    return Method(ESTIMATORS[name], name, dict(known or {}), tuple(dropped), tuple(priors))
+    return Method(ESTIMATORS[name], name, dict(known or {}), tuple(dropped), tuple(priors), weights)
 
 
 def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:

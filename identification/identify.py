@@ -116,14 +116,19 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
         )
     found = scan(recording, case)
     data = standstills(recording, case, model, found)
-    problem = Problem.of(model, case)
+    problem = Problem.of(model, case, how)
     scale = np.ones(data.samples) if recording.weights is None else recording.weights[~found.bad]
     matrices, forces = data.regressors * scale[:, None, None], data.forces * scale[:, None]
-    fit = how.estimator(problem)(matrices, forces, model.names)
+    selection = how.selection(model)
+    whitening = None
+    if problem.noise is not None:
+        whitening = problem.noise.whitening_from(matrices, forces, selection)
+    white = _whitened(whitening, matrices, forces)
+    fit = how.estimator(problem)(*white, model.names)
     if how.name in SANDWICHED and not how.priors and recording.t is None:
-        selection = how.selection(model)
-        reduced = independent_poses(matrices @ selection.basis, fit)
+        reduced = independent_poses(white[0] @ selection.basis, fit)
         fit = replace(fit, covariance_robust=selection.basis @ reduced @ selection.basis.T)
+    fit = _of_forces(whitening, fit, matrices, forces)
     _require_sense(model, fit)
     _require_wiring(matrices, forces, fit)
     evaluation = Evaluation(data.samples, fit.residuals / scale[:, None], None)
@@ -135,13 +140,31 @@ def _inertia(model: Model) -> set[str]:
     return {name for name in model.names if name[0] == "I"}
 
 
+def _whitened(whitening: Array | None, matrices: Array, forces: Array) -> tuple[Array, Array]:
+    """Both multiplied with the root of W."""
+    return (matrices, forces) if whitening is None else (whitening @ matrices, forces @ whitening.T)
+
+
+def _of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array) -> Fit:
+    """A fit to whitened forces with the residuals of the forces themselves, and the diagonal of W."""
+    if whitening is None:
+        return fit
+    return replace(fit, residuals=forces - matrices @ fit.values, weights=np.sum(whitening**2, axis=0))
+
+
 class Moving(NamedTuple):
-    """A run with its fit: residuals are those of the forces as recorded."""
+    """A run with its fit: residuals are those of the forces as recorded; W is the square of `whitening` where given."""
 
     run: Run | WristRun
     fit: Fit
     delay: Delay
     residuals: Array
+    whitening: Array | None = None
+
+    @property
+    def w(self) -> Array:
+        """W for one sample, shape (6, 6)."""
+        return np.diag(self.fit.weights) if self.whitening is None else self.whitening.T @ self.whitening
 
 
 def _from_motion(recording: Recording, case: Case, model: Model, how: Method) -> Estimate:
@@ -151,7 +174,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
         run = wrist_run(recording, case, model, MOST_DELAY)
     else:
         run = moving_run(recording, case, model, found=found)
-    problem = Problem.of(model, case)
+    problem = Problem.of(model, case, how)
     moving = fit_with_delay(run, how, problem)
     contacts: tuple[Contact, ...] = ()
     for _ in range(SEARCHES if isinstance(run, Run) else 0):  # a wrist run leaves too much for that
@@ -176,7 +199,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
     noise = None
     if case.sensors.state_noise and isinstance(moving.run, Run):
         if how.name in SANDWICHED and not how.priors:
-            noise = noise_sources(moving.run, moving.fit, moving.delay.value, case.sensors)
+            noise = noise_sources(moving.run, moving.fit, moving.w, moving.delay.value, case.sensors)
             warnings += noise.doubts
         else:
             warnings.append(
@@ -190,7 +213,8 @@ def _without_pull(run: Run | WristRun, moving: Moving, how: Method, problem: Pro
     """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
     selection = how.selection(run.model)
     matrices, forces = run.regressors(moving.delay.value), run.forces
-    robust = robust_of(replace(problem, filtered=run.filtered))
+    pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
+    robust = robust_of(replace(problem, pooled=pooled, filtered=run.filtered))
     return robust(matrices @ selection.basis, forces - matrices @ selection.offset, selection.names).residuals
 
 
@@ -220,18 +244,22 @@ def fit_with_delay(run: Run | WristRun, how: Method, problem: Problem, delay: fl
     matrices = run.regressors(delay)
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
-    selection = how.selection(model)
+    selection, whitening = how.selection(model), None
     for _ in range(DELAY_STEPS):
         # The effect of the delay is that of the best forces of the moment, whatever parameters make them.
         left = (forces - matrices @ selection.offset) * scale
         reduced = matrices @ selection.basis * scale[:, None]
         free = np.linalg.lstsq(reduced.reshape(-1, reduced.shape[2]), left.ravel(), rcond=None)[0]
-        effect = run.nuisance_columns(delay, matrices, selection.offset + selection.basis @ free)
+        values = selection.offset + selection.basis @ free
+        effect = run.nuisance_columns(delay, matrices, values)
+        if problem.noise is not None:
+            whitening = problem.noise.whitening(values)
         augmented = np.dstack([matrices, effect])
         first = np.dstack([matrices @ selection.basis, effect])
-        fit = search(first, forces - matrices @ selection.offset, [*selection.names, *run.nuisances])
+        rest = forces - matrices @ selection.offset
+        fit = search(*_whitened(whitening, first, rest), [*selection.names, *run.nuisances])
         if delay == 0.0:
-            _require_wiring(first, forces - matrices @ selection.offset, fit)
+            _require_wiring(first, rest, _of_forces(whitening, fit, first, rest))
         step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
         if abs(step) < DELAY_TOLERANCE:
             break
@@ -241,16 +269,18 @@ def fit_with_delay(run: Run | WristRun, how: Method, problem: Problem, delay: fl
         raise IdentificationError(
             f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they of one run?"
         )
-    fit = how.estimator(problem)(augmented, forces, names)
+    white = _whitened(whitening, augmented, forces)
+    fit = how.estimator(problem)(*white, names)
     if how.name in SANDWICHED and not how.priors:
         basis = block_diag(selection.basis, np.eye(beside))
-        coloured = coloured_covariance(augmented @ basis, fit.residuals, fit.weights)
+        coloured = coloured_covariance(white[0] @ basis, fit.residuals, fit.weights)
         if coloured is not None:
             fit = replace(fit, covariance_robust=basis @ coloured @ basis.T)
+    fit = _of_forces(whitening, fit, augmented, forces)
     _require_sense(model, fit)
     residuals = run.recorded_forces - augmented[:, :, :-1] @ fit.values[:-1]
     value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < DELAY_TOLERANCE else 0.0)
-    return Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals)
+    return Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals, whitening)
 
 
 def _systematic(moving: Moving) -> list[str]:

@@ -4,6 +4,8 @@ Errors e of the strut lengths reach the regressor almost only by their second de
 velocities err by less than a hundredth of what matters. A is affine in the accelerations, so that dA/dq'' is exact.
 With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is drawn by
 -((A + dA)^T W (A + dA) - D)^-1 D times itself for long runs (Fuller, Measurement Error Models, 1987, section 2.2).
+Stated noise of the accelerations themselves leaves the same residuals whether the accelerations that are evaluated err
+or the platform vibrates; only the former draws the estimate, so that the bias told is the largest there can be.
 """
 
 from dataclasses import dataclass
@@ -17,7 +19,7 @@ from identification.evaluate import over_samples
 from identification.evaluation import Run
 from identification.fit import Fit
 from identification.hexapod import Kinematics
-from identification.model import regressors
+from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
 
 Array = NDArray[np.float64]
@@ -47,8 +49,9 @@ class NoiseSources:
 
     Args:
         force_sensors: of the stated noise of the forces; None where none is stated.
-        accelerations: of what the stated noise of the struts does to the forces expected; None where none is stated.
-        acceleration_std: of a strut acceleration behind the filter [m/s^2]; None where none is stated.
+        accelerations: of what the stated noise of struts and accelerations does to the forces; None where none is
+            stated.
+        acceleration_std: of a strut acceleration behind the filter [m/s^2]; None where no noise of struts is stated.
         equivalent_force_noise: white noise of the recorded forces that leaves as large residuals as that of the
             accelerations, in units of s0; None where none is stated. Errors of struts reach the accelerations mostly
             near the cut-off, where the motion tells nothing: they scatter the parameters far less than such white
@@ -74,13 +77,14 @@ class NoiseSources:
         doubts = []
         if self.accelerations is not None and self.bias is None:
             doubts.append(
-                "the stated noise of the struts would make up half or more of what the run tells of a parameter, whose "
-                "attenuation is not told: check sensors.encoder_resolution_um and strut_noise_um"
+                "the stated noise of struts or accelerations would make up half or more of what the run tells of a "
+                "parameter, whose attenuation is not told: check sensors.encoder_resolution_um, strut_noise_um and "
+                "acceleration_noise_m_s2"
             )
         if self.explained > EXCESS:
             doubts.append(
                 f"the noise that the case states explains {100 * self.explained:.0f} % of s0^2: there is less of it; "
-                "check sensors.force_noise_N, sensors.encoder_resolution_um and sensors.strut_noise_um"
+                "check sensors.force_noise_N, encoder_resolution_um, strut_noise_um and acceleration_noise_m_s2"
             )
         return doubts
 
@@ -95,28 +99,34 @@ class NoiseSources:
         }
 
 
-def noise_sources(run: Run, fit: Fit, delay: float, sensors: Sensors) -> NoiseSources:
+def noise_sources(run: Run, fit: Fit, w: Array, delay: float, sensors: Sensors) -> NoiseSources:
     """Compares what a case states about its noise with what a Gauss-Markov fit left.
 
     Args:
         run: that was fitted.
         fit: its values begin with u; its covariance is (28).
+        w: W for one sample, shape (6, 6).
         delay: of the forces [s].
         sensors: with noise of forces, of struts or both.
     """
     squared = max(fit.s0**2, np.finfo(float).tiny)
     force_share = None
     if sensors.force_noise is not None:
-        force_share = float(np.mean(fit.weights * sensors.force_noise**2)) / squared
-    if sensors.strut_variance is None:
+        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
+    if sensors.strut_variance is None and sensors.acceleration_noise is None:
         return NoiseSources(force_share, None, None, None, None)
-    variance = sensors.strut_variance * run.filter.acceleration_noise_gain
     unknowns = len(run.model.parameters)
     estimated, samples = fit.values[:unknowns], len(run.rows)
     inverse = fit.covariance[:unknowns, :unknowns] * run.filter.stride / squared  # F^-1; singular where some are given
     moment = np.zeros((unknowns, unknowns))  # D
-    for change in acceleration_effects(run, run.kinematics(delay)):
-        moment += variance * np.einsum("nku,k,nkv->uv", change, fit.weights, change, optimize=True)
+    motion = run.kinematics(delay)
+    variance = (sensors.strut_variance or 0.0) * run.filter.acceleration_noise_gain
+    for change in acceleration_effects(run, motion) if variance else []:
+        moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
+    if sensors.acceleration_noise is not None:
+        felt = sensors.acceleration_noise**2 * run.filter.noise_gain
+        for change, size in zip(twist_rate_effects(run.model, motion), felt, strict=True):
+            moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     lost = inverse @ moment
     bias: Array | None = None
     if float(np.linalg.eigvals(lost).real.max()) < MOST_LOST:
@@ -125,17 +135,31 @@ def noise_sources(run: Run, fit: Fit, delay: float, sensors: Sensors) -> NoiseSo
     # Of dA u the fit hides what it is drawn by: u^T D u + u^T D b is left.
     equivalent = float(true @ moment @ estimated) / (6 * samples * run.filter.noise_gain)
     return NoiseSources(
-        force_share, equivalent / squared, float(np.sqrt(variance)), float(np.sqrt(max(equivalent, 0.0))), bias
+        force_share,
+        equivalent / squared,
+        float(np.sqrt(variance)) if variance else None,
+        float(np.sqrt(max(equivalent, 0.0))),
+        bias,
     )
 
 
 def acceleration_effects(run: Run, motion: Kinematics) -> list[Array]:
     """dA/dq''_s for each strut s, shape (n, 6, u) [per m/s^2]; exact, A is affine in the accelerations."""
-    here = regressors(run.model, motion)
     to_twist_rate = np.linalg.inv(over_samples(run.hexapod.inverse_jacobian, motion.pose)[1])
+    return _effects(run.model, motion, to_twist_rate.astype(np.float64))
+
+
+def twist_rate_effects(model: Model, motion: Kinematics) -> list[Array]:
+    """The same for each component of the twist rate [per m/s^2, rad/s^2]."""
+    return _effects(model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
+
+
+def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]:
+    """What a step of the twist rate along each column of `directions`, shape (n, 6, 6), changes A by."""
+    here = regressors(model, motion)
     return [
-        regressors(run.model, Kinematics(motion.pose, motion.twist, motion.twist_rate + to_twist_rate[:, :, s])) - here
-        for s in range(6)
+        regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - here
+        for k in range(6)
     ]
 
 

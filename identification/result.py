@@ -83,7 +83,7 @@ class Estimate:
         freedom: degrees of freedom of the residuals.
         rank: of the scaled regressor.
         condition: of the scaled regressor (26).
-        weights: `equal` or `per_channel`.
+        weights: `equal`, `per_channel`, `per_unit` or `stated`.
         w: diagonal of W for one sample, shape (6,); ones where only ratios were given [1/N^2, 1/(N m)^2].
         delay: of the forces, where it was estimated.
         how: estimator and what was known beforehand.
@@ -204,7 +204,7 @@ def estimate_of(
         freedom=fit.freedom,
         rank=fit.rank,
         condition=fit.condition,
-        weights=case.sensors.weights,
+        weights=how.weights or case.sensors.weights,
         w=fit.weights,
         delay=evaluation.delay,
         how=how,

@@ -22,6 +22,7 @@ from identification.loaded import (
     vibrating,
 )
 from identification.model import identification_model, regressors
+from identification.noise_model import acceleration_to_force
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 
@@ -122,7 +123,13 @@ def simulate_recording(
     t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
     late = simulation.force_delay + simulation.force_sampling_offset_cycles * step
     forces = true_forces(case, execution, t - late, around)
-    forces = forces + np.random.default_rng(seed).normal(0.0, simulation.force_noise_N, forces.shape)
+    draw = np.random.default_rng(seed)
+    forces = forces + draw.normal(0.0, simulation.force_noise_N, forces.shape)
+    if simulation.acceleration_noise.any():
+        model = identification_model(case, TRUE_MODEL)
+        u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
+        shaken = simulation.acceleration_noise * draw.normal(size=forces.shape)
+        forces = forces + shaken @ acceleration_to_force(model, u).T
     struts = _quantised(execution.struts(t), simulation)
     trigger = np.zeros(len(t), dtype=bool)
     for start, end in trigger_times:

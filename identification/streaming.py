@@ -84,7 +84,9 @@ def identify_long(path: Path, case: Case, number: int | None = None) -> LongRun:
 
 def _identified(path: Path, case: Case, model: Model) -> LongRun:
     head, low_pass = _head(path, case)
-    first = fit_with_delay(_run(head, case, model, low_pass, _Window()), GAUSS_MARKOV, Problem.of(model, case))
+    first = fit_with_delay(
+        _run(head, case, model, low_pass, _Window()), GAUSS_MARKOV, Problem.of(model, case, GAUSS_MARKOV)
+    )
     names, delay, values = [*model.names, "delay"], first.delay.value, first.fit.values[:-1]
     total = _Total()
     for number in range(PASSES):

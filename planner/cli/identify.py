@@ -27,6 +27,13 @@ def identify(
             "(inertia of a real body) or nonlinear (physical parameters)."
         ),
     ] = "gauss-markov",
+    weights: Annotated[
+        str | None,
+        typer.Option(
+            help="W: equal, per_channel or per_unit (from the residuals), stated (from the noise of forces and "
+            "accelerations in the case, through the model); by default the case's."
+        ),
+    ] = None,
     fix: Annotated[
         list[str] | None, typer.Option(help="A known value, taken as exact: m=93.1kg, xC=0mm. Repeatable.")
     ] = None,
@@ -58,7 +65,7 @@ def identify(
     """
     wanted = Wish(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
-        tuple(t.strip() for t in terms.split(",")) if terms else (),
+        tuple(t.strip() for t in terms.split(",")) if terms else (), weights,
     )  # fmt: skip
     answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills))
     if verify is not None:
@@ -78,6 +85,7 @@ class Wish(NamedTuple):
         symmetric: whether the platform is symmetric.
         prior: uncertain values.
         terms: error terms instead of the model's.
+        weights: instead of the case's.
     """
 
     model: int | None = None
@@ -87,6 +95,7 @@ class Wish(NamedTuple):
     symmetric: bool = False
     prior: tuple[str, ...] = ()
     terms: tuple[str, ...] = ()
+    weights: str | None = None
 
 
 class Still(NamedTuple):
@@ -224,7 +233,7 @@ def method_of(wish: Wish, model: Any) -> Any:
     if wish.symmetric:
         known = symmetric_platform(model) | known
     priors = [Prior(*values) for values in read_uncertain(wish.prior, units, "--prior")]
-    return method(wish.estimator, known, wish.drop, priors)
+    return method(wish.estimator, known, wish.drop, priors, wish.weights)
 
 
 def verify_result(path: Path, case: Any, result: Path, quiet: bool) -> dict[str, Any]:
@@ -303,7 +312,7 @@ def show_noise(answer: dict[str, Any]) -> None:
         scale, unit = (1e3, "mm") if unit == "m" else (1.0, unit)
         print(
             f"noise of the accelerations draws parameters by at most {abs(bias['of_std']):.2g} of their +- "
-            f"(attenuation, not taken out): {worst} by {bias['bias'] * scale:+.2g} {unit}"
+            f"(attenuation, not taken out; vibration would draw nothing): {worst} by {bias['bias'] * scale:+.2g} {unit}"
         )
 
 

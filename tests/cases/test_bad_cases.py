@@ -67,6 +67,8 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "large moments of deviation": (INERTIA, "[1.65, 2.0, 0.0, 1.65, 0.0, 1.51]", "nominal", "no rigid body"),
     "noise of zero": ("range_N = 5000.0", "force_noise_N = 0.0", "sensors.force_noise_N", "0.0: .*greater than 0"),
     "noise of moments of bars": ("range_N = 5000.0", "moment_noise_Nm = 0.1", "", "moment_noise_Nm = 0.1, but"),
+    "weights by no noise": ('weights = "equal"', 'weights = "stated"', "", "force_noise_N is missing; w"),
+    "vibration alone": ("range_N = 5000.0", "acceleration_noise_m_s2 = 0.1", "", "force_noise_N is missing; noise"),
     "another unit of noise": ("range_N = 5000.0", "strut_noise_mm = 0.1", "sensors.strut_noise_mm", "noise_um"),
     "another version": ("schema_version = 1", "schema_version = 2", "schema_version", "2: .*1"),
     "unknown setup": ('setup = "1b"', 'setup = "r"', "setup", "'r': .*'1a', '1b' or 'R'"),

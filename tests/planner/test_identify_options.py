@@ -135,3 +135,17 @@ def test_noise_that_the_case_states_is_compared_with_what_is_left(run: Path, tmp
     saved = json.loads((tmp_path / "result" / "result.json").read_text())
     assert saved["noise_sources"]["force_sensors"] == pytest.approx(1.0, abs=0.15)
     assert set(saved["attenuation"]) == set(saved["parameters"])
+
+
+def test_weights_are_chosen_by_name_and_follow_from_the_noise_that_the_case_states(run: Path, tmp_path: Path) -> None:
+    noise = "[sensors]\nforce_noise_N = 1.0\nangular_acceleration_noise_rad_s2 = 0.2"
+    text = built_in_cases()["hexapod"].read_text(encoding="utf-8").replace("[sensors]", noise)
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    words = ("identify", run / "run.csv", "--case", tmp_path / "case.toml", "--weights", "stated")
+    assert "weights stated" in " ".join(call(*words, "-o", tmp_path / "result").out.split())
+    saved = json.loads((tmp_path / "result" / "result.json").read_text())
+    assert saved["weights"] == "stated"
+    assert saved["noise_sources"]["accelerations"] > 0.2
+    plain = ("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "r", "--weights")
+    assert "give sensors.force_noise_N and acceleration_noise_m_s2" in refused(*plain, "stated")
+    assert "weights 'mine' are unknown; choose equal, per_channel, per_unit, stated" in refused(*plain, "mine")
