@@ -31,7 +31,8 @@ class Controller(Part):
     """The controller's interpolation cycle. Phases of planned moves last three of them or more."""
     virtual_look_ahead: Literal["exact", "block_limited"] = "exact"
     """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
-    at the end of each block (LinuxCNC on paths that turn, under the limits of `[limits.motion]`)."""
+    at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
+    turn, under the limits of `[limits.motion]`)."""
     linuxcnc: LinuxCnc
     sinumerik: Sinumerik | None = None
     twincat: TwinCat | None = None

@@ -7,6 +7,7 @@ smooth at its ends. Where the limits allow, the pace stays the planned one or, i
 There is no jerk limit in this method: accelerations step where the pace changes from one extreme to the other.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,7 +90,9 @@ class RetimedMotion:
         )
 
 
-def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion:
+def retime(
+    path: Trajectory, case: Case, fastest: bool = False, slowed: Callable[[Array], Array] | None = None
+) -> RetimedMotion:
     """The motion along a path that keeps the limits of rates and accelerations of coordinates and struts.
 
     Args:
@@ -97,6 +100,7 @@ def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion
         case: gives the limits.
         fastest: as fast as the limits allow, up to `FASTEST` times the planned pace; otherwise never faster than
             planned.
+        slowed: largest share of the planned pace at planned times, shapes (n,) -> (n,); by default 1 everywhere.
 
     Raises:
         UntimedPath: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
@@ -106,11 +110,14 @@ def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion
 
     steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     shares = np.linspace(0.0, 1.0, steps + 1)
-    constraint, geometry = _constraint(path, case, shares, FASTEST if fastest else 1.0)
+    paces_allowed = np.full(len(shares), FASTEST if fastest else 1.0)
+    if slowed is not None:
+        paces_allowed = np.minimum(paces_allowed, slowed(shares * path.duration))
+    constraint, geometry = _constraint(path, case, shares, paces_allowed)
     solver = TOPPRA([constraint], geometry, gridpoints=shares, solver_wrapper="seidel")
     planned = 1.0 / path.duration
-    end = min(planned, _largest_pace(solver.compute_feasible_sets()[-1]))
-    start = min(planned, _largest_pace(solver.compute_controllable_sets(end, end)[0]))
+    end = min(planned * paces_allowed[-1], _largest_pace(solver.compute_feasible_sets()[-1]))
+    start = min(planned * paces_allowed[0], _largest_pace(solver.compute_controllable_sets(end, end)[0]))
     if not (start > 0.0 and end > 0.0):
         raise UntimedPath(f"the path cannot be re-timed: {_REASONS['FailUncontrollable']}")
     solver.compute_parameterization(start, end)
@@ -126,10 +133,28 @@ def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion
     return RetimedMotion(path, shares, found.times * slower, paces / slower)
 
 
+def keeps_pace(path: Trajectory, case: Case) -> bool:
+    """Whether a motion keeps the limits of rates and accelerations of coordinates and struts at its own pace.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    rows = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
+    return _worst(path.at(np.linspace(0.0, path.duration, rows + 1)), case) <= 1.0 + 1e-6
+
+
 def _stretch(motion: RetimedMotion, case: Case) -> float:
     """By how much longer the whole motion must take where it passes a limit between gridpoints, at least 1."""
+    # A motion that is slower than planned passes as much of its path between two instants as at the planned pace.
+    lasting = min(motion.duration, motion.path.duration)
+    m = motion.at(np.linspace(0.0, motion.duration, int(np.ceil(lasting * CHECK_RATE)) + 1))
+    worst = _worst(m, case)
+    return worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
+
+
+def _worst(m: Motion, case: Case) -> float:
+    """Largest share of the pace that a limit allows: of rates as they are, of accelerations by its root."""
     limits = case.need_machine("re-timing")[2].motion
-    m = motion.at(np.linspace(0.0, motion.duration, int(np.ceil(motion.duration * CHECK_RATE)) + 1))
     _, strut_velocity, strut_acceleration = over_samples(
         Hexapod.of(case).strut_motion, m.pose, m.rates, m.accelerations
     )
@@ -140,8 +165,7 @@ def _stretch(motion: RetimedMotion, case: Case) -> float:
         float((np.abs(m.accelerations) / limits.acceleration).max()),
         float(np.abs(strut_acceleration).max()) / limits.strut_acceleration_m_s2,
     )
-    worst = max(velocity, float(np.sqrt(acceleration)))
-    return worst * (1.0 + ROUNDER) if worst > 1.0 else 1.0
+    return max(velocity, float(np.sqrt(acceleration)))
 
 
 def _largest_pace(squares: Array) -> float:
@@ -149,7 +173,7 @@ def _largest_pace(squares: Array) -> float:
     return float(np.sqrt(max(0.0, squares[1]))) * (1.0 - 1e-6) if np.isfinite(squares).all() else 0.0
 
 
-def _constraint(path: Trajectory, case: Case, shares: Array, fastest: float) -> tuple[Any, Any]:
+def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tuple[Any, Any]:
     """Limits of 12 quantities, six coordinates and six struts, in toppra's form, and the path.
 
     With q the coordinates and l the strut lengths as functions of s: l' = l_s s', l'' = l_s s'' + l_ss s'^2.
@@ -176,7 +200,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array, fastest: float) -> 
     acceleration = np.concatenate([limits.acceleration, limits.strut_acceleration_m_s2 * six]) * (1.0 - MARGIN)
     with np.errstate(divide="ignore"):
         squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
-    squares = np.minimum(squares, (fastest / path.duration * (1.0 + 1e-6)) ** 2)
+    squares = np.minimum(squares, (paces / path.duration * (1.0 + 1e-6)) ** 2)
 
     class Limits(LinearConstraint):  # type: ignore[misc]
         """All limits at once, computed for all gridpoints in one go."""

@@ -36,6 +36,7 @@ class Guarantees:
         law: its time law in straight moves that it times itself, under the limits of the case.
         arc_law: the same in arcs.
         jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
+        rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
     """
 
     controller: str
@@ -46,6 +47,7 @@ class Guarantees:
     law: Law
     arc_law: ArcLaw
     jerk_time: float
+    rounding: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from cases.schema import Case
+from cases.units import DEG, MM
 from identification.motion import Array
 from identification.profile import TimeLaw, fastest_profile, fastest_trapezoid
 from postprocessors.guarantees import Guarantees
@@ -48,6 +49,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_seven_segments,
         arc_law=_seven_segment_arc,
         jerk_time=0.0,
+        rounding=(settings.contour_tolerance_mm * MM, settings.orientation_tolerance_deg * DEG),
     )
 
 
@@ -61,6 +63,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
     settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
     smooth = settings.slope == "TRAPEZ"
+    tolerance = (settings.path_deviation_mm * MM, settings.track_deviation_deg * DEG)
     return Guarantees(
         controller="TwinCAT",
         shortest_block=settings.shortest_block,
@@ -70,6 +73,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_seven_segments if smooth else _trapezoid,
         arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
         jerk_time=0.0 if smooth else settings.shortest_block,
+        rounding=(0.0, 0.0) if settings.path == "akima" else tolerance,
     )
 
 

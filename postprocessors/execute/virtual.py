@@ -1,14 +1,16 @@
-"""The built-in virtual controller: executes a program's text, with moves that it times itself computed by ruckig."""
+"""The built-in virtual controller: executes a program's text, moves that it times itself by ruckig, paths by toppra."""
 
 from dataclasses import replace
 
 import numpy as np
 
+from cases.errors import ExecutionError
 from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
+from identification.path_timing import UntimedPath, keeps_pace, retime
 from postprocessors.execute.block_limited import block_limited
 from postprocessors.execute.executed_run import ExecutedRun
 from postprocessors.execute.ruckig_law import by_ruckig
@@ -26,9 +28,11 @@ REST = 0.2  # [s] of standstill recorded before and after: filters need it, and 
 def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> ExecutedRun:
     """Executes a program that was read, starting from home.
 
-    Timed paths follow the curve through their points, at their times or as the case's
-    `virtual_look_ahead` says. Moves at a feed or in rapid are timed by ruckig within the motion
-    limits and that feed; with a jerk limit where the controller that the program is for has one, without where not.
+    Timed paths follow the curve through their points at their times (`virtual_look_ahead` of the case is "exact"; where
+    that would pass a limit of rates or accelerations, later, by toppra), or without look-ahead, with rounded corners
+    and as slow as that makes them ("block_limited"; by toppra inside the limits). Moves at a feed or in rapid are timed
+    by ruckig within the motion limits and that feed; with a jerk limit where the controller that the program is for has
+    one, without where not.
 
     Args:
         reading: the program.
@@ -37,6 +41,7 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
 
     Raises:
         ProgramError: the motion is not defined.
+        ExecutionError: no pace of a path keeps the limits.
         CaseError: the case has no machine.
     """
     machine, _, limits = case.need_machine("a run")
@@ -50,8 +55,8 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     at_poses = measures_at_poses(program)
     for stretch in program:
         part = _trajectory(stretch, pose, limits.motion, own)
-        if not exact and isinstance(part, TimedPoints):
-            part = block_limited(part, limits.motion.acceleration)
+        if isinstance(part, TimedPoints):
+            part = _followed(part, case, own, exact, reading.file)
         if part is None:
             continue
         on = on and stretch.trigger
@@ -68,6 +73,15 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     parts.append(Standstill(pose, REST))
     execution = PoseExecution(Hexapod.of(case), Joined(tuple(parts)))
     return ExecutedRun(NAME if exact else BLOCK_LIMITED, execution, np.array(trigger).reshape(-1, 2), real=False)
+
+
+def _followed(path: TimedPoints, case: Case, own: Guarantees, exact: bool, file: str) -> Trajectory:
+    try:
+        if not exact:
+            return block_limited(path, case, own.rounding)
+        return path if keeps_pace(path, case) else retime(path, case)
+    except UntimedPath as error:
+        raise ExecutionError(f"{file}: {error}; look at hexcite check") from error
 
 
 def _trajectory(stretch: Stretch, pose: np.ndarray, limits: MotionLimits, own: Guarantees) -> Trajectory | None:

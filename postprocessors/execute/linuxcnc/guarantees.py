@@ -40,6 +40,7 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_Line(headroom),
         arc_law=_Arc(headroom),
         jerk_time=SERVO_PERIOD,
+        rounding=(math.inf, math.inf),  # whatever G64 P says, measured: blocks blend over their halves
     )
 
 

@@ -5,10 +5,17 @@ from pathlib import Path
 import pytest
 
 from cases.schema import Case
+from identification.executed import StrutExecution
+from identification.hexapod import Hexapod
+from identification.path import path_error
 from postprocessors.dialects import dialect
+from postprocessors.execute.executed_run import windows
 from postprocessors.execute.linuxcnc.running import run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, predicted_stretch
+from postprocessors.execute.virtual import run_virtual
+from postprocessors.files import read_program
 from postprocessors.reading.linuxcnc import read_linuxcnc
+from postprocessors.stretches import Timed, stretches
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import small_excitation, timed, typed
 
@@ -52,3 +59,13 @@ def test_linuxcnc_stretches_a_dense_path_as_predicted(tmp_path: Path, hexapod_ca
     log = run_linuxcnc(program, hexapod_case, headroom=1.0)
     assert expected.factor > 1.5
     assert log.trigger.sum() * log.period / 1.2 == pytest.approx(expected.factor, rel=0.1)
+    without = changed(hexapod_case, controller__virtual_look_ahead="block_limited")
+    read = read_program(program, without)
+    virtual = run_virtual(read.reading, without, read.guarantees)
+    assert log.trigger.sum() * log.period == pytest.approx(virtual.excitation, rel=0.05)
+    (path,) = (s.points for s in stretches(read.reading) if isinstance(s, Timed))
+    real = StrutExecution.of_log(Hexapod.of(without), log.period, log.strut_lengths)
+    window = windows(log.trigger, log.period)
+    assert path_error(path, virtual.execution, virtual.trigger) == pytest.approx(
+        path_error(path, real, window), rel=0.25
+    )
