@@ -156,10 +156,9 @@ class FourierFamily:
         count = self.density * self.order
         return np.arange(count) * self.period / count
 
-    @property
-    def holds_struts(self) -> bool:
+    def struts(self) -> NDArray[np.bool_]:
         """Strut limits enter where they come close."""
-        return False
+        return np.zeros((2, len(self.grid)), dtype=bool)
 
     def critical_maps(self) -> tuple[Array, Array, Array]:
         """At the samples."""

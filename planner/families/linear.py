@@ -25,9 +25,8 @@ class Maps(Protocol):
         """Matrices (K, q) from unknowns to value, rate, acceleration and jerk at the samples of information."""
         ...
 
-    @property
-    def holds_struts(self) -> bool:
-        """Whether strut velocities and accelerations are limited from the start."""
+    def struts(self) -> NDArray[np.bool_]:
+        """At which of the `critical_maps` strut velocities and accelerations are held from the start, shape (2, C)."""
         ...
 
     def limit_maps(self) -> tuple[Array, Array, Array, Array]:
@@ -85,5 +84,5 @@ def linear_sampling(case: Case, family: Maps) -> Sampling:
         rows=ca.vertcat(*rows),
         zeros=ca.MX(0, 1),
         critical=critical,
-        struts=np.full((2, critical.count), family.holds_struts),
+        struts=family.struts(),
     )

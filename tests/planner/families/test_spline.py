@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import sample
 from identification.reference import reference_scaling
@@ -12,6 +13,7 @@ from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.problem import Problem, build_problem, mean_information
 from planner.solving import Stage, Task, random_start, run_start
+from planner.state_limits import STRUT_VELOCITY
 from tests.helpers import taylor_slope
 
 
@@ -60,6 +62,22 @@ def test_what_keeps_the_rows_keeps_the_limits_at_every_instant(
     shares += [motion.accelerations / box.acceleration, motion.jerks / box.jerk]
     assert max(np.abs(s).max() for s in shares) <= 1.0 + 1e-9
     assert max(np.abs(s).max() for s in shares) > 0.95
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_strut_velocities_peak_near_the_instants_at_which_they_are_held(
+    seed: int, family: SplineFamily, problem: Problem, hexapod_case: Case
+):
+    """Held at the knots alone, they would pass their limit by much more: they peak where accelerations vanish."""
+    unknowns = np.random.default_rng(seed).normal(size=family.unknowns * 6)
+    unknowns *= 0.9 / problem.worst()(unknowns)
+    held = problem.sampling.struts[0]
+    shares = np.abs(problem.limit_shares(unknowns)[STRUT_VELOCITY])
+    motion = sample(family.motion(unknowns), 5_000.0)
+    lengths = Hexapod.of(hexapod_case).strut_lengths(motion.pose)
+    peak = np.abs(np.gradient(lengths, motion.t, axis=0)).max() / hexapod_case.limits.motion.strut_velocity_m_s
+    assert shares[:, held].max() > 0.9 * peak
+    assert shares[:, ::4].max() < shares[:, held].max()
 
 
 def test_the_optimisers_information_is_the_time_average_of_the_motion(
