@@ -18,7 +18,8 @@ from identification.compressed import inverse_root
 Array = NDArray[np.float64]
 
 MOST_ORDER = 30  # of the autoregressive model; behind the filter samples are a quarter of its shortest period apart
-LEAST_SAMPLES = 4 * MOST_ORDER  # fewer tell no spectrum
+LEAST_SAMPLES = 40  # fewer tell no spectrum
+PER_ORDER = 4  # samples for each coefficient, at least
 DRAWS = 8  # of the bootstrap: the mean of eight is known to some percent
 BOOTSTRAPPED = 4000  # samples up to which what the fit took matters
 SEED = 0
@@ -64,10 +65,11 @@ class _Model(NamedTuple):
 def _autoregression(series: Array, freedom: float) -> _Model:
     """The Yule-Walker model of the order that Akaike's criterion chooses, by Levinson's recursion."""
     count = len(series)
-    lags = np.array([series[h:] @ series[: count - h] for h in range(MOST_ORDER + 1)]) / freedom
+    most = min(MOST_ORDER, count // PER_ORDER)
+    lags = np.array([series[h:] @ series[: count - h] for h in range(most + 1)]) / freedom
     phi, variance = np.zeros(0), max(float(lags[0]), np.finfo(float).tiny)
     best = (count * np.log(variance), phi, variance)
-    for order in range(1, MOST_ORDER + 1):
+    for order in range(1, most + 1):
         reflection = float((lags[order] - phi @ lags[order - 1 : 0 : -1][: order - 1]) / variance)
         reflection = float(np.clip(reflection, -0.999999, 0.999999))
         phi = np.r_[phi - reflection * phi[::-1], reflection]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
+from identification.biases import OFFSET_NAMES, Biases
 from identification.consistent import consistent
 from identification.estimator import gauss_markov, per_channel
 from identification.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
@@ -88,6 +89,7 @@ class Method:
         dropped: linear parameters without a column.
         priors: uncertain knowledge.
         weights: `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case.
+        biases: offsets from another result, which are among the known values; their uncertainty is propagated.
     """
 
     maker: Maker
@@ -96,6 +98,13 @@ class Method:
     dropped: tuple[str, ...]
     priors: tuple[Prior, ...]
     weights: str | None = None
+    biases: Biases | None = None
+
+    @property
+    def without_biases(self) -> "Method":
+        """The same with the offsets of the forces free."""
+        taken = {} if self.biases is None else self.biases.known
+        return replace(self, known={n: v for n, v in self.known.items() if n not in taken}, biases=None)
 
     def selection(self, model: Model) -> Selection:
         """What of a model is estimated, where the problem is linear; for the non-linear form all of it.
@@ -177,17 +186,25 @@ def method(
     dropped: Sequence[str] = (),
     priors: Sequence[Prior] = (),
     weights: str | None = None,
+    biases: Biases | None = None,
 ) -> Method:
     """A method by the name of its estimator.
 
     Raises:
-        IdentificationError: no such estimator or weights, with those that there are.
+        IdentificationError: no such estimator or weights, with those that there are; biases given otherwise too.
     """
     if weights is not None and weights not in WEIGHTS:
         raise IdentificationError(f"weights {weights!r} are unknown; choose {', '.join(WEIGHTS)}")
     if name not in ESTIMATORS:
         raise IdentificationError(f"estimator {name!r} is unknown; choose {', '.join(ESTIMATORS)}")
-    return Method(ESTIMATORS[name], name, dict(known or {}), tuple(dropped), tuple(priors), weights)
+    known = dict(known or {})
+    if biases is not None:
+        twice = [n for n in OFFSET_NAMES if n in known or n in dropped]
+        if name != "gauss-markov" or priors or twice:
+            other = f"{twice[0]} given otherwise" if twice else "priors" if priors else f"the estimator {name}"
+            raise IdentificationError(f"--biases {biases.source}: does not go with {other}; leave one of them out")
+        known |= biases.known
+    return Method(ESTIMATORS[name], name, known, tuple(dropped), tuple(priors), weights, biases)
 
 
 def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:

@@ -14,6 +14,7 @@ from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from identification.biases import OFFSET_NAMES, Biases, accelerometer_bias, gain, widened
 from identification.coloured import coloured_covariance
 from identification.contact import Contact, find_contacts, touched
 from identification.estimator import independent_poses, require_alive
@@ -27,7 +28,7 @@ from identification.plausibility import places, scan
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
 from identification.swapped import other_wiring
-from identification.wrist import WristRun, wrist_run
+from identification.wrist import WristRun, delay_band, wrist_run
 
 Array = NDArray[np.float64]
 
@@ -103,7 +104,8 @@ def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Ide
         matrices = standstills(recording, case, model).regressors
     else:
         strutless = recording.struts is None
-        run = wrist_run(recording, case, model, MOST_DELAY) if strutless else moving_run(recording, case, model)
+        biases = estimate.how.biases
+        run = wrist_run(recording, case, model, MOST_DELAY, biases) if strutless else moving_run(recording, case, model)
         matrices = run.regressors(estimate.delay.value if estimate.delay else 0.0)
     return analyse(matrices @ selection.basis, selection.names)
 
@@ -131,9 +133,31 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
     fit = _of_forces(whitening, fit, matrices, forces)
     _require_sense(model, fit)
     _require_wiring(matrices, forces, fit)
-    evaluation = Evaluation(data.samples, fit.residuals / scale[:, None], None)
-    warnings = (*found.warnings, *doubts(fit, data.forces))
-    return estimate_of(model, fit, recording.source, case, evaluation, how, warnings)
+    warnings = [*found.warnings, *doubts(fit, data.forces)]
+    if how.biases is not None:
+        free = how.without_biases.estimator(problem)(*white, model.names)
+        warnings += _drift(how.biases, model, free)
+        fit = _with_uncertain_offsets(fit, model, selection.basis, matrices, _w(whitening, fit), how.biases)
+    felt = None
+    if recording.specific_forces is not None and recording.rotations is not None and case.setup != "1a":
+        felt = accelerometer_bias(recording.specific_forces[~found.bad], recording.rotations[~found.bad], case.gravity)
+    evaluation = Evaluation(data.samples, fit.residuals / scale[:, None], None, accelerometer=felt)
+    return estimate_of(model, fit, recording.source, case, evaluation, how, tuple(warnings))
+
+
+def _with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array, w: Array, biases: Biases) -> Fit:
+    """The fit with the uncertainty of offsets that it took from another result."""
+    offsets = [model.names.index(name) for name in OFFSET_NAMES]
+    moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
+    moves[offsets] += np.eye(6)
+    return widened(fit, moves, biases.covariance)
+
+
+def _drift(biases: Biases, model: Model, free: Fit) -> list[str]:
+    offsets = [model.names.index(name) for name in OFFSET_NAMES]
+    spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
+    units = tuple(model.parameters[k].unit for k in offsets)
+    return biases.drift(free.values[offsets], spread[np.ix_(offsets, offsets)], units)
 
 
 def _inertia(model: Model) -> set[str]:
@@ -152,6 +176,11 @@ def _of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array
     return replace(fit, residuals=forces - matrices @ fit.values, weights=np.sum(whitening**2, axis=0))
 
 
+def _w(whitening: Array | None, fit: Fit) -> Array:
+    """W for one sample, shape (6, 6)."""
+    return np.diag(fit.weights) if whitening is None else whitening.T @ whitening
+
+
 class Moving(NamedTuple):
     """A run with its fit: residuals are those of the forces as recorded; W is the square of `whitening` where given."""
 
@@ -164,18 +193,27 @@ class Moving(NamedTuple):
     @property
     def w(self) -> Array:
         """W for one sample, shape (6, 6)."""
-        return np.diag(self.fit.weights) if self.whitening is None else self.whitening.T @ self.whitening
+        return _w(self.whitening, self.fit)
 
 
 def _from_motion(recording: Recording, case: Case, model: Model, how: Method) -> Estimate:
     found = scan(recording, case)
     run: Run | WristRun
+    problem = Problem.of(model, case, how)
+    held: Delay | None = None
+    notes: list[str] = []
     if recording.struts is None:
-        run = wrist_run(recording, case, model, MOST_DELAY)
+        run = wrist_run(recording, case, model, MOST_DELAY, how.biases)
+        band = delay_band(recording)
+        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band)
+        held = fit_with_delay(wide, GAUSS_MARKOV, problem).delay
+        notes.append(
+            f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up to "
+            f"{run.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
+        )
     else:
         run = moving_run(recording, case, model, found=found)
-    problem = Problem.of(model, case, how)
-    moving = fit_with_delay(run, how, problem)
+    moving = fit_with_delay(run, how, problem, held=held)
     contacts: tuple[Contact, ...] = ()
     for _ in range(SEARCHES if isinstance(run, Run) else 0):  # a wrist run leaves too much for that
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
@@ -205,7 +243,10 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
             warnings.append(
                 "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
             )
-    evaluation = Evaluation(moving.run.samples, moving.residuals, moving.delay, noise)
+    if how.biases is not None:
+        free = fit_with_delay(moving.run, how.without_biases, problem, moving.delay.value, held)
+        warnings += _drift(how.biases, model, free.fit)
+    evaluation = Evaluation(moving.run.samples, moving.residuals, moving.delay, noise, notes=tuple(notes))
     return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
 
 
@@ -227,7 +268,9 @@ def _told(recording: Recording, contact: Contact) -> str:
     )
 
 
-def fit_with_delay(run: Run | WristRun, how: Method, problem: Problem, delay: float = 0.0) -> Moving:
+def fit_with_delay(
+    run: Run | WristRun, how: Method, problem: Problem, delay: float = 0.0, held: Delay | None = None
+) -> Moving:
     """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
 
     Args:
@@ -235,12 +278,14 @@ def fit_with_delay(run: Run | WristRun, how: Method, problem: Problem, delay: fl
         how: estimator.
         problem: the run's model, and which channels have the same noise.
         delay: to start from [s].
+        held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
     """
     model = run.model
-    beside = len(run.nuisances)
+    beside = len(run.nuisances) - (held is not None)
+    delay = delay if held is None else held.value
     problem = replace(problem, nuisance=beside, filtered=run.filtered)
     search = gauss_markov_of(problem)
-    forces, names = run.forces, [*model.names, *run.nuisances]
+    forces, names = run.forces, [*model.names, *run.nuisances[:beside]]
     matrices = run.regressors(delay)
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
@@ -251,15 +296,17 @@ def fit_with_delay(run: Run | WristRun, how: Method, problem: Problem, delay: fl
         reduced = matrices @ selection.basis * scale[:, None]
         free = np.linalg.lstsq(reduced.reshape(-1, reduced.shape[2]), left.ravel(), rcond=None)[0]
         values = selection.offset + selection.basis @ free
-        effect = run.nuisance_columns(delay, matrices, values)
+        effect = run.nuisance_columns(delay, matrices, values)[:, :, :beside]
         if problem.noise is not None:
             whitening = problem.noise.whitening(values)
         augmented = np.dstack([matrices, effect])
         first = np.dstack([matrices @ selection.basis, effect])
         rest = forces - matrices @ selection.offset
-        fit = search(*_whitened(whitening, first, rest), [*selection.names, *run.nuisances])
+        fit = search(*_whitened(whitening, first, rest), [*selection.names, *run.nuisances[:beside]])
         if delay == 0.0:
             _require_wiring(first, rest, _of_forces(whitening, fit, first, rest))
+        if held is not None:
+            break
         step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
         if abs(step) < DELAY_TOLERANCE:
             break
@@ -278,9 +325,37 @@ def fit_with_delay(run: Run | WristRun, how: Method, problem: Problem, delay: fl
             fit = replace(fit, covariance_robust=basis @ coloured @ basis.T)
     fit = _of_forces(whitening, fit, augmented, forces)
     _require_sense(model, fit)
-    residuals = run.recorded_forces - augmented[:, :, :-1] @ fit.values[:-1]
+    told = augmented.shape[2] - (held is None)
+    residuals = run.recorded_forces - augmented[:, :, :told] @ fit.values[:told]
+    basis = block_diag(selection.basis, np.eye(beside))
+    if how.biases is not None:
+        fit = _with_uncertain_offsets(fit, model, basis, augmented, _w(whitening, fit), how.biases)
+    if isinstance(run, WristRun):
+        fit = _with_uncertain_motion(run, fit, augmented, basis, _w(whitening, fit), how.biases, delay, held)
+    if held is not None:
+        return Moving(run, fit, held, residuals, whitening)
     value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < DELAY_TOLERANCE else 0.0)
     return Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals, whitening)
+
+
+def _with_uncertain_motion(
+    run: WristRun,
+    fit: Fit,
+    augmented: Array,
+    basis: Array,
+    w: Array,
+    biases: Biases | None,
+    delay: float,
+    held: Delay | None,
+) -> Fit:
+    """The fit with the uncertainty of a held delay and of biases that were taken from the accelerometer."""
+    count = len(run.model.names)
+    columns = run.known_columns(delay, augmented[:, :, :count], fit.values[:count])
+    covariance = np.zeros((4, 4))
+    covariance[0, 0] = 0.0 if held is None else held.std**2
+    if biases is not None:
+        covariance[1:, 1:] = biases.require_accelerometer().covariance
+    return widened(fit, basis @ gain(augmented @ basis, w, columns), covariance)
 
 
 def _systematic(moving: Moving) -> list[str]:

@@ -66,7 +66,7 @@ def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residu
         count = np.arange(1.0, data.samples + 1.0)
         return Residuals(count, data.forces, data.regressors @ estimate.values, None)
     if recording.struts is None:
-        wrist = wrist_run(recording, case, model, MOST_DELAY)
+        wrist = wrist_run(recording, case, model, MOST_DELAY, estimate.how.biases)
         values = wrist.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
         return Residuals(wrist.t, wrist.recorded_forces, values, wrist.filter.step * wrist.filter.stride)
     run = moving_run(recording, case, model)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from cases.schema import Case
+from identification.biases import AccelerometerBias
 from identification.estimators import Method
 from identification.fit import Fit
 from identification.model import ERROR_TERMS, Model, identification_model
@@ -34,12 +35,16 @@ class Evaluation(NamedTuple):
         residuals: recorded forces less the model, shape (n, 6) [N, or N and N m].
         delay: of the forces, where it was estimated.
         noise: what s0 consists of, where the case states noise.
+        accelerometer: its biases, where standstills have its readings.
+        notes: sentences about the evaluation.
     """
 
     samples: int
     residuals: Array
     delay: Delay | None
     noise: NoiseSources | None = None
+    accelerometer: AccelerometerBias | None = None
+    notes: tuple[str, ...] = ()
 
 
 class Value(NamedTuple):
@@ -93,6 +98,7 @@ class Estimate:
         residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
         noise_sources: what s0 consists of, where the case states noise.
         attenuation: of physical parameters by name, where the case states noise of the struts.
+        accelerometer: its biases, where standstills have its readings.
     """
 
     case: str
@@ -121,6 +127,7 @@ class Estimate:
     residuals: Array
     noise_sources: NoiseSources | None
     attenuation: dict[str, Attenuation] | None
+    accelerometer: AccelerometerBias | None
 
     def to_json(self) -> dict[str, Any]:
         """Everything but the residuals, SI units."""
@@ -134,6 +141,8 @@ class Estimate:
             "estimator": self.how.name,
             "known": dict(self.how.known),
             "dropped": list(self.how.dropped),
+            "biases": None if self.how.biases is None else self.how.biases.to_json(),
+            "accelerometer": None if self.accelerometer is None else self.accelerometer.to_json(),
             "priors": {p.name: {"value": p.value, "std": p.std} for p in self.how.priors},
             "s0": self.s0,
             "s0_N": self.s0_N,
@@ -209,9 +218,10 @@ def estimate_of(
         delay=evaluation.delay,
         how=how,
         terms=terms,
-        notes=fit.notes,
+        notes=(*fit.notes, *evaluation.notes),
         warnings=warnings,
         residuals=fit.residuals,
         noise_sources=noise,
         attenuation=attenuation,
+        accelerometer=evaluation.accelerometer,
     )

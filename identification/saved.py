@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cases.errors import FileProblem
 from cases.files import read_json
 from cases.schema import Case
+from identification.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
 from identification.parameters import physical_form
 from identification.result import SCHEMA_VERSION
@@ -31,6 +32,7 @@ class SavedResult:
         covariance_robust: of u, autocorrelation-robust, shape (u, u).
         terms: forms of the error compensation other than the model's.
         delay: of the forces [s]; 0 where none was estimated.
+        accelerometer: its biases, where standstills told them.
     """
 
     source: str
@@ -42,6 +44,7 @@ class SavedResult:
     covariance_robust: Array
     terms: tuple[str, ...]
     delay: float
+    accelerometer: AccelerometerBias | None = None
 
     def model_of(self, case: Case) -> Model:
         """The model of the parameters, for a case of the same machine.
@@ -69,7 +72,7 @@ def load_result(path: Path) -> SavedResult:
             f"{file}: schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}; identify again"
         )
     try:
-        delay = data["delay_s"]
+        delay, felt = data["delay_s"], data.get("accelerometer")
         result = SavedResult(
             source=str(file),
             case_name=str(data["case"]),
@@ -80,6 +83,7 @@ def load_result(path: Path) -> SavedResult:
             covariance_robust=np.array(data.get("covariance_robust", data["covariance"]), dtype=float),
             terms=tuple(str(t) for t in data.get("error_terms", ())),
             delay=0.0 if delay is None else float(delay["value"]),
+            accelerometer=None if felt is None else _accelerometer(felt),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error
@@ -89,6 +93,32 @@ def load_result(path: Path) -> SavedResult:
     if not whole or not all(np.isfinite(a).all() for a in arrays):
         raise FileProblem(f"{file}: values and covariance do not belong together; identify again")
     return result
+
+
+def _accelerometer(data: Any) -> AccelerometerBias:
+    """From JSON; raises KeyError, TypeError or ValueError where it is damaged."""
+    values, covariance = (np.array(data[k], dtype=float) for k in ("bias_m_s2", "covariance_m2_s4"))
+    turn, rms = np.array(data["turn_rad"], dtype=float), float(data["rms_m_s2"])
+    if values.shape != (3,) or covariance.shape != (3, 3) or not np.isfinite([*values, *covariance.ravel()]).all():
+        raise ValueError("accelerometer")
+    return AccelerometerBias(values, covariance, turn, rms)
+
+
+def biases_of(path: Path, case: Case) -> Biases:
+    """Offsets of forces and accelerometer from a result of the same case, for a run that is to take them as known.
+
+    Raises:
+        FileProblem: no such result, or one of another case.
+    """
+    result = load_result(path)
+    names = result.model_of(case).names
+    offsets = [names.index(name) for name in OFFSET_NAMES]
+    white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
+    std = np.sqrt(np.diag(white))
+    larger = np.maximum(std, np.sqrt(np.diag(robust)))
+    grown = larger / np.where(std > 0.0, std, 1.0)
+    covariance = white * np.outer(grown, grown)
+    return Biases(str(path), result.values[offsets], covariance, result.accelerometer)
 
 
 def with_tare(

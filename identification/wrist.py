@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from identification.biases import Biases
 from identification.fit import Filtered
 from identification.formats.stream import Recording, Stream
 from identification.model import MASS, Model
@@ -90,6 +91,13 @@ class WristRun:
         columns.append((self.regressors(delay + step) @ values - expected) / step)
         return np.stack(columns, axis=2)
 
+    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array:
+        """How A u changes with the delay and with biases of the accelerometer, shape (n, 6, 4)."""
+        late = self.nuisance_columns(delay, matrices, values)[:, :, -1:]
+        specific = self.specific_force(self.t - delay)
+        felt = [(self._matrices(delay, specific + axis) - matrices) @ values for axis in np.eye(3)]
+        return np.concatenate([late, np.stack(felt, axis=2)], axis=2)
+
     def without(self, left_out: NDArray[np.bool_]) -> "WristRun":
         """The run without some of its evaluated samples, shape (n,)."""
         keep = ~left_out
@@ -99,7 +107,14 @@ class WristRun:
         )  # fmt: skip
 
 
-def wrist_run(recording: Recording, case: Case, model: Model, reach: float) -> WristRun:
+def wrist_run(
+    recording: Recording,
+    case: Case,
+    model: Model,
+    reach: float,
+    biases: Biases | None = None,
+    cutoff: float | None = None,
+) -> WristRun:
     """A moving run with its window found: from the first turn out of rest to rest again.
 
     Args:
@@ -107,6 +122,8 @@ def wrist_run(recording: Recording, case: Case, model: Model, reach: float) -> W
         case: gives the filter.
         model: gives A.
         reach: largest delay that will be asked for [s].
+        biases: those of the accelerometer are taken from its readings.
+        cutoff: of the filter [Hz]; by default the case's.
 
     Raises:
         RecordingError: a stream or the filter is missing, or too slow or too short for it.
@@ -120,14 +137,17 @@ def wrist_run(recording: Recording, case: Case, model: Model, reach: float) -> W
         )
     if model.needs_position or MASS not in model.blocks:
         raise IdentificationError(f"model {model.number} needs the platform's position; choose model 0 or 6")
-    cutoff = case.recording.filter_cutoff_Hz
+    cutoff = case.recording.filter_cutoff_Hz if cutoff is None else cutoff
     if cutoff is None:
         raise RecordingError("a moving run needs a filter; set recording.filter_cutoff_Hz in the case")
     force_stream = recording.streams[0]
     quaternions = Rotation.from_matrix(turning.rotations).as_quat()
     flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
-    quaternion = _smooth(turning, quaternions * flips[:, None], cutoff, reach)
-    specific = _smooth(felt, felt.specific_forces, cutoff, reach)
+    beside = np.zeros(3) if biases is None else biases.require_accelerometer().values
+    # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
+    band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
+    quaternion = _smooth(turning, quaternions * flips[:, None], band, reach)
+    specific = _smooth(felt, felt.specific_forces - beside, cutoff, reach)
     t, step = _equal_steps(force_stream)
     low_pass = _filter(force_stream, cutoff, step, reach)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
@@ -154,12 +174,26 @@ def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> Cubic
 
 
 def _filter(stream: Stream, cutoff: float, step: float, reach: float) -> Filter:
-    if not 1.5 * cutoff < 0.5 / step:
+    if not 1.5 * cutoff < 0.5001 / step:
         raise RecordingError(
             f"{stream.source}: {1 / step:.4g} samples a second are too few for filter_cutoff_Hz = {cutoff:g}; at most "
             f"{1 / (3 * step):.3g}"
         )
     return Filter(cutoff, step, reach)
+
+
+def widest_band(*streams: Stream) -> float:
+    """Highest cut-off at which the filter removes all above half the rate of every stream [Hz]."""
+    return min(1.0 / (3.0 * _equal_steps(stream)[1]) for stream in streams)
+
+
+def delay_band(recording: Recording) -> float:
+    """The band of a run's delay [Hz]: the widest that all its streams carry, whatever the parameters' filter is.
+
+    At low frequencies a delay looks like a turn of the accelerometer about the axis of the motion, and what the
+    sensors err by with the orientation passes for it; what a machine shakes and jerks above has no such double.
+    """
+    return widest_band(*recording.streams)
 
 
 def _equal_steps(stream: Stream) -> tuple[Array, float]:

@@ -44,6 +44,12 @@ def identify(
         bool, typer.Option("--symmetric", help="Symmetric platform: xC, yC and moments of deviation are zero.")
     ] = False,
     prior: Annotated[list[str] | None, typer.Option(help="An uncertain value: m=33+-0.5kg. Repeatable.")] = None,
+    biases: Annotated[
+        Path | None,
+        typer.Option(
+            help="Result of standstills: take the offsets of forces and accelerometer from it, with their uncertainty."
+        ),
+    ] = None,
     terms: Annotated[str | None, typer.Option(help="Error terms instead of the model's, of K1 to K5: K1,K4.")] = None,
     poses: Annotated[
         Path | None,
@@ -65,7 +71,7 @@ def identify(
     """
     wanted = Wish(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
-        tuple(t.strip() for t in terms.split(",")) if terms else (), weights,
+        tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
     )  # fmt: skip
     answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills))
     if verify is not None:
@@ -86,6 +92,7 @@ class Wish(NamedTuple):
         prior: uncertain values.
         terms: error terms instead of the model's.
         weights: instead of the case's.
+        biases: result whose offsets are taken.
     """
 
     model: int | None = None
@@ -96,6 +103,7 @@ class Wish(NamedTuple):
     prior: tuple[str, ...] = ()
     terms: tuple[str, ...] = ()
     weights: str | None = None
+    biases: Path | None = None
 
 
 class Still(NamedTuple):
@@ -152,7 +160,7 @@ def make_result(
         else:
             recording, standing = standing_of(read_run(paths, loaded), loaded, paths[0], still)
             number = default_model(recording) if wish.model is None else wish.model
-            how = method_of(wish, identification_model(loaded, number, wish.terms))
+            how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
             estimate = estimate_parameters(recording, loaded, number, how, wish.terms)
         found = identifiability(recording, loaded, estimate)
         content = estimate.to_json() | provenance(files_of(paths))
@@ -216,15 +224,17 @@ def standing_of(recording: Any, case: Any, path: Path, still: Still) -> tuple[An
 RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
-def method_of(wish: Wish, model: Any) -> Any:
+def method_of(wish: Wish, model: Any, case: Any) -> Any:
     """The method that a user asks for.
 
     Raises:
-        HexciteError: a value that is not understood, a name that the model does not have, an unknown estimator.
+        HexciteError: a value that is not understood, a name that the model does not have, an unknown estimator, a
+            result that is none or belongs to another case.
     """
     from identification.estimators import method
     from identification.parameters import physical_form
     from identification.priors import Prior
+    from identification.saved import biases_of
     from identification.selection import symmetric_platform
     from planner.cli.quantities import read_uncertain, read_values
 
@@ -233,7 +243,8 @@ def method_of(wish: Wish, model: Any) -> Any:
     if wish.symmetric:
         known = symmetric_platform(model) | known
     priors = [Prior(*values) for values in read_uncertain(wish.prior, units, "--prior")]
-    return method(wish.estimator, known, wish.drop, priors, wish.weights)
+    biases = None if wish.biases is None else biases_of(wish.biases, case)
+    return method(wish.estimator, known, wish.drop, priors, wish.weights, biases)
 
 
 def verify_result(path: Path, case: Any, result: Path, quiet: bool) -> dict[str, Any]:
@@ -340,6 +351,14 @@ def show_result(answer: dict[str, Any]) -> None:
     show_noise(answer)
     for note in answer["notes"]:
         print(note)
+    felt = answer["accelerometer"]
+    if felt is not None:
+        values = ", ".join(f"{b:.4f} +- {s:.4f}" for b, s in zip(felt["bias_m_s2"], felt["std_m_s2"], strict=True))
+        turn = ", ".join(f"{1e3 * t:.1f}" for t in felt["turn_rad"])
+        print(f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; {felt['rms_m_s2']:.2g} m/s^2 rms are left")
+    if answer["biases"] is not None:
+        also = " and of the accelerometer" if answer["biases"]["accelerometer"] is not None else ""
+        print(f"offsets of the forces{also} are those of {answer['biases']['result']}, with their uncertainty")
     if "standstills" in answer:
         found = answer["standstills"]
         which = "the poses of the program" if found["matched_to_poses"] else "found where the machine stands"

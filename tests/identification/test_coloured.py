@@ -77,8 +77,21 @@ def test_it_does_not_depend_on_units_and_is_positive_definite() -> None:
     assert np.linalg.eigvalsh(plain).min() > 0.0
 
 
+def test_sixty_samples_tell_enough_of_their_memory() -> None:
+    """Where the kernel estimate holds the truth in three of four intervals only."""
+    few, held, kernel = A[::5], [], []
+    for seed in range(60):
+        fit = gauss_markov(few, few @ U + memory(seed, 0.6)[: len(few)], NAMES, ONES)
+        covariance = coloured_covariance(few, fit.residuals, ONES)
+        assert covariance is not None
+        held.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(covariance)))
+        kernel.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(fit.covariance_robust)))
+    assert np.mean(held) > 0.87
+    assert np.mean(kernel) < np.mean(held) - 0.05
+
+
 def test_a_run_too_short_to_tell_a_spectrum_has_none() -> None:
-    assert coloured_covariance(A[:100], np.ones((100, 6)), ONES) is None
+    assert coloured_covariance(A[:30], np.ones((30, 6)), ONES) is None
 
 
 @pytest.mark.slow

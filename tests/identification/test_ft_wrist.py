@@ -10,7 +10,7 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.identify import identify
-from identification.recording import Recording, read_recording
+from identification.recording import Recording, read_recording, read_run
 from tests.helpers import one_line
 
 FILE = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
@@ -32,7 +32,8 @@ def with_sense(sense: str) -> Case:
 
 
 def rows(recording: Recording, which: slice) -> Recording:
-    return replace(recording, forces=recording.forces[which], rotations=recording.rotations[which])
+    arrays = {n: getattr(recording, n)[which] for n in ("forces", "rotations", "specific_forces")}
+    return replace(recording, **arrays)
 
 
 def weight_regressor(recording: Recording, which: slice) -> np.ndarray:
@@ -85,3 +86,16 @@ def test_newtons_and_newton_metres_are_weighted_by_their_own_noise(recording: Re
     assert estimate.s0 == pytest.approx(1.0, abs=1e-3)  # dimensionless
     np.testing.assert_allclose(estimate.residual_rms[:3], [0.131, 0.047, 0.057], atol=0.002)
     np.testing.assert_allclose(estimate.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
+
+
+@pytest.mark.parametrize("cutoff", [5.0, 10.0, 40.0])
+def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -> None:
+    """At 5 Hz a delay passes for a turn of the accelerometer, unless it has a band of its own."""
+    form = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
+    case = CASE.model_copy(update={"recording": form})
+    run = read_run([FILE.with_name(f"1-baseline_{name}.csv") for name in ("accel", "wrench", "orientations")], case)
+    estimate = identify(run, case)
+    assert estimate.delay is not None
+    assert -6.5e-3 < estimate.delay.value < -5.2e-3
+    mass = estimate.physical["m"]
+    assert abs(mass.value - 0.932) < 3.5 * mass.reported
