@@ -128,6 +128,7 @@ def pose_error(disturbances: Disturbances, home: Array, poses: Array, weight: fl
     for k, size in enumerate(sizes):
         draw = np.random.default_rng([disturbances.pose_error_seed, k])
         waves, phases = draw.normal(size=(6, WAVES)), draw.uniform(0.0, 2 * np.pi, (6, WAVES))
-        field = np.stack([np.cos(reduced @ waves + phase).sum(axis=1) for phase in phases], axis=1)
+        angle = reduced @ waves  # cos(angle + phase) of six phases, by the sum formula: a third of the cosines
+        field = np.cos(angle) @ np.cos(phases).T - np.sin(angle) @ np.sin(phases).T
         error += size * np.sqrt(2.0 / WAVES) * field
     return error

@@ -5,6 +5,8 @@ default the recording is delayed, sampled between encoder cycles, quantised and 
 ripple, the structure vibrates and forces err with the pose: nothing of which the identification models know.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +23,7 @@ from identification.loaded import (
     rippled,
     vibrating,
 )
-from identification.model import identification_model, regressors
+from identification.model import Model, identification_model, regressors
 from identification.noise_model import acceleration_to_force
 from identification.parameters import linear_parameters
 from identification.recording import Recording
@@ -29,6 +31,40 @@ from identification.recording import Recording
 Array = NDArray[np.float64]
 
 TRUE_MODEL = 9  # rigid body with inertia, offsets and the elastic error terms K2 and K5
+BLOCK = 20_000  # samples whose regressors are held at once
+
+
+class ForceParts(NamedTuple):
+    """What true forces consist of.
+
+    Args:
+        rigid: (18) of the motion that the drives made, shape (n, 6) [N].
+        mode: what the vibration of the structure adds, shape (n, 6) [N].
+        pose: error that depends on the pose, shape (n, 6) [N].
+    """
+
+    rigid: Array
+    mode: Array
+    pose: Array
+
+    @property
+    def total(self) -> Array:
+        """The forces, shape (n, 6) [N]."""
+        return self.rigid + self.mode + self.pose
+
+
+class Moved(NamedTuple):
+    """A run as its encoders and sensors will see it, whatever is mounted.
+
+    Args:
+        t: of the samples, shape (n,) [s].
+        struts: their true lengths, shape (n, 6) [m].
+        felt: motion that the sensors feel when they are sampled.
+    """
+
+    t: Array
+    struts: Array
+    felt: Kinematics
 
 
 def true_forces(case: Case, execution: Execution, t: Array, around: Circumstances = UNDISTURBED) -> Array:
@@ -43,17 +79,40 @@ def true_forces(case: Case, execution: Execution, t: Array, around: Circumstance
     Raises:
         CaseError: the case describes no simulated machine.
     """
+    step = float(t[-1] - t[0]) / max(len(t) - 1, 1)
+    return force_parts(case, execution.kinematics(np.clip(t, 0.0, execution.duration)), step, around).total
+
+
+def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> ForceParts:
+    """The true forces of a motion, taken apart.
+
+    Args:
+        case: with a simulated machine.
+        motion: of the drives, at n instants.
+        step: between them [s].
+        around: what is mounted and what disturbs.
+
+    Raises:
+        CaseError: the case describes no simulated machine.
+    """
     simulation = case.need_simulation("the simulation of sensor forces")
     model = identification_model(case, TRUE_MODEL)
     u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
-    motion = execution.kinematics(np.clip(t, 0.0, execution.duration))
+    rigid = _forces(model, motion, u)
     found = around.disturbances
     if found is None:
-        return np.asarray(regressors(model, motion) @ u)
+        return ForceParts(rigid, np.zeros_like(rigid), np.zeros_like(rigid))
     frequency = mode_frequency(simulation.parameters, around)
-    step = float(t[-1] - t[0]) / (len(t) - 1)
-    felt = Kinematics(motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, found.mode_damping))
-    return np.asarray(regressors(model, felt) @ u + _pose_error(case, motion.pose, around))
+    shaken = Kinematics(motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, found.mode_damping))
+    return ForceParts(rigid, _forces(model, shaken, u) - rigid, _pose_error(case, motion.pose, around))
+
+
+def _forces(model: Model, motion: Kinematics, u: Array) -> Array:
+    """A u, block by block: the regressors of a run of minutes would fill the memory."""
+    blocks = [slice(k, k + BLOCK) for k in range(0, len(motion.pose), BLOCK)]
+    return np.vstack(
+        [regressors(model, Kinematics(motion.pose[b], motion.twist[b], motion.twist_rate[b])) @ u for b in blocks]
+    )
 
 
 def _pose_error(case: Case, poses: Array, around: Circumstances) -> Array:
@@ -116,22 +175,42 @@ def simulate_recording(
     Raises:
         CaseError: the case describes no simulated machine.
     """
+    return sensed(case, moved(case, execution, around, seed), trigger_times, seed, source, around)[0]
+
+
+def moved(case: Case, execution: Execution, around: Circumstances, seed: int) -> Moved:
+    """What the machine did, once, for the sensors of one run or of several.
+
+    Args:
+        case: with a simulated machine.
+        execution: the motion that the controller executed.
+        around: whether drives ripple.
+        seed: of the ripple.
+    """
     simulation = case.need_simulation("the simulation of sensor forces")
     if around.disturbances is not None:
         execution = rippled(execution, around.disturbances, seed)
     step = 1.0 / simulation.encoder_rate_Hz
     t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
     late = simulation.force_delay + simulation.force_sampling_offset_cycles * step
-    forces = true_forces(case, execution, t - late, around)
+    felt = execution.kinematics(np.clip(t - late, 0.0, execution.duration))
+    return Moved(t, execution.struts(t), felt)
+
+
+def sensed(
+    case: Case, run: Moved, trigger_times: Array, seed: int, source: str, around: Circumstances
+) -> tuple[Recording, ForceParts]:
+    """The recording of what the machine did, and what its true forces consist of; see `simulate_recording`."""
+    simulation = case.need_simulation("the simulation of sensor forces")
+    parts = force_parts(case, run.felt, 1.0 / simulation.encoder_rate_Hz, around)
+    forces = parts.total
     draw = np.random.default_rng(seed)
-    forces = forces + draw.normal(0.0, simulation.force_noise_N, forces.shape)
+    forces += draw.normal(0.0, simulation.force_noise_N, forces.shape)
     if simulation.acceleration_noise.any():
         model = identification_model(case, TRUE_MODEL)
         u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
-        shaken = simulation.acceleration_noise * draw.normal(size=forces.shape)
-        forces = forces + shaken @ acceleration_to_force(model, u).T
-    struts = _quantised(execution.struts(t), simulation)
-    trigger = np.zeros(len(t), dtype=bool)
+        forces += simulation.acceleration_noise * draw.normal(size=forces.shape) @ acceleration_to_force(model, u).T
+    trigger = np.zeros(len(run.t), dtype=bool)
     for start, end in trigger_times:
-        trigger |= (t >= start) & (t < end)
-    return Recording(source, t, struts, None, forces, trigger)
+        trigger |= (run.t >= start) & (run.t < end)
+    return Recording(source, run.t, _quantised(run.struts, simulation), None, forces, trigger), parts

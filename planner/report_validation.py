@@ -8,9 +8,11 @@ from matplotlib.figure import Figure
 
 from cases.schema import Case
 from identification.result import Estimate
-from planner.report import Item, Note, Page, Plot, Section, Table, plain
+from planner.report import Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.report_figures import COLOURS, GREY
-from planner.validation import COMPARED, SHOWN, SUSPICIOUS, Cause, Step
+from planner.validation import COMPARED, SHOWN, Step
+from planner.validation_causes import SUSPICIOUS
+from planner.validation_verdict import OFF_COLUMNS, Finding, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 SCALES = {"zC": (1e3, "mm"), "xC": (1e3, "mm"), "yC": (1e3, "mm")}
@@ -21,7 +23,7 @@ def table_7(steps: Sequence[Step]) -> list[list[str]]:
     """Table 7's layout: a row a load, values with their relative deviation from theory."""
     rows = []
     for step in steps:
-        row = [f"{step.load:.0f} kg", f"{step.estimate.s0_N:.2f}"]
+        row = [f"{step.load:.0f} kg", f"{step.s0:.2f}"]
         for name in SHOWN:
             value = step.estimate.physical.get(name)
             scale = SCALES.get(name, (1.0, ""))[0]
@@ -39,20 +41,27 @@ def _methods(steps: Sequence[Step]) -> list[str]:
 
 
 def validation_page(
-    case: Case, steps: Sequence[Step], causes: Sequence[Cause], columns: Mapping[int, Estimate], machine: str
+    case: Case,
+    steps: Sequence[Step],
+    verdict: Sequence[Finding],
+    columns: Mapping[int, Estimate],
+    machine: str,
+    failed: Mapping[str, str],
 ) -> Page:
     """The page of `hexcite validate`.
 
     Args:
         case: with its payloads.
         steps: of all methods.
-        causes: why values are off.
-        columns: the run D9M without payload by models 6 to 9; empty where it was not made.
+        verdict: claims about the methods, answered.
+        columns: runs without payload by several models; empty where they were not made.
         machine: what was used, in words.
+        failed: methods that could not be carried out, and why.
     """
     payloads = case.payloads
     assert payloads is not None
-    warnings = tuple(f"{s.method}, {s.load:.0f} kg: {w}" for s in steps for w in s.estimate.warnings)
+    warnings = tuple(f"{method} was not run: {why}" for method, why in failed.items())
+    warnings += tuple(f"{s.method}, {s.load:.0f} kg: {w}" for s in steps for w in s.estimate.warnings)
     tables: list[Item] = []
     for method in _methods(steps):
         own = [s for s in steps if s.method == method]
@@ -62,14 +71,22 @@ def validation_page(
             Table(TABLE_7, tuple(map(tuple, table_7(own)))),
         ]
     sections = [
+        Section("What it comes to", (_findings(verdict),)),
         Section("Which method gives the smallest standard deviations", (*_std_plots(steps), _std_table(steps))),
         Section("Values and deviations from theory (Table 7)", (_deviation_note(), *tables, *_error_plots(steps))),
         Section("Residuals grow with the load", (_s0_plot(steps),)),
     ]
-    if causes:
-        sections.insert(1, Section("What is off, and why", tuple(Note(c.sentence() + ".") for c in causes)))
+    if off := off_rows(steps):
+        note = (
+            "Errors of more than 3 reported standard deviations, and what they consist of, in these: forces that each "
+            "disturbance of the simulated machine added pass the evaluation of the run by themselves. The cause is the "
+            "one without which the error would be smallest."
+        )
+        sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, rows_of(off), left=3))))
     if columns:
-        sections.append(Section("Models 6 to 9 on the hand-made motion (Table 3)", _models(case, columns)))
+        sections.append(
+            Section("Models side by side, without payload (Table 3)", _models(case, dict(sorted(columns.items()))))
+        )
     return Page(
         title=f"Validation with payloads: {case.title}",
         lead=f"{len(payloads.weights)} known weights mounted one after the other and identified by "
@@ -80,10 +97,15 @@ def validation_page(
     )
 
 
+def _findings(verdict: Sequence[Finding]) -> Table:
+    rows = tuple(("yes" if f.holds else "NO", f.claim, f.figures) for f in verdict)
+    return Table(("", "claim", "figures"), rows, left=3)
+
+
 def _deviation_note() -> Note:
     return Note(
         "Theory: what the method itself identified without payload, plus the known weights; offsets must stay. s0 is "
-        "the rms of the residuals of the recorded forces [N]. m in kg, zC in mm, IC33 in kg m², f_q0_3 in N, "
+        "(27), of the recorded forces [N]. m in kg, zC in mm, IC33 in kg m², f_q0_3 in N, "
         "k0 in N/m, k1 in N m/m."
     )
 
@@ -121,7 +143,7 @@ def _std_table(steps: Sequence[Step]) -> Table:
     bare = [s for s in steps if s.weights == 0]
     names = list(dict.fromkeys(n for s in bare for n in s.estimate.physical))
     rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
-    rows.append(("s0", *(f"{s.estimate.s0_N:.3g} N" for s in bare)))
+    rows.append(("s0", *(f"{s.s0:.3g} N" for s in bare)))
     for name in names:
         scale, unit = SCALES.get(name, (1.0, ""))
         found = [s.estimate.physical.get(name) for s in bare]
@@ -160,27 +182,31 @@ def _s0_plot(steps: Sequence[Step]) -> Plot:
         line = {"color": (*COLOURS, GREY)[k % 7]}
         figure.add_scatter(
             x=[s.load for s in own],
-            y=[s.estimate.s0_N for s in own],
+            y=[s.s0 for s in own],
             name=plain(method),
             mode="lines+markers",
             line=line,
         )
     figure.update_xaxes(title_text="load [kg]")
-    figure.update_yaxes(title_text="s0: rms residual [N]", type="log")
+    figure.update_yaxes(title_text="s0 [N]", type="log")
     return Plot("s0", figure.update_layout(height=340))
 
 
 def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
-    names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")
+    names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
     for name in names:
         scale, unit = SCALES.get(name, (1.0, ""))
-        found = [e.physical[name] for e in columns.values()]
-        unit = unit or found[0].unit
-        rows.append((f"{name} [{unit}]", *(f"{v.value * scale:.5g} ± {v.reported * scale:.2g}" for v in found)))
+        found = [e.physical.get(name) for e in columns.values()]
+        unit = unit or next(v.unit for v in found if v is not None)
+        told = ("-" if v is None else f"{v.value * scale:.5g} ± {v.reported * scale:.2g}" for v in found)
+        rows.append((f"{name} [{unit}]", *told))
     truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
-    note = "Models 6 and 7 have no orientation-dependent error terms (K5); a motion tells mass from them all the same."
-    return (Table(("parameter", *(f"model {n}" for n in columns)), tuple(rows)), Note(note + truth))
+    note = (
+        "Models 0, 2 and 5 of the 480 poses, 6 to 9 of the hand-made motion. Models 0, 2, 6 and 7 have no "
+        "orientation-dependent error terms (K5): standing still that makes their mass wrong, moving it does not."
+    )
+    return (Table(("parameter", *(f"model {n}" for n in sorted(columns))), tuple(rows)), Note(note + truth))
 
 
 def std_figure(steps: Sequence[Step]) -> Figure:

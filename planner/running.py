@@ -33,7 +33,7 @@ from postprocessors.files import ProgramFile, read_program
 from postprocessors.measured import measured_poses, measures_at_poses
 from postprocessors.predicted import predicted
 from postprocessors.proof import prove_program
-from postprocessors.stretches import Timed, Untimed, stretches
+from postprocessors.stretches import Stretch, Timed, Untimed, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
 SLOWER = 4.0  # speed-up of a second session
@@ -114,16 +114,10 @@ def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
-    require_controller(on)
     case.need_simulation("a run")
-    read = read_program(program, case)
-    prove_program(read.reading, case, read.guarantees).require()
-    parts = stretches(read.reading)
+    read, parts, run = carried_out(program, case, on)
     at_poses = measures_at_poses(parts)
     planned = way_of(parts, case, read.guarantees) if at_poses else _planned(read, case)
-    run = run_virtual(read.reading, case, read.guarantees) if on == "virtual" else _on_linuxcnc(read, case)
-    if not len(run.trigger):
-        raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
     recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
     fingerprint = hashlib.sha256(read.content).hexdigest()[:16]
     if at_poses:
@@ -132,6 +126,27 @@ def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances
         rating = Rating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
         return Outcome(run, recording, rating, planned, fingerprint, around, poses)
     return Outcome(run, recording, _rating(case, planned, run), planned, fingerprint, around, np.zeros((0, 6)))
+
+
+def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[Stretch, ...], ExecutedRun]:
+    """Proves a program and runs it: as read, its stretches, and what the controller did.
+
+    Args:
+        program: its file.
+        case: the machine.
+        on: `virtual` or `linuxcnc`.
+
+    Raises:
+        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
+    """
+    require_controller(on)
+    read = read_program(program, case)
+    prove_program(read.reading, case, read.guarantees).require()
+    parts = stretches(read.reading)
+    run = run_virtual(read.reading, case, read.guarantees) if on == "virtual" else _on_linuxcnc(read, case)
+    if not len(run.trigger):
+        raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
+    return read, parts, run
 
 
 def _planned(read: ProgramFile, case: Case) -> Trajectory:

@@ -18,18 +18,19 @@ from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.executed import Execution
 from identification.identify import identify
-from identification.loaded import Circumstances, joined_body
-from identification.recording import Recording, read_recording
+from identification.loaded import Circumstances, loaded_truth
+from identification.model import identification_model
+from identification.parameters import linear_parameters, physical_form
+from identification.recording import Recording
 from identification.result import Estimate
-from identification.simulate import simulate_recording, simulate_standstills
+from identification.simulate import ForceParts, Moved, moved, sensed
+from identification.standing import Standing, average, find_standstills, match
+from planner.validation_causes import BODY, Budget, error_budget
 
 Array = NDArray[np.float64]
 
-RATE = 1000.0  # [1/s] of the sensors, averaged at standstills
 COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
 SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
-SUSPICIOUS = 3.0  # reported standard deviations; more is a systematic error
-RIGID = 1e5  # [Hz]: a mode that no motion reaches
 
 METHODS = {
     "Q5M": "480 poses, model 5",
@@ -43,19 +44,54 @@ METHODS = {
 
 @dataclass(frozen=True, slots=True)
 class Excitation:
-    """A method as it was carried out without payload.
+    """A method as a controller executed its program, without payload.
 
     Args:
-        name: key of METHODS, or a folder of recordings.
+        case: with a simulated machine.
+        name: key of METHODS.
         meaning: in words.
-        duration: measuring time [s]; None where recordings do not tell.
-        recorded: (weights mounted, what disturbs) -> the recording.
+        duration: measuring time as executed [s].
+        execution: what the controller did.
+        trigger: start and end of each time the trigger was on, shape (k, 2) [s].
+        poses: at which the program measures standing still, shape (k, 6), empty for motions [m, rad].
+        seed: of the sensors' noise.
     """
 
+    case: Case
     name: str
     meaning: str
-    duration: float | None
-    recorded: Callable[[int, Disturbances | None], Recording]
+    duration: float
+    execution: Execution
+    trigger: Array
+    poses: Array
+    seed: int
+
+    def moved(self, weights: int, disturbances: Disturbances | None) -> Moved:
+        """What the machine did with some weights mounted; its drives ripple anew in each run."""
+        return moved(self.case, self.execution, Circumstances((), disturbances), self.seed + weights)
+
+    def recorded(
+        self, weights: int, disturbances: Disturbances | None, run: Moved | None = None
+    ) -> tuple[Recording, ForceParts]:
+        """The run with some weights mounted, averaged where it stands, and what its forces consist of.
+
+        Args:
+            weights: so many.
+            disturbances: of the machine.
+            run: what the machine did, where it is known.
+        """
+        around = Circumstances(_weights(self.case, weights), disturbances)
+        run = self.moved(weights, disturbances) if run is None else run
+        source = f"{self.name} with {weights} weights"
+        recording, parts = sensed(self.case, run, self.trigger, self.seed + weights, source, around)
+        if not len(self.poses):
+            return recording, parts
+        standing = match(average(recording, find_standstills(recording, 0.0)), self.case, self.poses, source)
+        return standing.averages, ForceParts(*(_averages(part, standing) for part in parts))
+
+
+def _averages(values: Array, standing: Standing) -> Array:
+    return np.array([values[w.start : w.end].mean(axis=0) for w in standing.windows])
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +106,7 @@ class Step:
         estimate: the identification.
         theory: values by the identification without payload plus the weights, by name [SI].
         truth: of a simulated machine, by name [SI]; empty for recordings.
+        budget: what a simulated machine's errors consist of; None for recordings.
     """
 
     method: str
@@ -79,6 +116,13 @@ class Step:
     estimate: Estimate
     theory: Mapping[str, float]
     truth: Mapping[str, float]
+    budget: Budget | None = None
+
+    @property
+    def s0(self) -> float:
+        """(27) of the recorded forces: their residuals, and what the parameters take of them [N]."""
+        forces = 6 * self.estimate.samples
+        return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.names))))
 
     def deviation(self, name: str) -> float | None:
         """Relative deviation from theory; None where there is no theory."""
@@ -102,87 +146,13 @@ class Step:
             "duration_s": self.duration,
             "model": self.estimate.model,
             "samples": self.estimate.samples,
-            "s0_N": self.estimate.s0_N,
+            "s0_N": self.s0,
             "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
-            "error_in_std": {n: self.error(n) for n in COMPARED if self.error(n) is not None},
+            "error_in_std": {n: self.error(n) for n in BODY if self.error(n) is not None},
+            "error_budget_in_std": {} if self.budget is None else self.budget.in_std(self.estimate),
             "warnings": list(self.estimate.warnings),
         }
-
-
-@dataclass(frozen=True, slots=True)
-class Cause:
-    """What made an estimate of a simulated machine err by more than `SUSPICIOUS` standard deviations.
-
-    Args:
-        method: its name.
-        weights: mounted.
-        parameter: its name.
-        error: relative, with all disturbances.
-        without: relative error without each of the disturbances, by name.
-    """
-
-    method: str
-    weights: int
-    parameter: str
-    error: float
-    without: Mapping[str, float]
-
-    @property
-    def name(self) -> str:
-        """The disturbance without which the error is smallest."""
-        return min(self.without, key=lambda k: abs(self.without[k]))
-
-    def sentence(self) -> str:
-        """In words."""
-        left = f"{100 * self.without[self.name]:+.2f} %"
-        return (
-            f"{self.method} with {self.weights} weights: {self.parameter} is off by {100 * self.error:+.2f} %, more "
-            f"than {SUSPICIOUS:g} reported standard deviations; without {self.name} it would be off by {left}"
-        )
-
-    def to_json(self) -> dict[str, Any]:
-        """For the answer."""
-        return {
-            "method": self.method,
-            "weights": self.weights,
-            "parameter": self.parameter,
-            "relative_error": self.error,
-            "cause": self.name,
-            "relative_error_without": dict(self.without),
-        }
-
-
-def dynamic(
-    case: Case, name: str, meaning: str, duration: float, run: tuple[Execution, Array], seed: int
-) -> Excitation:
-    """A motion that a controller executed, recorded with any weights on the simulated machine.
-
-    Args:
-        case: with a simulated machine.
-        name: of the method.
-        meaning: in words.
-        duration: executed excitation [s].
-        run: the motion, and when the trigger was on.
-        seed: of the sensors' noise.
-    """
-
-    def recorded(weights: int, disturbances: Disturbances | None) -> Recording:
-        around = Circumstances(_weights(case, weights), disturbances)
-        return simulate_recording(case, *run, seed + weights, f"{name} with {weights} weights", around)
-
-    return Excitation(name, meaning, duration, recorded)
-
-
-def static(case: Case, name: str, meaning: str, duration: float, poses: Array, seed: int) -> Excitation:
-    """Poses in which the simulated machine stands still; see `dynamic`."""
-    samples = max(1, round(case.need_poses("a measurement at poses").average_s * RATE))
-
-    def recorded(weights: int, disturbances: Disturbances | None) -> Recording:
-        around = Circumstances(_weights(case, weights), disturbances)
-        return simulate_standstills(case, poses, samples, seed + weights, around, f"{name} with {weights} weights")
-
-    return Excitation(name, meaning, duration, recorded)
 
 
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
@@ -191,22 +161,42 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
     return case.payloads.weights[:count]
 
 
-def steps(case: Case, excitation: Excitation, disturbances: Disturbances | None) -> Iterator[Step]:
-    """The simulated machine identified without payload and after each weight.
+def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Step]:
+    """The simulated machine identified with numbers of weights on it.
+
+    A set of poses is travelled through once: its standstills do not tell one way there from another.
 
     Args:
-        case: with payloads and a simulated machine.
         excitation: the method.
+        mounted: numbers of weights, from 0 on.
         disturbances: of the machine.
     """
-    count = len(_weights(case, 99))
-    recordings = (excitation.recorded(k, disturbances) for k in range(count + 1))
-    truth = case.need_simulation("the validation").parameters
-    yield from _identified(case, excitation.name, excitation.duration, recordings, truth.body)
+    case, bare = excitation.case, None
+    once = excitation.moved(0, disturbances) if len(excitation.poses) else None
+    for k in mounted:
+        recording, parts = excitation.recorded(k, disturbances, once)
+        estimate = identify(recording, case)
+        bare = estimate if bare is None else bare
+        weights = _weights(case, k)
+        body = loaded_truth(case.need_simulation("the validation").parameters, weights)
+        model = identification_model(case, estimate.model)
+        linear = linear_parameters(model, body)
+        form = physical_form(model)
+        values, _ = form.of(linear, np.zeros((len(linear), len(linear))))
+        truth = {p.name: float(v) for p, v in zip(form.parameters, values, strict=True) if p.name in BODY}
+        budget = None if disturbances is None else error_budget(case, recording, parts, estimate, linear)
+        load = sum(w.mass_kg for w in weights)
+        theory = _theory(bare, weights)
+        yield Step(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget)
 
 
-def recorded_steps(case: Case, folder: Path) -> Iterator[Step]:
-    """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or CSV files.
+def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[Step]:
+    """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
+
+    Args:
+        case: with payloads.
+        folder: of one method.
+        read: reads a run, averaged where it stands.
 
     Raises:
         FileProblem: there is none without payload, or fewer than two.
@@ -223,20 +213,13 @@ def recorded_steps(case: Case, folder: Path) -> Iterator[Step]:
             f"{folder}: holds {len(files)} of the runs 0, 1, .. (folders or CSV files, named after the number of "
             "weights mounted); a validation needs at least 0 and 1"
         )
-    yield from _identified(case, folder.name, None, (read_recording(f, case) for f in files), None)
-
-
-def _identified(
-    case: Case, name: str, duration: float | None, recordings: Iterator[Recording], body: RigidBody | None
-) -> Iterator[Step]:
     bare: Estimate | None = None
-    for k, recording in enumerate(recordings):
-        estimate = identify(recording, case)
-        bare = bare or estimate
-        mounted = _weights(case, k)
-        truth = {} if body is None else _values(joined_body((body, *mounted)))
-        load = sum(w.mass_kg for w in mounted)
-        yield Step(name, k, load, duration, estimate, _theory(bare, mounted), truth)
+    for k, file in enumerate(files):
+        estimate = identify(read(file), case)
+        bare = estimate if bare is None else bare
+        weights = _weights(case, k)
+        load = sum(w.mass_kg for w in weights)
+        yield Step(folder.name, k, load, None, estimate, _theory(bare, weights), {})
 
 
 def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
@@ -257,51 +240,29 @@ def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
     return theory
 
 
-def _values(body: RigidBody) -> dict[str, float]:
-    centre = dict(zip(("xC", "yC", "zC"), (float(v) for v in body.centre_of_gravity), strict=True))
-    return {"m": body.mass_kg} | centre | {"IC33": float(body.inertia[2, 2])}
+def models(excitation: Excitation, disturbances: Disturbances | None) -> dict[int, Estimate]:
+    """Table 3's columns: the run without payload, identified with models 6 to 9, or 0, 2 and 5 standing still."""
+    recording, _ = excitation.recorded(0, disturbances)
+    numbers = (0, 2, 5) if len(excitation.poses) else (6, 7, 8, 9)
+    return {number: identify(recording, excitation.case, number) for number in numbers}
 
 
-def without_each(found: Disturbances) -> dict[str, Disturbances]:
-    """The disturbances with one of them taken away, by the name of what was taken away."""
-    return {
-        "the structural mode": found.model_copy(update={"mode_Hz": RIGID}),
-        "the ripple of the struts": found.model_copy(update={"strut_velocity_noise_mm_s": 0.0}),
-        "the errors of the pose": found.model_copy(update={"pose_error_N": 0.0, "pose_error_of_load": 0.0}),
-    }
+def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
+    """Numbers of weights to mount, by default 0 and each up to all of them.
 
-
-def causes(case: Case, excitation: Excitation, found: Sequence[Step], disturbances: Disturbances) -> list[Cause]:
-    """Why compared parameters are off by more than `SUSPICIOUS` standard deviations, where they are most.
-
-    The same run is recorded again without each of the disturbances, and identified.
-
-    Args:
-        case: with a simulated machine.
-        excitation: the method of the steps.
-        found: its steps.
-        disturbances: of their recordings.
+    Raises:
+        HexciteError: no numbers, more weights than there are, not from 0 upwards.
     """
-    tries: dict[int, dict[str, Estimate]] = {}
-    result = []
-    for name in COMPARED:
-        step = max(found, key=lambda s: abs(s.error(name) or 0.0))
-        if abs(step.error(name) or 0.0) <= SUSPICIOUS:
-            continue
-        if step.weights not in tries:
-            fewer = without_each(disturbances).items()
-            tries[step.weights] = {k: identify(excitation.recorded(step.weights, d), case) for k, d in fewer}
-        truth = step.truth[name]
-        without = {k: e.physical[name].value / truth - 1.0 for k, e in tries[step.weights].items()}
-        error = step.estimate.physical[name].value / truth - 1.0
-        result.append(Cause(step.method, step.weights, name, error, without))
-    return result
-
-
-def models(case: Case, excitation: Excitation, disturbances: Disturbances | None) -> dict[int, Estimate]:
-    """Table 3's dynamic columns: the run without payload, identified with models 6 to 9."""
-    recording = excitation.recorded(0, disturbances)
-    return {number: identify(recording, case, number) for number in (6, 7, 8, 9)}
+    most = len(_weights(case, 99))
+    if wanted is None:
+        return tuple(range(most + 1))
+    words = [word.strip() for word in wanted.split(",")]
+    numbers = tuple(int(word) for word in words if word.isdecimal())
+    if len(numbers) < len(words) or numbers[0] != 0 or list(numbers) != sorted(set(numbers)) or numbers[-1] > most:
+        raise HexciteError(
+            f"weights {wanted!r}: give how many are mounted, from 0 upwards to at most {most}, as in 0,{most}"
+        )
+    return numbers
 
 
 def chosen(names: str) -> list[str]:

@@ -6,14 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from planner.cli.console import Json, print_json, print_table, progress
+from planner.cli.validate_runs import Settings, carry_out
 
 if TYPE_CHECKING:
     from cases.schema import Case
-    from planner.validation import Excitation
-
-# LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
-# are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does.
-ACCEPTED = ("acceleration", "jerk", "strut acceleration")
+    from planner.validation_verdict import Finding
 
 
 def validate(
@@ -24,6 +21,12 @@ def validate(
     recordings: Annotated[
         Path | None,
         typer.Option(help="Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted."),
+    ] = None,
+    weights: Annotated[
+        str | None, typer.Option(help="How many weights are mounted: 0,3,5; by default none, and each up to all.")
+    ] = None,
+    plans: Annotated[
+        Path | None, typer.Option(help="Folder of an earlier validation: take its plans instead of new ones.")
     ] = None,
     on: Annotated[str, typer.Option(help="Controller: virtual or linuxcnc.")] = "virtual",
     starts: Annotated[int, typer.Option(help="Random starts of the optimised methods.")] = 2,
@@ -38,7 +41,8 @@ def validate(
 
     Without --recordings the case's simulated machine is used, and the answer says what it models.
     """
-    answer = run_validation(case, methods, recordings, (on, starts, seed), undisturbed, output, quiet=json)
+    settings = Settings(on, starts, seed, plans)
+    answer = run_validation(case, methods, weights, recordings, settings, undisturbed, output, quiet=json)
     if json:
         print_json(answer)
 
@@ -46,8 +50,9 @@ def validate(
 def run_validation(
     name: str,
     methods: str,
+    weights: str | None,
     recordings: Path | None,
-    settings: tuple[str, int, int],
+    settings: Settings,
     undisturbed: bool,
     output: Path,
     quiet: bool,
@@ -57,116 +62,95 @@ def run_validation(
     Args:
         name: of the case.
         methods: separated by commas.
+        weights: numbers of weights to mount, separated by commas; None: none, and each up to all.
         recordings: folder of a real machine's runs, or None.
-        settings: controller, starts and seed.
+        settings: how methods are carried out.
         undisturbed: simulate an ideal structure.
         output: folder to write.
         quiet: print nothing.
     """
-    from cases.errors import HexciteError
     from cases.files import VALIDATION, atomic_folder, check_folder, json_text
     from cases.loading import load_case
     from planner.plots import save_figure
     from planner.report import render
     from planner.report_validation import std_figure, validation_page
-    from planner.running import require_controller
-    from planner.validation import causes, chosen, models, recorded_steps, steps
+    from planner.validation import chosen, models, mounted_weights, steps
+    from planner.validation_verdict import findings
 
     wanted = chosen(methods)
     case = load_case(name)
     if case.payloads is None:
         case.missing("payloads", "a validation with payloads")
-    check_folder(output, VALIDATION, [] if recordings is None else [recordings])
-    folders = []
-    if recordings is not None:
-        folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
-        if not folders:
-            raise HexciteError(f"{recordings}: holds no folder of runs; name the folder that holds one for each method")
-    else:
-        require_controller(settings[0])
-        if case.need_simulation("a validation without recordings").disturbances is None and not undisturbed:
-            case.missing("simulation.disturbances", "a validation (or --undisturbed)")
-    disturbances = None if undisturbed or recordings is not None else case.need_simulation("").disturbances
+    mounted = mounted_weights(case, weights)
+    read = [folder for folder in (recordings, settings.plans) if folder is not None]
+    check_folder(output, VALIDATION, read)
+    disturbances = None
+    if recordings is None:
+        disturbances = _disturbances(case, settings, undisturbed)
     found: list[Any] = []
-    why: list[Any] = []
     columns: dict[int, Any] = {}
+    failed: dict[str, str] = {}
     with atomic_folder(output, VALIDATION) as part:
         if recordings is not None:
-            for folder in folders:
-                found += recorded_steps(case, folder)
+            found = _recorded(case, recordings)
         else:
-            with progress("planning", len(wanted), quiet) as count:
-                excitations = []
-                for method in wanted:
-                    excitations.append(_excitation(name, case, method, settings, part))
-                    count(method)
-            total = len(excitations) * (len(case.payloads.weights) + 1)
-            with progress("identifying", total, quiet) as count:
+            excitations, failed = carry_out(name, case, wanted, settings, part, quiet)
+            with progress("identifying", len(excitations) * len(mounted), quiet) as count:
                 for excitation in excitations:
-                    for step in steps(case, excitation, disturbances):
+                    for step in steps(excitation, mounted, disturbances):
                         found.append(step)
                         count(f"{step.method} {step.load:.0f} kg")
-                    if disturbances is not None:
-                        own = [s for s in found if s.method == excitation.name]
-                        why += causes(case, excitation, own, disturbances)
-                    if excitation.name == "D9M":
-                        columns = models(case, excitation, disturbances)
-        answer = _answer(case, found, why, columns, disturbances, recordings)
-        page = validation_page(case, found, why, columns, answer["machine"])
+                    if excitation.name in ("D9M", "Q5M"):
+                        columns |= models(excitation, disturbances)
+        verdict = findings(case, found, columns)
+        answer = _answer(case, found, verdict, columns, disturbances, recordings, settings, failed)
+        page = validation_page(case, found, verdict, columns, answer["machine"], failed)
         (part / "report.html").write_text(render(page), encoding="utf-8")
         (part / "validation.json").write_text(json_text(answer), encoding="utf-8")
         save_figure(std_figure(found), part / "plots", "standard_deviations")
     answer = {"report": str(output / "report.html")} | answer
     if not quiet:
-        _show(answer, found, why)
+        _show(answer, found, verdict)
     return answer
 
 
-def _excitation(name: str, case: "Case", method: str, settings: tuple[str, int, int], folder: Path) -> "Excitation":
-    """Plans a method and carries it out: a motion as a proven program on the controller, poses as they are planned."""
-    import numpy as np
+def _disturbances(case: "Case", settings: Settings, undisturbed: bool) -> Any:
+    """What disturbs the simulated machine; refused where it cannot be run."""
+    from planner.running import require_controller
 
-    from identification.motion import Joined, Measurement
-    from planner.cli.plan import make_plan
-    from planner.cli.poses import make_poses
-    from planner.cli.post import make_program
-    from planner.plan import load_plan
-    from planner.poses.request import Method, PoseRequest
-    from planner.request import Request
-    from planner.running import execute
-    from planner.validation import METHODS, dynamic, static
+    require_controller(settings.on)
+    found = case.need_simulation("a validation without recordings").disturbances
+    if found is None and not undisturbed:
+        case.missing("simulation.disturbances", "a validation (or --undisturbed)")
+    return None if undisturbed else found
 
-    on, starts, seed = settings
-    plan = folder / "plans" / method
-    if method in ("Q5M", "Q5N"):
-        request = (
-            PoseRequest(name, method=Method.ALL)
-            if method == "Q5M"
-            else PoseRequest(name, criterion="N", count=30, method=Method.BACKWARD)
-        )
-        make_poses(request, plan, quiet=True)
-        motion = load_plan(plan).motion
-        assert isinstance(motion, Joined)
-        poses = [part.pose for part in motion.parts if isinstance(part, Measurement)]
-        return static(case, method, METHODS[method], motion.duration, np.array(poses), seed)
-    requests = {
-        "D9M": Request(name, family="manual"),
-        "D9N": Request(name, criterion="N", order=3, period=4.0, starts=starts, seed=seed),
-        "ptp": Request(name, family="ptp", starts=starts, seed=seed),
-        "spline": Request(name, family="spline", starts=starts, seed=seed),
-    }
-    make_plan(requests[method], plan, quiet=True)
-    dialect, suffix, accepted = ("linuxcnc", "ngc", ACCEPTED) if on == "linuxcnc" else ("sinumerik", "mpf", ())
-    program = folder / "programs" / f"{method}.{suffix}"
-    make_program(plan, dialect, 1.0, accepted, program, quiet=True)
-    outcome = execute(program, case, on, seed)
-    run = (outcome.run.execution, outcome.run.trigger)
-    return dynamic(case, method, METHODS[method], outcome.run.excitation, run, seed)
+
+def _recorded(case: "Case", recordings: Path) -> list[Any]:
+    """Steps of a real machine's recordings, a folder a method."""
+    from cases.errors import HexciteError
+    from identification.recording import read_recording
+    from planner.cli.identify import Still, standing_of
+    from planner.validation import recorded_steps
+
+    folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
+    if not folders:
+        raise HexciteError(f"{recordings}: holds no folder of runs; name the folder that holds one for each method")
+    read = lambda file: standing_of(read_recording(file, case), case, file, Still())[0]  # noqa: E731
+    return [step for folder in folders for step in recorded_steps(case, folder, read)]
 
 
 def _answer(
-    case: "Case", found: list[Any], why: list[Any], columns: dict[int, Any], disturbances: Any, recordings: Path | None
+    case: "Case",
+    found: list[Any],
+    verdict: "list[Finding]",
+    columns: dict[int, Any],
+    disturbances: Any,
+    recordings: Path | None,
+    settings: Settings,
+    failed: dict[str, str],
 ) -> dict[str, Any]:
+    from planner.validation_verdict import to_json
+
     simulation = case.simulation
     if recordings is not None:
         machine = f"recordings of a machine in {recordings}"
@@ -178,24 +162,33 @@ def _answer(
                 f", with a structural mode at {disturbances.mode_Hz:g} Hz that falls with the load, ripple of the "
                 f"struts and force errors that depend on the pose ({disturbances.source})"
             )
+        machine += f"; programs executed on {settings.on}"
     return {
         "case": case.name,
         "case_hash": case.hash,
         "machine": machine,
         "simulated": recordings is None,
+        "controller": None if recordings is not None else settings.on,
         "disturbances": None if disturbances is None else disturbances.model_dump(),
+        "not_run": failed,
         "rows": [step.to_json() for step in found],
-        "causes": [cause.to_json() for cause in why],
+        "findings": to_json(verdict),
         "models": {str(n): {k: v._asdict() for k, v in e.physical.items()} for n, e in columns.items()},
     }
 
 
-def _show(answer: dict[str, Any], found: list[Any], why: list[Any]) -> None:
+def _show(answer: dict[str, Any], found: list[Any], verdict: "list[Finding]") -> None:
     from planner.report_validation import TABLE_7, table_7
+    from planner.validation_verdict import OFF_COLUMNS, off_rows
 
     print(f"machine: {answer['machine']}")
+    for method, why in answer["not_run"].items():
+        print(f"NOT RUN: {method}: {why}")
     for method in dict.fromkeys(s.method for s in found):
         print_table(f"{method}", TABLE_7, table_7([s for s in found if s.method == method]))
-    for cause in why:
-        print(cause.sentence())
+    if rows := off_rows(found):
+        title = "Off by more than 3 reported standard deviations; parts of the error in these"
+        print_table(title, OFF_COLUMNS, rows)
+    for finding in verdict:
+        print(finding.sentence())
     print(f"report written: {answer['report']}")

@@ -1,0 +1,102 @@
+"""What the error of an estimate consists of, on a simulated machine whose disturbances are known one by one.
+
+The estimate is linear in the forces: what each disturbance added to them passes the evaluation's filter and the least
+squares of the run itself, and comes out as that disturbance's part of the error. Nothing is run again.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from identification.evaluation import moving_run, standstills
+from identification.model import identification_model
+from identification.parameters import physical_form
+from identification.plausibility import scan
+from identification.recording import Recording
+from identification.result import Estimate
+from identification.simulate import ForceParts
+
+Array = NDArray[np.float64]
+
+BODY = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")  # whose errors are told
+SUSPICIOUS = 3.0  # reported standard deviations; more is a systematic error
+MODE, POSE, NOISE = "the structural mode", "the errors of the pose", "the noise of the sensors"
+RIPPLE, LEFT_OUT = "ripple and sampling", "samples that were left out"
+CAUSES = (MODE, POSE, NOISE, RIPPLE, LEFT_OUT)
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """Errors of an estimate, and what they consist of.
+
+    Args:
+        errors: estimate less truth, by parameter [SI].
+        parts: of each parameter, by cause; they add up to its error [SI].
+    """
+
+    errors: Mapping[str, float]
+    parts: Mapping[str, Mapping[str, float]]
+
+    def cause(self, name: str) -> str:
+        """The disturbance without which the error of a parameter would be smallest."""
+        return min(CAUSES, key=lambda cause: abs(self.errors[name] - self.parts[name][cause]))
+
+    def in_std(self, estimate: Estimate) -> dict[str, dict[str, float]]:
+        """The parts over reported standard deviations, by parameter and cause."""
+        std = {name: estimate.physical[name].reported for name in self.parts}
+        return {name: {cause: v / std[name] for cause, v in parts.items()} for name, parts in self.parts.items()}
+
+
+def error_budget(case: Case, recording: Recording, parts: ForceParts, estimate: Estimate, truth: Array) -> Budget:
+    """Takes the error of an estimate apart.
+
+    What is left of the forces beside mode, pose errors and noise is that of ripple, encoders and sampling: motion that
+    the evaluation sees in another way than the sensors felt it. Ripple that the mode amplifies counts as the mode's.
+
+    Args:
+        case: of the recording.
+        recording: that was identified, averaged where it stands.
+        parts: what its true forces consist of, at the same rows.
+        estimate: by least squares.
+        truth: linear parameters u of its model, shape (u,) [SI].
+    """
+    model = identification_model(case, estimate.model, estimate.terms)
+    noise = recording.forces - parts.total
+    *shifts, whole = _shifts(case, recording, (parts.mode, parts.pose, noise), estimate, truth).T
+    form, none = physical_form(model), np.zeros((len(truth), len(truth)))
+    values, true = form.of(estimate.values, none)[0], form.of(truth, none)[0]
+    moved = [values - form.of(estimate.values - shift, none)[0] for shift in shifts]
+    moved.append(values - form.of(estimate.values - whole, none)[0] - sum(moved))
+    moved.append(values - true - sum(moved))
+    names = [p.name for p in form.parameters]
+    found = {
+        name: {cause: float(shift[k]) for cause, shift in zip(CAUSES, moved, strict=True)}
+        for k, name in enumerate(names)
+        if name in BODY
+    }
+    return Budget({n: float(values[names.index(n)] - true[names.index(n)]) for n in found}, found)
+
+
+def _shifts(case: Case, recording: Recording, added: tuple[Array, ...], estimate: Estimate, truth: Array) -> Array:
+    """What forces that were added to a recording moved u by, and all that the truth leaves, shape (u, k + 1) [SI]."""
+    model = identification_model(case, estimate.model, estimate.terms)
+    if recording.t is None:
+        matrices = standstills(recording, case, model).regressors
+        weights = np.ones(len(matrices)) if recording.weights is None else recording.weights
+        right = [*added, recording.forces - matrices @ truth]
+    else:
+        run = moving_run(recording, case, model, found=scan(recording, case))
+        delay = 0.0 if estimate.delay is None else estimate.delay.value
+        matrices = run.regressors(delay)
+        right = [run.filter.apply(part)[run.rows] for part in added] + [run.forces - matrices @ truth]
+        matrices = np.dstack([matrices, run.nuisance_columns(delay, matrices, estimate.values)])
+        weights = np.ones(len(matrices))
+    scale = weights[:, None, None] * np.sqrt(estimate.w)[None, :, None]
+    columns = (matrices * scale).reshape(-1, matrices.shape[2])
+    size = np.linalg.norm(columns, axis=0)
+    forces = (np.stack(right, axis=2) * scale).reshape(len(columns), -1)
+    found = np.linalg.lstsq(columns / size, forces, rcond=None)[0]
+    return np.asarray(found[: len(truth)] / size[: len(truth), None])
