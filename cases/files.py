@@ -34,6 +34,23 @@ COMPARISON = FolderKind("a comparison", frozenset({"comparison.json", "report.ht
 VALIDATION = FolderKind("a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"}))
 
 
+COMMANDS = {  # what stands in a folder of each kind, and the commands that take such a folder
+    "plan.json": (PLAN, "hexcite post, retime or compare"),
+    "recording.json": (RUN, "hexcite identify, force or compare"),
+    "result.json": (RESULT, "hexcite export, force, payload or compare"),
+    "comparison.json": (COMPARISON, "a browser: its report.html"),
+    "validation.json": (VALIDATION, "a browser: its report.html"),
+}
+
+
+def another_kind(folder: Path, wanted: str) -> str | None:
+    """What a folder is, and who takes it, where it is one of ours but not of the kind that holds the file `wanted`."""
+    for file, (kind, takers) in COMMANDS.items():
+        if file != wanted and (folder / file).is_file():
+            return f"is {kind.name} (it holds {file}); give it to {takers}"
+    return None
+
+
 def _flush(path: Path) -> None:
     handle = os.open(path, os.O_RDONLY)
     try:
@@ -207,6 +224,11 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
     try:
         value = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
     except OSError as error:
+        if isinstance(error, FileNotFoundError) and (other := another_kind(path.parent, path.name)):
+            raise FileProblem(f"{path.parent}: {other}; here a folder that {made_by} writes is wanted") from error
+        if isinstance(error, NotADirectoryError):
+            place = f"name the folder {path.parent.parent}" if path.parent.name == path.name else f"{made_by} writes it"
+            raise FileProblem(f"{path.parent}: is a file, not a folder; {place}") from error
         raise FileProblem(f"{path}: cannot be read ({_reason(error)}); {made_by} writes it") from error
     except ValueError as error:
         raise FileProblem(f"{path}: is not JSON ({error}); write it again with {made_by}") from error

@@ -192,10 +192,10 @@ class SavedPlan:
 
 
 def load_plan(folder: Path) -> SavedPlan:
-    """Reads a plan folder.
+    """Reads a plan folder; its figures are computed anew from its motion.
 
     Raises:
-        FileProblem: no plan there, damaged, or its case has changed since.
+        FileProblem: no plan there, damaged, changed by hand, or its case has changed since.
         CaseError: its case is gone or no longer valid.
     """
     file = folder / "plan.json"
@@ -216,6 +216,10 @@ def load_plan(folder: Path) -> SavedPlan:
         raise FileProblem(
             f"{file}: case {case_file} has changed since{what} (hash {case.hash}, was {case_hash}); plan again"
         )
+    from planner.verifying import problem_of  # which needs the planner that needs this module
+
+    if problem := problem_of(data, motion, case):
+        raise FileProblem(f"{file}: {problem}; plan again")
     return SavedPlan(folder, case, case_file, motion, data)
 
 

@@ -24,8 +24,9 @@ from planner.interruption import Interrupted
 from planner.parallel import Listener, Runner, run_all
 from planner.plan import Plan
 from planner.problem import mean_information
+from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
-from planner.solving import Failed, Stage, Start, Task, keep_limits, require_rest, seeds_of
+from planner.solving import Failed, Stage, Start, Task, keep_limits, remedy, seeds_of
 
 Array = NDArray[np.float64]
 
@@ -138,16 +139,17 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
         InfeasiblePlan: no motion keeps the limits.
         IdentificationError: the motion does not excite all parameters of the model.
         CaseError: the case has no machine or no limits.
+        HexciteError: what no search can mend; see `require_plannable`.
         Interrupted: Ctrl-C before any start was done.
     """
+    require_plannable(request, case)
     model = identification_model(case, request.model)
-    case.body(request.payload)
-    require_rest(case)
     began = perf_counter()
     found = _made_by_hand(request, case) if request.family == "manual" else search(request, case, listener, run)
     seconds = perf_counter() - began
     if not found.limits.kept:
-        raise InfeasiblePlan(f"no feasible motion: {found.limits.violations[0].sentence()}; widen that limit")
+        worst = found.limits.violations[0]
+        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)}")
     if not found.motion.duration <= LONGEST:
         raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
     scaling = reference_scaling(case, model)

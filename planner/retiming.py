@@ -158,6 +158,8 @@ def read_motion(file: Path) -> TimedPoints:
                 )
             places = [header.index(name) for name in ("t_s", *POSE_COLUMNS)]
             values = [_numbers(file, line, row, places, header) for line, row in enumerate(rows, start=2) if row]
+    except FileProblem:
+        raise
     except OSError as error:
         raise FileProblem(f"{file}: cannot be read ({error.strerror or error}); give a plan folder or a CSV") from error
     except (UnicodeDecodeError, csv.Error) as error:

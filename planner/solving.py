@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.limits import TOLERANCE, LimitReport, prove
+from identification.limits import TOLERANCE, LimitCheck, LimitReport, prove
 from identification.model import Model, identification_model
 from identification.motion import Standstill
 from identification.reference import reference_scaling
@@ -30,6 +30,7 @@ PASSED = 1e-3  # share by which a limit may be passed within a round's result: t
 MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back
 BISECTIONS = 25
+GUESSES = 3  # of them, before any motion keeps the limits, go where limits would be kept that shrink with the motion
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 SHARPNESS = (1, 3, 5)  # halvings of the p-norms of K and N, one round after the other: p = 4, 16, 64
 
@@ -145,7 +146,17 @@ def require_rest(case: Case) -> None:
     """
     report = prove(Standstill(box_middle(case)[0], 0.01), case, 100.0)
     if not report.kept:
-        raise InfeasiblePlan(f"no feasible motion: {report.violations[0].sentence()}; widen that limit or move home")
+        worst = report.violations[0]
+        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)} or move home")
+
+
+def remedy(check: LimitCheck) -> str:
+    """What to change where a limit lets nothing move."""
+    if check.name.startswith("distance from"):
+        return "make that box of workspace.keep_out smaller"
+    if check.name.startswith("sensor force"):
+        return "take weights out of [payloads], correct sensors.range_N"
+    return "widen that limit"
 
 
 def random_start(seed: int, family: Family, problem: Problem) -> Array:
@@ -161,7 +172,7 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
     """
     kept, passed = 0.0, np.inf  # shares
     share, best = 1.0, None
-    for _ in range(BISECTIONS):
+    for number in range(BISECTIONS):
         trial = family.shrunk(unknowns, share)
         report = prove(family.motion(trial), case, rate)
         if report.worst_ratio <= 1.0 - MARGIN + TOLERANCE:
@@ -170,12 +181,14 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tup
             passed = share
         if best is not None and (passed - kept <= CLOSE_ENOUGH or kept == 1.0):
             return best
+        # The guess is right for what shrinks with the motion; a distance from a box does not.
         guess = share * (1.0 - MARGIN) / report.worst_ratio
-        share = guess if kept < guess < passed else (kept + passed) / 2
+        guessed = kept < guess < passed and (best is not None or number < GUESSES)
+        share = guess if guessed else (kept + passed) / 2
     if best is not None:
         return best
     worst = max((c for c in report.checks), key=lambda c: c.ratio)
-    raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; widen that limit or move home")
+    raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)} or move home")
 
 
 def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
@@ -205,7 +218,10 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
             score, found, rating = after.score, inside, after
     assert reached is not None
     if not np.isfinite(score):
-        raise InfeasiblePlan(f"start {task.seed} ended in a motion that does not determine all parameters")
+        raise InfeasiblePlan(
+            f"start {task.seed} found no motion inside the limits that determines all parameters of model "
+            f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
+        )
     seconds = time.perf_counter() - began
     return Start(
         task.seed, task.stage.name, before.logdet, rating.logdet, score, reached.status, reached.converged,

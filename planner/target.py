@@ -25,6 +25,7 @@ UNITS = {
     "Nm/m": ("N m/m", 1.0),
     "Nm": ("N m", 1.0),
 }
+NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 ROUNDS = 4  # of shortening: each lands within a few percent of what the information rate promises
 RESERVE = 1.03  # shorter motions carry a little less information a second: turning round at the ends takes its time
 WORTHWHILE = 0.97  # share of the duration below which another plan is worth its time
@@ -56,7 +57,7 @@ def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Targe
     known = {p.name: p.unit for p in physical_form(identification_model(case, model)).parameters}
     targets = []
     for word in words:
-        match = re.fullmatch(r"(\w+)=([0-9.eE+-]+?) *([A-Za-z][A-Za-z0-9/^ ]*)", word.strip())
+        match = re.fullmatch(rf"(\w+)=({NUMBER}) *([A-Za-z][A-Za-z0-9/^ ]*)", word.strip())
         if match is None:
             raise HexciteError(f"target {word!r} is not of the form m=0.05kg; name, number and unit")
         name, number, unit = match[1], match[2], match[3].replace("^", "").replace(" ", "")
@@ -65,10 +66,7 @@ def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Targe
         if unit not in UNITS or UNITS[unit][0] != known[name]:
             units = ", ".join(u for u, (base, _) in UNITS.items() if base == known[name])
             raise HexciteError(f"target {word!r}: {name} is not measured in {match[3]}; choose {units}")
-        try:
-            std = float(number) * UNITS[unit][1]
-        except ValueError:
-            std = float("nan")
+        std = float(number) * UNITS[unit][1]
         if not (np.isfinite(std) and std > 0.0):
             raise HexciteError(f"target {word!r}: {number} is no positive number")
         targets.append(Target(name, std, word, unit))

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cases.errors import ProgramError
+from cases.files import another_kind
 from cases.schema import Case
 from postprocessors.dialects import Dialect, dialect_of_file
 from postprocessors.dialects import dialect as dialect_named
@@ -41,6 +42,8 @@ def read_program(file: Path, case: Case, name: str | None = None) -> ProgramFile
         ProgramError: it cannot be read or understood, with line and column.
         CaseError: the case lacks what its dialect needs.
     """
+    if other := another_kind(file, ""):
+        raise ProgramError(file, 0, 0, f"{other}; here a program file is wanted, such as hexcite post writes")
     dialect = dialect_of_file(file.name) if name is None else dialect_named(name)
     try:
         content = file.read_bytes()

@@ -276,9 +276,12 @@ def verify_result(path: Path, case: Any, result: Path, quiet: bool) -> dict[str,
 def case_of(path: Path, case: str | None) -> Any:
     """The case that was named, or the one that a recording folder was made for and that has not changed since."""
     from cases.errors import RecordingError
-    from cases.files import read_json
+    from cases.files import another_kind, read_json
     from cases.loading import load_case
 
+    recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
+    if not recorded and (other := another_kind(path, "recording.json")):
+        raise RecordingError(f"{path}: {other}; here a recording is wanted, such as hexcite run writes")
     if case is not None:
         return load_case(case)
     if not (path.is_dir() and (path / "recording.json").is_file()):

@@ -1,5 +1,6 @@
 """`hexcite plan`: optimises an excitation and writes a plan folder."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,7 +16,16 @@ Out = Annotated[
 ]
 
 
+MOVING = ("fourier", "ptp", "spline")  # families that are optimised
+BELONGS = {
+    "duration": MOVING, "solver": MOVING, "starts": MOVING, "seed": MOVING, "target": MOVING,
+    "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",),
+    "moves": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
+}  # fmt: skip
+
+
 def plan(
+    context: typer.Context,
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "fourier",
     criterion: Annotated[str, typer.Option(help="What to optimise, Table 4: A, D, K, N.")] = "D",
@@ -46,8 +56,11 @@ def plan(
 
     Ctrl-C ends the search and keeps the best motion found so far; a second one gives up.
     """
-    from planner.request import Request
+    from planner.request import FAMILIES, Request
 
+    if family in FAMILIES:
+        sources = {option: context.get_parameter_source(option) for option in BELONGS}
+        refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     request = Request(
         case,
         family=family,
@@ -71,6 +84,22 @@ def plan(
         print_json(answer)
 
 
+def refuse_foreign(given: Sequence[str], family: str) -> None:
+    """An option that would do nothing is a misunderstanding.
+
+    Raises:
+        HexciteError: an option was given that belongs to another family.
+    """
+    from cases.errors import HexciteError
+
+    for option in given:
+        if family not in BELONGS[option]:
+            raise HexciteError(
+                f"--{option} does nothing with --family {family}; leave it out, or choose --family "
+                f"{', '.join(BELONGS[option])}"
+            )
+
+
 def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str, Any]:
     """Plans, saves, prints unless `quiet`; returns the JSON answer."""
     from cases.files import PLAN, check_folder
@@ -78,13 +107,14 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     from planner import planning
     from planner.parallel import Listener, News
     from planner.plan import save_plan
+    from planner.readiness import require_plannable
     from planner.solving import Failed, Start
     from planner.target import shortest_plan
 
     loaded = load_case(request.case_file)
-    loaded.need_machine("planning")
     folder = output if output is not None else Path(f"{loaded.name}-{request.family}")
     check_folder(folder, PLAN)
+    require_plannable(request, loaded)
     case_file = request.case_file
     if find_case(case_file).is_relative_to(Path.cwd()) or Path(case_file).exists():
         case_file = str(find_case(case_file).resolve())  # found again from any folder

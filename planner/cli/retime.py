@@ -55,6 +55,8 @@ def make_retimed(
     if source.is_dir():
         saved = load_plan(source)
         loaded = saved.case if case is None else load_case(case)
+        if saved.data["family"] == "poses":
+            raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
         motion, number = saved.motion, int(saved.data["model"])
     else:
         if case is None:

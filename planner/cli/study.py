@@ -14,9 +14,7 @@ def study(
     scheduler: Annotated[
         str | None, typer.Option(help="Running Dask scheduler, tcp://host:port; by default this computer's cores.")
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes on this computer; by default one a core.")
-    ] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes on this computer; by default one a core.")] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Try cells again that failed.")] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Study folder; continued if it is there.")
@@ -53,6 +51,8 @@ def run(
         loaded.need_simulation("a study that executes its plans")
     if scheduler is not None and workers is not None:
         raise HexciteError("--workers counts processes on this computer, --scheduler names another cluster; drop one")
+    if workers is not None and not 1 <= workers <= 1000:
+        raise HexciteError(f"{workers} workers; choose 1 to 1000, by default one a core")
     require_dask()
     case_file = lasting_name(case)
     folder = output if output is not None else Path(f"{loaded.name}-{wanted.name}-study")

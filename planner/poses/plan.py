@@ -188,8 +188,8 @@ def plan_poses(
         efficiency_space=float(np.exp((logdet - space.logdet) / len(scaling))),
         condition=float(np.sqrt(np.linalg.cond(information))),
         fewest=smallest_set(model, scaling, poses, request.criterion),
-        predicted_std=_predicted_std(case, model, scaling, information, noise),
-        std_of_all=_predicted_std(case, model, scaling, total_information(regressors), noise),
+        predicted_std=predicted_std(case, model, scaling, information, noise),
+        std_of_all=predicted_std(case, model, scaling, total_information(regressors), noise),
         noise=noise,
         limits=limits,
         select_seconds=selected,
@@ -237,7 +237,8 @@ def _noise(case: Case) -> float:
     return float(sample / np.sqrt(max(averaged, 1.0)))
 
 
-def _predicted_std(case: Case, model: Model, scaling: Array, information: Array, noise: float) -> dict[str, float]:
+def predicted_std(case: Case, model: Model, scaling: Array, information: Array, noise: float) -> dict[str, float]:
+    """Standard deviations of the physical parameters from the total information of averaged standstills."""
     if case.nominal is None:
         case.missing("nominal", "predicted standard deviations")
     covariance = noise**2 * np.linalg.inv(information) * np.outer(scaling, scaling)

@@ -105,8 +105,49 @@ def test_a_faster_motion_that_somebody_typed_into_the_plan_is_not_written(copy: 
     data = json.loads((copy / "plan.json").read_text())
     rewrite(copy, "fourier", "a_m_s_rad_s", to=(1.2 * np.array(data["fourier"]["a_m_s_rad_s"])).tolist())
     line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
-    assert "limit" in line
+    assert "by its motion" in line
     assert not (copy.parent / "p.ngc").exists()
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("duration_s",), 8.0),
+        (("duration_s",), "12"),
+        (("duration_s",), True),
+        (("logdet",), 3.0),
+        (("condition",), 1.0),
+        (("criterion_value",), 1e9),
+        (("criterion",), "E"),
+        (("d_efficiency",), 0.9),
+        (("bound",), None),
+        (("bound", "logdet"), 0.0),
+        (("predicted_std", "m"), 1e-9),
+        (("predicted_std",), {}),
+        (("predicted_std",), 3),
+        (("payload",), 1),
+        (("payload",), 99),
+        (("model",), 8),
+        (("model",), 42),
+        (("model",), "9"),
+        (("family",), "chirp"),
+        (("family",), 3),
+        (("assumed_noise_N",), 1e-6),
+    ],
+)
+def test_figures_that_somebody_typed_into_a_plan_are_not_believed(path: tuple[str, ...], value: Any, copy: Path):
+    """Each is computed anew from the motion: who shortens the duration or the deviations by hand is told so."""
+    rewrite(copy, *path, to=value)
+    line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
+    assert line.startswith(f"hexcite: {copy / 'plan.json'}: ")
+    assert line.endswith("; plan again")
+    assert not (copy.parent / "p.ngc").exists()
+
+
+def test_the_last_digits_of_another_computer_are_no_change(saved_plan: SavedPlan, copy: Path):
+    for key in ("logdet", "condition", "d_efficiency"):
+        rewrite(copy, key, to=saved_plan.data[key] * (1.0 + 1e-6))
+    call("post", copy, *ACCEPT, "-o", copy.parent / "p.ngc", "--json").json()
 
 
 def count_of_blocks(program: Path) -> int:

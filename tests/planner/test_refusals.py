@@ -32,6 +32,7 @@ PLAN = ("plan", "hexapod", "--json")
         (("run", "nowhere.ngc", "--case", "hexapod", "--on", "moon"), ("'moon'", "choose virtual, linuxcnc")),
         (("identify", "nowhere.csv", "--case", "hexapod"), ("nowhere.csv", "cannot be read")),
         (("identify", "nowhere"), ("nowhere", "--case")),
+        (("study", "hexapod", "--spec", "paper", "--workers", "0"), ("0 workers", "choose 1 to 1000")),
         (("demo", "--case", "ft_wrist"), ("ft_wrist", "simulation", "is missing")),
         (("demo", "--starts", "0", "--json"), ("0 starts",)),
         (("case", "check", "nowhere.toml"), ("nowhere.toml", "no such case", "hexapod")),

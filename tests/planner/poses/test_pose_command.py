@@ -123,11 +123,10 @@ def test_a_plan_of_other_poses_is_refused_with_the_pose_that_differs(folder: Pat
 
 
 def test_a_plan_of_a_moving_excitation_is_no_plan_of_poses(folder: Path, recorded: Path) -> None:
-    plan = folder / "moving"
-    plan.mkdir()
-    data = json.loads((folder / "plan" / "plan.json").read_text(encoding="utf-8"))
-    data["moves"] = [m for m in data["moves"] if m["kind"] == "straight"]
-    (plan / "plan.json").write_text(json.dumps(data | {"family": "ptp"}), encoding="utf-8")
+    plan, poses = folder / "moving", folder / "three.csv"
+    poses.write_text("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n50,20,930,9,5,-9\n-40,60,880,-8,9,4\n20,-70,950,5,-9,9\n")
+    moving = ("--family", "manual", "--sequence", poses, "--model", 0)
+    call("plan", "hexapod", *moving, "-o", plan, "--json").json()
     assert "not of poses" in refused("identify", recorded, "--poses", plan, "-o", folder / "no")
 
 

@@ -1,0 +1,62 @@
+"""Whether a request can be met at all, as far as that is known before any search: refused at once, not in minutes."""
+
+from cases.errors import HexciteError
+from cases.manual import load_poses, load_sequence
+from cases.schema import Case
+from identification.model import identification_model
+from planner.families.manual import sequence_file
+from planner.families.ptp import SHORTEST_PHASE
+from planner.request import Request
+from planner.solving import require_rest
+from planner.target import parse_targets
+
+
+def require_plannable(request: Request, case: Case) -> None:
+    """Refuses what no search can mend.
+
+    Raises:
+        CaseError: the case has no machine, limits, controller or payload of this number.
+        HexciteError: an unknown model, targets that cannot be read, a duration too short for the machine.
+        InfeasiblePlan: standing still in the middle of the motion box passes a limit.
+        FileProblem: the sequence cannot be used.
+    """
+    case.need_machine("planning")
+    identification_model(case, request.model)
+    case.body(request.payload)
+    parse_targets(request.targets, case, request.model)
+    if request.family == "manual":
+        file = request.sequence if request.sequence is not None else sequence_file(request.case_file)
+        if file.suffix.lower() == ".csv":
+            load_poses(file)
+        else:
+            load_sequence(file)
+    elif request.family == "fourier":
+        _require_heard(request, case)
+    else:
+        _require_long_moves(request, case)
+    require_rest(case)
+
+
+def _require_heard(request: Request, case: Case) -> None:
+    """The highest harmonic must pass the filter of the evaluation, or the run would teach nothing."""
+    cutoff = case.recording.filter_cutoff_Hz
+    highest = request.order / request.period
+    if cutoff is not None and highest > cutoff / 2:
+        shortest = request.order / (cutoff / 2)
+        raise HexciteError(
+            f"period {request.period:g} s is too short: order {request.order} reaches {highest:g} Hz, the evaluation "
+            f"hears up to {cutoff / 2:g} Hz (half of recording.filter_cutoff_Hz); choose --period {shortest:g} or more"
+        )
+
+
+def _require_long_moves(request: Request, case: Case) -> None:
+    """Every move has four phases of jerk, each three controller cycles at least; splines begin from such moves."""
+    cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
+    if request.family != "ptp":
+        return
+    shortest = 4 * SHORTEST_PHASE * cycle * request.moves
+    if not request.duration >= shortest * (1.0 - 1e-9):
+        raise HexciteError(
+            f"duration {request.duration:g} s is too short for {request.moves} moves of 4 phases of {SHORTEST_PHASE} "
+            f"controller cycles of {cycle * 1e3:g} ms; choose at least {shortest:g} s or fewer moves"
+        )

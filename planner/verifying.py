@@ -1,0 +1,125 @@
+"""Whether the figures of a saved plan are those of its motion: what somebody typed into plan.json is not believed."""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import HexciteError
+from cases.schema import Case
+from identification.criteria import CRITERIA, singular_values
+from identification.model import identification_model
+from identification.motion import Joined, Measurement, Trajectory
+from identification.reference import reference_scaling
+from planner.planning import predicted_std
+from planner.poses.plan import predicted_std as predicted_std_of_poses
+from planner.poses.regressors import pose_regressors, total_information
+from planner.problem import mean_information
+from planner.request import FAMILIES
+
+Array = NDArray[np.float64]
+
+ALIKE = 1e-3  # of figures that are computed anew: another computer rounds otherwise, nobody reads further
+
+CLOCK = 1e-6  # [s] of durations
+
+
+class Mismatch(NamedTuple):
+    """A figure that is not the motion's: the key of plan.json, what it says there and what it should be."""
+
+    key: str
+    said: object
+    found: float
+
+
+def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:
+    """Figures of plan.json that the motion beside them does not have, one after the other.
+
+    Args:
+        data: all of plan.json.
+        motion: that its entries describe.
+        case: unchanged since.
+
+    Raises:
+        KeyError: a figure is missing.
+        TypeError: a figure of the wrong kind.
+        ValueError: a figure that is no number.
+        HexciteError: the motion does not determine the model, or the model is unknown.
+    """
+    if data["family"] not in (*FAMILIES, "poses"):
+        raise ValueError("family")
+    yield from _unlike("duration_s", data["duration_s"], motion.duration, CLOCK)
+    if data["family"] == "poses":
+        yield from _of_poses(data, motion, case)
+    else:
+        yield from _of_excitation(data, motion, case)
+
+
+def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:
+    model = identification_model(case, _whole(data, "model"))
+    scaling = reference_scaling(case, model)
+    information = mean_information(model, scaling, motion)
+    mu = singular_values(information, model.names)
+    logdet = CRITERIA["D"].of(mu)
+    yield from _unlike("logdet", data["logdet"], logdet, ALIKE * len(mu))
+    yield from _unlike("condition", data["condition"], -CRITERIA["K"].of(mu))
+    letter = str(data["criterion"])
+    if letter not in CRITERIA:
+        raise ValueError("criterion")
+    score = CRITERIA[letter].of(mu)
+    yield from _unlike(
+        "criterion_value", data["criterion_value"], score, ALIKE * (len(mu) if letter == "D" else abs(score))
+    )
+    efficiency = float(np.exp((logdet - float(data["bound"]["logdet"])) / len(mu)))
+    yield from _unlike("d_efficiency", data["d_efficiency"], efficiency)
+    noise, payload = float(data["assumed_noise_N"]), _whole(data, "payload")
+    expected = predicted_std(case, model, scaling, information, motion.duration, noise, payload)
+    yield from _unlike_deviations(data, expected)
+
+
+def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:
+    parts = motion.parts if isinstance(motion, Joined) else ()
+    poses = np.array([part.pose for part in parts if isinstance(part, Measurement)])
+    yield from _unlike("count", data["count"], float(len(poses)), 0.0)
+    if len(poses):
+        model = identification_model(case, _whole(data, "model"))
+        scaling = reference_scaling(case, model)
+        information = total_information(pose_regressors(model, poses) * scaling)
+        singular_values(information, model.names)
+        expected = predicted_std_of_poses(case, model, scaling, information, float(data["assumed_noise_N"]))
+        yield from _unlike_deviations(data, expected)
+
+
+def _whole(data: dict[str, Any], key: str) -> int:
+    if not isinstance(data[key], int) or isinstance(data[key], bool):
+        raise ValueError(key)
+    return int(data[key])
+
+
+def _unlike_deviations(data: dict[str, Any], expected: dict[str, float]) -> Iterator[Mismatch]:
+    said = data["predicted_std"]
+    if list(said) != list(expected):
+        raise ValueError("predicted_std")
+    for name, std in expected.items():
+        yield from _unlike(f"predicted_std.{name}", said[name], std)
+
+
+def _unlike(key: str, said: object, found: float, within: float | None = None) -> Iterator[Mismatch]:
+    within = ALIKE * abs(found) if within is None else within
+    if isinstance(said, bool) or not isinstance(said, int | float) or not abs(said - found) <= within:
+        yield Mismatch(key, said, found)
+
+
+def problem_of(data: dict[str, Any], motion: Trajectory, case: Case) -> str | None:
+    """What is wrong with the figures of a plan, in words; None where they are those of its motion."""
+    try:
+        first = next(mismatches(data, motion, case), None)
+    except HexciteError as error:
+        return f"its motion does not have its figures ({error})"
+    except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
+        return f"entry {error} is missing or damaged"
+    if first is None:
+        return None
+    said = f"{first.said:.6g}" if isinstance(first.said, int | float) else repr(first.said)
+    return f"{first.key} is {said}, but {first.found:.6g} by its motion: changed by hand or by another version"

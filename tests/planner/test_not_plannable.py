@@ -1,0 +1,193 @@
+"""What cannot be planned is refused before anybody is told that planning begins, and nothing is written."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cases.errors import HexciteError, InfeasiblePlan
+from cases.schema import Case
+from identification.limits import prove
+from planner.families.family import box_middle
+from planner.families.fourier import FourierFamily
+from planner.readiness import require_plannable
+from planner.request import Request
+from planner.solving import keep_limits
+from tests.helpers import one_line
+from tests.planner.command_line import call, refused
+from tests.postprocessors.changed_case import changed
+
+BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_mm": [880.0, 920.0]}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--target", "m=-1kg"), ("'m=-1kg'", "no positive number")),
+        (("--target", "m=0kg"), ("'m=0kg'", "no positive number")),
+        (("--target", "m=1e999kg"), ("'m=1e999kg'", "no positive number")),
+        (("--target", "m"), ("'m'", "of the form m=0.05kg")),
+        (("--target", "zz=1mm"), ("no zz", "choose m, xC")),
+        (("--target", "zC=1kg"), ("not measured in kg", "choose m, mm, um")),
+        (("--model", "0", "--target", "k0=1N/m"), ("model 0 has no k0",)),
+        (("--model", "10"), ("model 10", "choose 0, 1")),
+        (("--model", "-1"), ("model -1",)),
+        (("--payload", "6"), ("payloads.weights", "are 5", "6 cannot be mounted")),
+        (("--payload", "-1"), ("-1 cannot be mounted",)),
+        (("--period", "0.1", "--duration", "0.1"), ("period 0.1 s is too short", "50 Hz", "20 Hz", "--period 0.25")),
+        (("--duration", "0"), ("duration 0 s", "choose 3 s")),
+        (("--family", "ptp", "--duration", "1"), ("too short for 40 moves", "2.4 s")),
+        (("--family", "spline", "--duration", "1"), ("too short for a spline", "2 s")),
+        (("--family", "manual", "--duration", "8"), ("--duration does nothing with --family manual", "leave it out")),
+        (("--family", "manual", "--starts", "3"), ("--starts does nothing", "fourier, ptp, spline")),
+        (("--family", "manual", "--target", "m=1kg"), ("--target does nothing",)),
+        (("--family", "ptp", "--order", "5"), ("--order does nothing with --family ptp", "choose --family fourier")),
+        (("--family", "ptp", "--sequence", "s.toml"), ("--sequence does nothing", "manual")),
+        (("--moves", "12"), ("--moves does nothing with --family fourier", "ptp")),
+        (("--knots", "60"), ("--knots does nothing", "spline")),
+        (("--family", "manual", "--sequence", "none.toml"), ("none.toml", "cannot be read", "TOML file of steps")),
+        (("--family", "manual", "--sequence", "none.csv"), ("none.csv", "cannot be read", "CSV of poses")),
+        (("--family", "manual", "--sequence", "."), ("cannot be read",)),
+    ],
+)
+def test_a_wrong_request_is_refused_before_planning_begins(
+    arguments: tuple[str, ...], words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """`refused` asserts that nothing stands on standard output, not even that planning begins."""
+    monkeypatch.chdir(tmp_path)
+    line = refused("plan", "hexapod", *arguments)
+    for word in words:
+        assert word in line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", ["", "title = 3", "title = 't'\nsteps = []", "x_mm = [", "\x00"])
+def test_a_sequence_that_is_none_is_refused_before_planning_begins(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(text)
+    assert "s.toml" in refused("plan", "hexapod", "--family", "manual", "--sequence", "s.toml")
+    assert [p.name for p in tmp_path.iterdir()] == ["s.toml"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (
+            "strut_length_mm = [720.0, 1460.0]",
+            "strut_length_mm = [1100.0, 1460.0]",
+            ("strut length", "reaches 1039 mm", "limit 1100", "widen that limit or move home"),
+        ),
+        ("z_mm = 900.0", "z_mm = 2900.0", ("strut length", "reaches 2946 mm", "limit 1460", "move home")),
+        ("range_N = 5000.0", "range_N = 100.0", ("sensor force", "5 payloads", "limit 80", "sensors.range_N")),
+        (
+            "[limits.motion]",
+            '[[workspace.keep_out]]\nname = "vice"\nx_mm = [-30.0, 30.0]\ny_mm = [-30.0, 30.0]\n'
+            "z_mm = [880.0, 920.0]\n\n[limits.motion]",
+            ("vice", "origin"),
+        ),
+    ],
+)
+def test_limits_that_forbid_even_to_stand_are_named_before_planning_begins(
+    old: str, new: str, words: tuple[str, ...], hexapod_file: Path
+):
+    hexapod_file.write_text(hexapod_file.read_text().replace(old, new, 1))
+    line = refused("plan", hexapod_file, "-o", hexapod_file.parent / "plan")
+    for word in words:
+        assert word in line
+    assert not (hexapod_file.parent / "plan").exists()
+
+
+def test_a_box_around_the_start_is_to_be_made_smaller(hexapod_case: Case):
+    case = changed(hexapod_case, workspace__keep_out=[BEHIND_HOME])
+    with pytest.raises(InfeasiblePlan, match=r"distance from vice \(origin\) .* workspace.keep_out smaller") as caught:
+        require_plannable(Request("hexapod"), case)
+    one_line(caught.value)
+
+
+def test_moves_need_their_controller_cycles(hexapod_case: Case):
+    case = changed(hexapod_case, controller__cycle_ms=50.0)
+    with pytest.raises(HexciteError, match=r"12 s is too short for 40 moves .* cycles of 50 ms; choose at least 24 s"):
+        require_plannable(Request("hexapod", family="ptp"), case)
+    require_plannable(Request("hexapod", family="ptp", duration=24.0), case)
+    require_plannable(Request("hexapod", family="ptp", moves=20), case)
+
+
+def test_what_no_filter_holds_back_may_have_any_period(hexapod_case: Case):
+    require_plannable(Request("hexapod", period=0.25, duration=0.25), hexapod_case)
+    case = changed(hexapod_case, recording__filter_cutoff_Hz=10.0)
+    with pytest.raises(HexciteError, match=r"order 5 reaches 20 Hz, the evaluation hears up to 5 Hz"):
+        require_plannable(Request("hexapod", period=0.25, duration=0.25), case)
+
+
+def test_a_motion_is_drawn_back_out_of_a_small_box_close_to_its_middle(hexapod_case: Case):
+    """A distance does not shrink with the motion: what the share of the limit suggests is far too little."""
+    near = {"name": "post", "x_mm": [5.0, 900.0], "y_mm": [-900.0, 900.0], "z_mm": [905.0, 2000.0]}
+    case = changed(hexapod_case, workspace__keep_out=[near])
+    middle, half = box_middle(case)
+    family = FourierFamily(2, 3.0, 1, middle, half, 12)
+    some = family.start(np.random.default_rng(0), lambda unknowns: float(abs(unknowns).max()))
+    assert not prove(family.motion(some), case, 1000.0).kept
+    kept, report = keep_limits(case, family, some, 1000.0)
+    assert report.kept
+    assert abs(kept).max() > 1e-6
+
+
+NUMBERS = st.one_of(
+    st.integers(-(10**30), 10**30).map(str),
+    st.floats(width=64).map(repr),
+    st.sampled_from(["", " ", "0", "-0", "1e309", "-1", "inf", "nan", "0x10", "1_0", "½", "五", "1,5", "--", "None"]),
+)
+WORDS = st.one_of(
+    st.text(st.characters(exclude_characters="\0", codec="utf-8"), max_size=12),
+    st.sampled_from(["m=", "m=1", "m=1kg=2", "=kg", "m=nankg", "m=infkg", "m=1e-0kg"]),
+)
+# Each value alone would keep the command from starting: what is accepted must not set two processors to work.
+STOPPED = ("plan", "hexapod", "--payload", "99")
+
+
+@given(
+    option=st.sampled_from(
+        ["--duration", "--order", "--period", "--starts", "--seed", "--model", "--moves", "--knots"]
+    ),
+    value=NUMBERS,
+    family=st.sampled_from(["fourier", "ptp", "spline", "manual"]),
+)
+@settings(max_examples=150, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_any_number_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str, family: str):
+    answer = call(*STOPPED, "--family", family, f"{option}={value}")
+    assert answer.out == ""
+    if answer.code == 2:
+        assert option in answer.err
+        assert "Traceback" not in answer.err
+    else:
+        answer.refusal()
+
+
+@given(
+    option=st.sampled_from(["--target", "--criterion", "--solver", "--family", "--sequence", "--output"]), value=WORDS
+)
+@settings(max_examples=100, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str):
+    answer = call(*STOPPED, f"{option}={value}")
+    assert answer.out == ""
+    answer.refusal()
+
+
+@given(
+    command=st.sampled_from([("poses", "hexapod", "--model", "9"), ("bound", "hexapod", "--model", "10")]),
+    option=st.sampled_from(["--count", "--candidates", "--seed", "--noise", "--model", "--time-limit"]),
+    value=NUMBERS,
+)
+@settings(max_examples=60, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_poses_and_bound_refuse_likewise(command: tuple[str, ...], option: str, value: str):
+    arguments = [command[0], "ft_wrist", *command[2:]] if option == "--model" else [*command]
+    answer = call(*arguments, f"{option}={value}")
+    assert answer.out == ""
+    assert answer.code in (1, 2)
+    if answer.code == 1:
+        answer.refusal()
+    assert "Traceback" not in answer.err
