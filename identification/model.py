@@ -167,12 +167,14 @@ class Model:
         blocks: its blocks, in the order of (17).
         structure: J^-T of the sensor frame, shape (6, 6).
         gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
+        whitening: root of W that multiplies all rows of A, shape (6, 6); None for W = 1.
     """
 
     number: int
     blocks: tuple[Block, ...]
     structure: Array
     gravity: Array
+    whitening: Array | None = None
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -219,7 +221,8 @@ class Model:
         """A of (21) from what it depends on, shape (6, u)."""
         to_sensors = ca.DM(np.linalg.inv(self.structure))  # J^T
         columns = [to_sensors @ b.columns(state) if b.cartesian else b.columns(state) for b in self.blocks]
-        return ca.densify(ca.horzcat(*columns))
+        matrix = ca.horzcat(*columns)
+        return ca.densify(matrix if self.whitening is None else ca.DM(self.whitening) @ matrix)
 
     @cached_property
     def regressor(self) -> ca.Function:

@@ -24,8 +24,9 @@ from identification.motion import Joined, Measurement, sample
 from identification.recording import Recording, files_of, read_recording
 from identification.reference import reference_scaling
 from identification.saved import load_result
+from planner.noise import expected_noise
 from planner.plan import load_plan
-from planner.planning import DEFAULT_NOISE, SAMPLES_PER_SECOND, predicted_std
+from planner.planning import SAMPLES_PER_SECOND, predicted_std
 from planner.poses.regressors import pose_regressors
 from planner.problem import mean_information
 
@@ -153,13 +154,14 @@ def _run(path: Path) -> Entry:
     model = identification_model(case, default_model(recording))
     scaling = reference_scaling(case, model)
     matrices, way, samples = _matrices(recording, case, model)
-    matrix = (matrices * scaling).reshape(-1, len(scaling))
-    information = matrix.T @ matrix / len(matrices)
+    information = _seen(matrices, None, scaling)
     duration = about.get("executed_s")
-    noise = case.simulation.force_noise_N if case.simulation is not None else DEFAULT_NOISE
+    noise = expected_noise(case, model)
     seconds = samples / SAMPLES_PER_SECOND
+    weighted = _seen(matrices, noise.whitening, scaling)
+    scattered = None if noise.scatter is None else _seen(matrices, noise.scatter, scaling)
     units = _units(model)
-    expected = predicted_std(case, model, scaling, information, seconds, noise)
+    expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors, 0, scattered)
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
     return Entry(
         str(path), Level.EXECUTED, case, model.number, str(about.get("controller", "recorded")),
@@ -167,6 +169,12 @@ def _run(path: Path) -> Entry:
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
         {n: float(about[n]) for n in figures if about.get(n) is not None}, way, _fingerprints(path),
     )  # fmt: skip
+
+
+def _seen(matrices: Array, root: Array | None, scaling: Array) -> Array:
+    """Mean of H A^T R^T R A H, shape (u, u)."""
+    rows = ((matrices if root is None else root @ matrices) * scaling).reshape(-1, len(scaling))
+    return np.asarray(rows.T @ rows / len(matrices))
 
 
 def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Array | None, int]:

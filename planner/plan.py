@@ -17,6 +17,7 @@ from identification.motion import Motion, Trajectory, sample
 from planner.bound import Bound
 from planner.families.fourier import FourierMotion, needless_harmonics
 from planner.families.saved import motion_entries, motion_of_entries
+from planner.noise import ExpectedNoise
 from planner.request import LONGEST, Request
 from planner.solving import Failed, Start
 
@@ -52,7 +53,8 @@ class Plan:
         condition: mu_1 / mu_u, reference scaling.
         bound: what no motion can exceed.
         predicted_std: standard deviation of each physical parameter for one run [SI].
-        assumed_noise: standard deviation of a force sample behind it [N].
+        noise: of a force sample behind it, and how identification will weigh.
+        noise_note: what noise of the accelerations does to it.
         limits: proof.
         solve_seconds: time spent on optimising [s].
         tight: what no closed motion with limited jerk can exceed, where that is known.
@@ -72,7 +74,8 @@ class Plan:
     condition: float
     bound: Bound
     predicted_std: dict[str, float]
-    assumed_noise: float
+    noise: ExpectedNoise
+    noise_note: tuple[str, ...]
     limits: LimitReport
     solve_seconds: float
     tight: Bound | None = None
@@ -101,7 +104,7 @@ class Plan:
             notes.append(
                 f"this is a {self.family} plan: no {self.request.family} found carries more; more --knots may help"
             )
-        return notes
+        return [*notes, *self.noise_note]
 
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
@@ -147,7 +150,10 @@ class Plan:
             "notes": self.notes,
             "targets": list(self.request.targets),
             "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],
-            "assumed_noise_N": self.assumed_noise,
+            "assumed_noise_N": self.noise.sensors,
+            "assumed_noise_of_channels": self.noise.std.tolist(),
+            "noise_of_accelerations": self.noise.shaken,
+            "weights": self.noise.weights,
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),
         }

@@ -21,6 +21,7 @@ from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import FEWEST, MOST, PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.interruption import Interrupted
+from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.parallel import Listener, Runner, run_all
 from planner.plan import Plan
 from planner.problem import mean_information
@@ -31,7 +32,6 @@ from planner.solving import Failed, Stage, Start, Task, keep_limits, remedy, see
 Array = NDArray[np.float64]
 
 SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
-DEFAULT_NOISE = 1.0  # [N] where the case says nothing about its sensors
 CLOSED = 1e-9  # [m, rad] between start and end
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
 
@@ -82,7 +82,8 @@ def first_family(request: Request, case: Case) -> Family:
 
 def _explore(request: Request, case: Case, seed: int) -> Task:
     stage = STAGES[request.family][0]
-    return Task(case, request.model, first_family(request, case), request.criterion, request.solver, stage, seed)
+    family = first_family(request, case)
+    return Task(case, request.model, family, request.criterion, request.solver, stage, seed, payload=request.payload)
 
 
 def _refine(request: Request, case: Case, start: Start) -> Task:
@@ -91,7 +92,9 @@ def _refine(request: Request, case: Case, start: Start) -> Task:
         family = SplineFamily.of(case, request.intervals, request.duration)
         unknowns = family.through(start.family.motion(start.unknowns))
     stage = STAGES[request.family][1]
-    return Task(case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns)
+    return Task(
+        case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns, request.payload
+    )
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner = run_all) -> Found:
@@ -155,7 +158,11 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
     scaling = reference_scaling(case, model)
     information = mean_information(model, scaling, found.motion)
     mu = singular_values(information, model.names)
-    noise = case.simulation.force_noise_N if case.simulation is not None else DEFAULT_NOISE
+    noise = expected_noise(case, model, request.payload)
+    chosen = mu
+    if noise.whitening is not None:
+        weighted = mean_information(seen_through(model, noise.whitening), scaling, found.motion)
+        chosen = singular_values(weighted, model.names)
     return Plan(
         case=case,
         case_file=case_file,
@@ -166,12 +173,13 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
         starts=found.starts,
         failed=found.failed,
         interrupted=found.interrupted,
-        score=CRITERIA[request.criterion].of(mu),
+        score=CRITERIA[request.criterion].of(chosen),
         logdet=CRITERIA["D"].of(mu),
         condition=-CRITERIA["K"].of(mu),
         bound=box_bound(case, model),
-        predicted_std=predicted_std(case, model, scaling, information, found.motion.duration, noise, request.payload),
-        assumed_noise=noise,
+        predicted_std=predicted_std_of(case, model, scaling, found.motion, noise, request.payload),
+        noise=noise,
+        noise_note=_told(case, model, scaling, found.motion, noise, request.payload),
         limits=found.limits,
         solve_seconds=seconds,
         tight=known_tight_bound(case, model) if _closed(found.motion) else None,
@@ -184,17 +192,79 @@ def _closed(motion: Trajectory) -> bool:
     return bool(np.abs(ends[1] - ends[0]).max() < CLOSED)
 
 
+def predicted_std_of(
+    case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
+) -> dict[str, float]:
+    """Standard deviations of the physical parameters for one run of a motion at 1 kHz, by weights and noise.
+
+    Raises:
+        CaseError: the case has no nominal body.
+    """
+    information = mean_information(seen_through(model, noise.whitening), scaling, motion)
+    scattered = None
+    if noise.scatter is not None:
+        scattered = mean_information(seen_through(model, noise.scatter), scaling, motion)
+    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload, scattered)
+
+
+def _told(
+    case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
+) -> tuple[str, ...]:
+    """What noise of the accelerations does to a plan."""
+    if not noise.shaken:
+        return ()
+    mounted = f"with {payload} payloads" if payload else "without payload"
+    told = f"noise of the accelerations: a force sample errs by {_rms(noise):.3g} N rms {mounted}"
+    if payload:
+        told += f", by {_rms(expected_noise(case, model)):.3g} N without"
+    told += f"; the sensors alone by {noise.sensors:.3g} N"
+    if noise.weights == "stated":
+        return (told,)
+    stated = expected_noise(case, model, payload, "stated")
+    pairs = [predicted_std_of(case, model, scaling, motion, n, payload) for n in (stated, noise)]
+    less = 1.0 - float(np.exp(np.mean([np.log(pairs[0][name] / pairs[1][name]) for name in pairs[0]])))
+    return (
+        told,
+        f'identify --weights stated, or sensors.weights = "stated" in the case, makes the standard deviations '
+        f"{100 * less:.0f} % smaller than the weights {noise.weights} (geometric mean, this motion)",
+    )
+
+
+def _rms(noise: ExpectedNoise) -> float:
+    return float(np.sqrt(np.mean(noise.std[:3] ** 2)))
+
+
 def predicted_std(
-    case: Case, model: Model, scaling: Array, information: Array, duration: float, noise: float, payload: int = 0
+    case: Case,
+    model: Model,
+    scaling: Array,
+    information: Array,
+    duration: float,
+    noise: float,
+    payload: int = 0,
+    scattered: Array | None = None,
 ) -> dict[str, float]:
     """Standard deviations of the physical parameters for one run at 1 kHz with white force noise.
 
     Expected is the nominal body with a number of payloads.
 
+    Args:
+        case: gives the body.
+        model: whose parameters are meant.
+        scaling: diagonal of H, shape (u,).
+        information: mean of H A^T W A H, shape (u, u).
+        duration: [s].
+        noise: standard deviation of a force sample [N], 1 / sqrt of what W is in units of.
+        payload: number of the case's payloads that are mounted.
+        scattered: mean of H A^T W C W A H, C the noise in units of `noise`, where W is not right for it, shape (u, u).
+
     Raises:
         CaseError: the case has no nominal body.
     """
-    covariance = noise**2 / (duration * SAMPLES_PER_SECOND) * np.linalg.inv(information)
+    inverse = np.linalg.inv(information)
+    if scattered is not None:
+        inverse = inverse @ scattered @ inverse
+    covariance = noise**2 / (duration * SAMPLES_PER_SECOND) * inverse
     covariance *= np.outer(scaling, scaling)
     form = physical_form(model)
     body = body_parameters(case.body(payload))

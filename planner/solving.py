@@ -19,6 +19,7 @@ from identification.model import Model, identification_model
 from identification.motion import Standstill
 from identification.reference import reference_scaling
 from planner.families.family import Family, box_middle
+from planner.noise import expected_noise, seen_through
 from planner.problem import Problem, build_problem, mean_information
 from planner.solvers import SOLVERS, Program, Reached, Watch
 
@@ -57,8 +58,8 @@ class Start:
     Args:
         seed: of the random start.
         stage: the stage it went through.
-        start_logdet: log det F at its start, reference scaling.
-        logdet: log det F of the motion within the limits.
+        start_logdet: log det F at its start, reference scaling, W as identification will have it.
+        logdet: log det F of the motion within the limits, the same.
         score: the criterion of the motion within the limits; the larger the better.
         status: the solver's last words.
         converged: whether the solver says that it is done.
@@ -109,6 +110,7 @@ class Task:
         stage: how thoroughly.
         seed: of the random start.
         unknowns: where to start instead.
+        payload: number of the case's payloads that are mounted, for the noise.
     """
 
     case: Case
@@ -119,6 +121,7 @@ class Task:
     stage: Stage
     seed: int
     unknowns: Array | None = None
+    payload: int = 0
 
 
 class Rating(NamedTuple):
@@ -201,6 +204,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     require_rest(task.case)
     model = identification_model(task.case, task.model)
     scaling = reference_scaling(task.case, model)
+    model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
     fine = task.stage.fine
     family = task.family.refined(task.unknowns) if fine and task.unknowns is not None else task.family
     problem = build_problem(task.case, model, family, scaling)

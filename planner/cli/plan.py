@@ -181,7 +181,10 @@ def _show(answer: dict[str, Any]) -> None:
     names = list(answer["predicted_std"])
     units = {"xC": 1e3, "yC": 1e3, "zC": 1e3}
     std = [f"{n} {answer['predicted_std'][n] * units.get(n, 1.0):.3g}{' mm' if n in units else ''}" for n in names]
-    print(f"predicted standard deviations ({answer['assumed_noise_N']:g} N white force noise, 1 kHz, "
-          f"{answer['payload']} payloads; SI units unless named): " + ", ".join(std))  # fmt: skip
+    noise = f"{answer['assumed_noise_N']:g} N white force noise"
+    if answer["noise_of_accelerations"]:
+        noise += " and noise of the accelerations as the case states it"
+    print(f"predicted standard deviations ({noise}, 1 kHz, {answer['payload']} payloads, weights {answer['weights']}; "
+          "SI units unless named): " + ", ".join(std))  # fmt: skip
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
     print(f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s)")

@@ -19,6 +19,7 @@ from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from identification.parameters import body_parameters, physical_form
 from planner.families.saved import motion_entries
+from planner.noise import sensor_noise
 from planner.poses.approximate import approximate_design
 from planner.poses.choosing import Choice, choose, criterion_value, smallest_set
 from planner.poses.continuous import continuous_bound
@@ -32,7 +33,6 @@ Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
 SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
-DEFAULT_NOISE = 1.0  # [N] where the case says nothing about its sensors
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
 SEEDS = 2000  # poses from which the design over the space starts
 HEADER = "pose,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg"
@@ -232,7 +232,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
 
 def _noise(case: Case) -> float:
     """Of a force that is averaged, if its noise is white [N]."""
-    sample = case.simulation.force_noise_N if case.simulation is not None else DEFAULT_NOISE
+    sample = sensor_noise(case)
     averaged = case.need_poses("predicted standard deviations").average_s * SAMPLES_PER_SECOND
     return float(sample / np.sqrt(max(averaged, 1.0)))
 

@@ -11,9 +11,10 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import physical_form
 from identification.reference import reference_scaling
-from planner.planning import predicted_std
+from planner.noise import expected_noise
+from planner.planning import predicted_std, predicted_std_of
 from planner.problem import mean_information
-from tests.identification.point_masses import PointMasses
+from tests.identification.point_masses import PointMasses, wrench_of_bars
 
 RATE = 1000.0  # [1/s]
 
@@ -36,6 +37,51 @@ def body_of(masses: PointMasses) -> RigidBody:
     inertia = sum(m * (a @ a * np.eye(3) - np.outer(a, a)) for m, a in zip(masses.masses, arms, strict=True))
     six = tuple(float(inertia[i, j]) for i in range(3) for j in range(i, 3))
     return RigidBody(mass_kg=float(total), centre_of_gravity_mm=tuple(centre * 1e3), inertia_kg_m2=six)
+
+
+def vibrating(case: Case, force_noise: float, acceleration: float, angular: float, weights: str) -> Case:
+    """The case with its noise stated."""
+    noise = {"acceleration_noise_m_s2": acceleration, "angular_acceleration_noise_rad_s2": angular}
+    noise |= {"force_noise_N": force_noise, "weights": weights}
+    return case.model_copy(update={"sensors": case.sensors.model_copy(update=noise)})
+
+
+def shaken_forces(case: Case, masses: PointMasses, accelerations: np.ndarray) -> np.ndarray:
+    """What bars carry of accelerations of the platform, shape (n, 6) [m/s^2, rad/s^2], by Newton for each mass."""
+    linear, angular = accelerations[:, None, :3], accelerations[:, None, 3:]
+    pulls = masses.masses[:, None] * (linear + np.cross(angular, masses.points))
+    wrenches = np.hstack([pulls.sum(axis=1), np.cross(masses.points, pulls).sum(axis=1)])
+    bars = np.array([wrench_of_bars(case.sensor_frame.bars, unit) for unit in np.eye(6)]).T
+    return np.linalg.solve(bars, wrenches.T).T
+
+
+def vibrating_runs(case: Case, motion: Trajectory, runs: int) -> Spread:
+    """Runs of a machine that vibrates as its case states, fitted with the weights of the case.
+
+    Args:
+        case: with noise of forces and accelerations; its nominal body is replaced by the point masses.
+        motion: at least three times differentiable.
+        runs: how many.
+    """
+    masses = PointMasses.drawn(5)
+    case = case.model_copy(update={"nominal": body_of(masses)})
+    case.__dict__.pop("bodies", None)  # kept from before the copy
+    model, scaling = identification_model(case, 9), reference_scaling(case, identification_model(case, 9))
+    noise = expected_noise(case, model)
+    states = motion.at((np.arange(int(motion.duration * RATE)) + 0.5) / RATE)
+    matrices = over_samples(model.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
+    root = np.eye(6) if noise.whitening is None else noise.whitening
+    inverse = np.linalg.pinv((root @ matrices).reshape(-1, 20))
+    truth = np.array([masses.parameters.get(name, 0.0) for name in model.names])
+    form, draw, estimates = physical_form(model), np.random.default_rng(0), []
+    for _ in range(runs):
+        shaken = shaken_forces(case, masses, case.sensors.acceleration_noise * draw.normal(size=(len(states.t), 6)))
+        forces = matrices @ truth + shaken + case.sensors.force_noise * draw.normal(size=shaken.shape)
+        estimates.append(form.of(inverse @ (forces @ root.T).ravel(), np.zeros((20, 20)))[0])
+    predicted = predicted_std_of(case, model, scaling, motion, noise, 0)
+    found, expected = np.array(estimates), form.of(truth, np.zeros((20, 20)))[0]
+    bias = found.mean(axis=0) - expected
+    return Spread(tuple(predicted), np.array(list(predicted.values())), found.std(axis=0, ddof=1), bias)
 
 
 def monte_carlo(case: Case, motion: Trajectory, runs: int, force_noise: float, acceleration_noise: float) -> Spread:
