@@ -125,6 +125,7 @@ def test_every_limit_is_proven(planned: dict[str, Any]):
 
 def test_a_spline_that_lost_against_the_moves_it_began_from_is_told():
     """The best motion found is kept, whatever its family; nobody should take it for a spline."""
-    found = SimpleNamespace(motion=None, starts=(), family="ptp", request=Request("hexapod", family="spline"))
+    request = Request("hexapod", family="spline")
+    found = SimpleNamespace(motion=None, starts=(), family="ptp", request=request, noise_note=())
     (note,) = vars(Plan)["notes"].fget(found)
     assert "this is a ptp plan: no spline found carries more" in note
