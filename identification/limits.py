@@ -6,7 +6,7 @@ with the CasADi models that the optimiser uses.
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -156,13 +156,16 @@ def _evaluated(
 
 
 def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
-    """The worst of each limit over several stretches of motion."""
+    """The worst of each limit over several stretches of motion; proven only where it is in all of them."""
     worst: dict[str, LimitCheck] = {}
     for report in reports:
         for check in report.checks:
             key = check.name.split(" (")[0]
-            if key not in worst or check.ratio > worst[key].ratio:
-                worst[key] = check
+            known = worst.setdefault(key, check)
+            if check.ratio > known.ratio:
+                known, check = check, known
+            weaker = max(known.status, check.status, key=list(Status).index)
+            worst[key] = known if weaker is known.status else replace(known, status=weaker)
     return LimitReport(tuple(worst.values()))
 
 

@@ -32,6 +32,8 @@ class Guarantees:
         longest_block: a timed block must not be longer: beyond it nothing is known of its time law [s].
         follows_paths: whether it passes timed points at their times along the assumed curve between them; then what a
             timed path reaches is proven from the text, else only its geometry and rates are.
+        even_blocks: whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all
+            coordinates, at one feed): then rates are proven also where it does not follow the assumed curve.
         enforced: families of limits that it keeps by itself, whatever the program asks for; see `family`.
         law: its time law in straight moves that it times itself, under the limits of the case.
         arc_law: the same in arcs.
@@ -43,6 +45,7 @@ class Guarantees:
     shortest_block: float
     longest_block: float
     follows_paths: bool
+    even_blocks: bool
     enforced: frozenset[str]
     law: Law
     arc_law: ArcLaw

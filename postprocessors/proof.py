@@ -6,9 +6,12 @@ from dataclasses import dataclass
 from cases.errors import ProgramError
 from cases.schema import Case
 from identification.limits import LimitCheck, LimitReport, Status, worst_of
+from postprocessors.answering import Answering
+from postprocessors.forces import ForceBounds
 from postprocessors.guarantees import KINETIC, Guarantees, family
 from postprocessors.judging import judge
 from postprocessors.reading.words import Reading
+from postprocessors.remarks import remarks
 from postprocessors.stretches import Still, Stretch, Timed, Untimed, stretches
 
 
@@ -41,6 +44,7 @@ class ProgramProof:
         excitation: duration of the motion with the trigger on [s].
         limits: worst case of each limit.
         violations: limits that are passed, the worst first.
+        remarks: what no limit says: where it begins and ends.
     """
 
     file: str
@@ -50,6 +54,7 @@ class ProgramProof:
     excitation: float
     limits: LimitReport
     violations: tuple[Violation, ...]
+    remarks: tuple[str, ...]
 
     @property
     def ok(self) -> bool:
@@ -124,18 +129,26 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     parts = stretches(reading)
     if not any(isinstance(p, Timed | Untimed) for p in parts):
         raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")
+    by = Answering(case, guarantees, reading.file, ForceBounds.of(case))
     clock, excitation = 0.0, 0.0
     reports: list[LimitReport] = []
     violations: list[Violation] = []
     for part in parts:
-        report, duration = judge(part, case, guarantees, reading.file, clock)
+        report, duration = judge(part, by, clock)
         reports.append(report)
         violations += [Violation(_line(part, v.time - clock), v) for v in report.violations]
         clock += duration
         excitation += duration if part.trigger and not isinstance(part, Still) else 0.0
     worst_first = tuple(sorted(violations, key=lambda v: -v.check.ratio))
     return ProgramProof(
-        reading.file, guarantees.controller, reading.blocks, clock, excitation, worst_of(reports), worst_first
+        reading.file,
+        guarantees.controller,
+        reading.blocks,
+        clock,
+        excitation,
+        worst_of(reports),
+        worst_first,
+        remarks(reading, parts, case),
     )
 
 

@@ -71,6 +71,11 @@ class Untimed:
         return float(np.linalg.norm(way[:3] if self.linear else way[3:]))
 
     @property
+    def share_rate(self) -> float | None:
+        """The feed as a share of the way, from a known start [1/s]; None for a rapid."""
+        return None if self.feed is None else self.feed / self.length
+
+    @property
     def moves(self) -> bool:
         """Whether it moves at all, as far as is known."""
         return self.turn is not None or self.start is None or bool(np.any(np.abs(self.end - self.start) > STILL))

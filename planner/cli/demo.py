@@ -7,7 +7,7 @@ import typer
 
 from planner.cli.console import Json, print_json, print_table
 
-ACCEPTED = ("acceleration", "jerk", "strut acceleration")  # no metal moves in a demo
+ACCEPTED = ("acceleration", "jerk", "strut acceleration", "sensor force")  # no metal moves in a demo
 
 
 def demo(

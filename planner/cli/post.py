@@ -136,6 +136,7 @@ def check_program(
         "relies_on": list(proof.relies_on),
         "violations": [{"line": v.line, "sentence": v.check.sentence()} for v in proof.violations],
         "duration_s": proof.duration,
+        "remarks": list(proof.remarks),
         "limits": proof.limits.to_json(),
     }
     return answer, reason
@@ -146,4 +147,6 @@ def show_check(answer: dict[str, Any]) -> None:
     print_table("Limits of the program as read back", LIMIT_COLUMNS, limit_rows(answer["limits"]))
     for violation in answer["violations"]:
         print(f"line {violation['line']}: {violation['sentence']}")
+    for remark in answer["remarks"]:
+        print(f"note: {remark}")
     print(f"{answer['verdict']} ({answer['duration_s']:.2f} s)")

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
 # are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does.
-ACCEPTED = ("acceleration", "jerk", "strut acceleration")
+ACCEPTED = ("acceleration", "jerk", "strut acceleration", "sensor force")
 
 
 @dataclass(frozen=True, slots=True)

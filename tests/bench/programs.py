@@ -18,7 +18,7 @@ from tests.postprocessors.programs import timed, typed
 
 Command = Callable[..., tuple[float, str]]  # words of a command -> seconds, what it printed
 BLOCKS = 100_000
-ACCEPT = ("--accept", "acceleration,jerk,strut-acceleration,strut-velocity")
+ACCEPT = ("--accept", "acceleration,jerk,strut-acceleration,strut-velocity,sensor-force")
 
 
 def point_to_point(folder: Path, command: Command) -> list[list[str]]:

@@ -14,7 +14,10 @@ from planner.cli import main
 from tests.planner.json_answer import one_json_object
 
 PROGRAM = Path(sys.executable).with_name("hexcite")
-ACCEPT = ("--accept", "acceleration,jerk,strut-acceleration")  # what LinuxCNC does not enforce on a timed path
+ACCEPT = (
+    "--accept",
+    "acceleration,jerk,strut-acceleration,sensor-force",
+)  # what LinuxCNC does not enforce on a timed path
 
 
 class Answer(NamedTuple):

@@ -71,7 +71,7 @@ def test_a_rapid_ignores_the_feed_and_runs_at_the_limits(hexapod_case: Case):
     v, a = hexapod_case.limits.motion.rate[0], hexapod_case.limits.motion.acceleration[0]
     went = proof(typed("G0 X100 F1"), hexapod_case)
     assert went.duration == pytest.approx(0.1 / v + v / a)
-    assert went.limits.to_json()["velocity"]["status"] == "enforced by controller"
+    assert went.limits.to_json()["velocity, untimed moves"]["status"] == "enforced by controller"
 
 
 def test_the_first_feed_counts_in_millimetres_whatever_moves():

@@ -28,7 +28,7 @@ from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text
 CASE = load_case("hexapod")
 BOX = CASE.limits.motion
 SLOW = [0.6 * limit for limit in (BOX.rate, BOX.acceleration, BOX.jerk)]
-ACCEPTED = ("jerk", "strut acceleration", "strut velocity")
+ACCEPTED = ("jerk", "strut acceleration", "strut velocity", "sensor force")
 LANGUAGE = dialect("linuxcnc").load()
 
 

@@ -18,7 +18,7 @@ from tests.helpers import one_line
 from tests.postprocessors.programs import proof as reproof
 
 LINUXCNC = dialect("linuxcnc").load()
-ACCEPTED = ("acceleration", "jerk", "strut-acceleration")
+ACCEPTED = ("acceleration", "jerk", "strut-acceleration", "sensor-force")
 
 
 def proven_text(motion, case, language, file, header, speed=1.0):

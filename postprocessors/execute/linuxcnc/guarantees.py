@@ -36,6 +36,7 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         shortest_block=SERVO_PERIOD,
         longest_block=LONGEST_BLOCK,
         follows_paths=False,
+        even_blocks=True,
         enforced=frozenset({"velocity", "acceleration"} if real else {"velocity"}),
         law=_Line(headroom),
         arc_law=_Arc(headroom),
