@@ -35,13 +35,14 @@ SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviatio
 CLOSED = 1e-9  # [m, rad] between start and end
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
 
+ANNEALING = 150  # proposals for each pair of moves; 40 moves then take as long as the solver takes after them
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
 # last iterations bring. Splines begin from point-to-point motions: these reach in seconds what splines starting by
 # chance do not reach in minutes.
 STAGES = {
     "fourier": (Stage("explore", 100, False), Stage("refine", 150, True)),
-    "ptp": (Stage("explore", 200, False), Stage("refine", 300, True)),
-    "spline": (Stage("explore ptp", 200, False), Stage("refine", 400, True)),
+    "ptp": (Stage("explore", 200, False, ANNEALING), Stage("refine", 300, True)),
+    "spline": (Stage("explore ptp", 200, False, ANNEALING), Stage("refine", 800, True)),
 }
 MOVES_A_SECOND = 3.3  # of the point-to-point motions that splines begin from
 

@@ -18,7 +18,9 @@ from identification.limits import TOLERANCE, LimitCheck, LimitReport, prove
 from identification.model import Model, identification_model
 from identification.motion import Standstill
 from identification.reference import reference_scaling
+from planner.annealing import annealed_start
 from planner.families.family import Family, box_middle
+from planner.families.ptp import PointToPointFamily
 from planner.noise import expected_noise, seen_through
 from planner.problem import Problem, build_problem, mean_information
 from planner.solvers import SOLVERS, Program, Reached, Watch
@@ -44,11 +46,14 @@ class Stage(NamedTuple):
         iterations: of the solver, at most, in each round.
         fine: whether the family is refined and non-linear limits are rows too; else only the final drawing back keeps
             them, and A, K and N begin from the D-optimal motion.
+        annealing: proposals of the annealing that finds starts of point-to-point motions, for each pair of moves: what
+            there is to choose grows with their number, and so does the cost of a choice. 0: starts are random.
     """
 
     name: str
     iterations: int
     fine: bool
+    annealing: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +172,14 @@ def random_start(seed: int, family: Family, problem: Problem) -> Array:
     return family.start(np.random.default_rng(seed), problem.worst())
 
 
+def _start(task: Task, model: Model, scaling: Array, problem: Problem, watch: Watch) -> Array:
+    family, per_pair = task.family, task.stage.annealing
+    if not (isinstance(family, PointToPointFamily) and per_pair):
+        return random_start(task.seed, family, problem)
+    draw = np.random.default_rng(task.seed)
+    return annealed_start(task.case, model, scaling, family, draw, per_pair * family.moves**2, watch)
+
+
 def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tuple[Array, LimitReport]:
     """Draws a motion towards the middle of the box until it keeps every limit, less a margin, on a grid of `rate`.
 
@@ -208,7 +221,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     fine = task.stage.fine
     family = task.family.refined(task.unknowns) if fine and task.unknowns is not None else task.family
     problem = build_problem(task.case, model, family, scaling)
-    unknowns = random_start(task.seed, family, problem) if task.unknowns is None else task.unknowns
+    unknowns = _start(task, model, scaling, problem, watch) if task.unknowns is None else task.unknowns
     before = rate(model, scaling, family, unknowns, task.criterion)
     score, found, reached = -np.inf, unknowns, None
     iterations = 0

@@ -49,7 +49,7 @@ def _profile_state(time: ca.SX, times: tuple[ca.SX, ...], phase: int) -> tuple[c
     return s, v, a
 
 
-def _states_of_move(points: tuple[tuple[int, float], ...]) -> ca.Function:
+def states_of_move(points: tuple[tuple[int, float], ...]) -> ca.Function:
     """(start, end, three times) -> pose, rates, accelerations, each (6, S), at shares of phases."""
     start, end, times = ca.SX.sym("start", 6), ca.SX.sym("end", 6), ca.SX.sym("times", 3)
     tj, th, tc = times[0], times[1], times[2]
@@ -137,7 +137,7 @@ class PointToPointFamily:
         def states(places: tuple[tuple[int, float], ...]) -> States:
             offset = ca.repmat(ca.DM(self.middle), 1, count)
             start, end = to_si @ points + offset, to_si @ ends + offset
-            return States(*_states_of_move(places).map(count)(start, end, times * self.unit))
+            return States(*states_of_move(places).map(count)(start, end, times * self.unit))
 
         tj, th, tc = times[0, :], times[1, :], times[2, :]
         velocity = (ends - points) / ca.repmat(2 * tj + th + tc, 6, 1)
