@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from identification.coloured import coloured_covariance
 from identification.fit import Filtered
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
@@ -130,6 +131,21 @@ class Run:
         """Their columns, shape (n, 6, 1)."""
         return self.effect_of_delay(delay, matrices, values)[:, :, None]
 
+    @property
+    def noise_correlation(self) -> float:
+        """Of white noise behind the filter, between evaluated samples."""
+        return self.filter.noise_correlation
+
+    def left(self, matrices: Array, values: Array) -> Array:
+        """Recorded forces less the model, A u, at the evaluated samples, shape (n, 6)."""
+        return np.asarray(self.recorded_forces - matrices @ values)
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Array | None:
+        """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
+        return coloured_covariance(matrices, residuals, weights)
+
     def without(self, left_out: NDArray[np.bool_]) -> "Run":
         """The run without some of its evaluated samples, shape (n,)."""
         share = 1.0 - float(left_out.mean())
@@ -148,7 +164,7 @@ def standstills(recording: Recording, case: Case, model: Model, found: Scan | No
     Raises:
         IdentificationError: the model needs what the recording does not have, or the struts cannot close.
     """
-    _require_position(recording, model)
+    require_position(recording, model)
     used = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
     still = np.zeros((int(used.sum()), 6))
     count, forces = len(still), recording.forces[used]
@@ -179,7 +195,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         on.
         IdentificationError: the pose is constant.
     """
-    _require_position(recording, model)
+    require_position(recording, model)
     if recording.struts is None:
         raise RecordingError(
             f"{recording.source}: has a clock and rotation matrices; moving runs are evaluated from struts only, "
@@ -244,7 +260,8 @@ def _spoilt(bad: NDArray[np.bool_], low_pass: Filter) -> NDArray[np.bool_]:
     return np.asarray(spoilt[low_pass.margin : len(bad) - low_pass.margin])
 
 
-def _require_position(recording: Recording, model: Model) -> None:
+def require_position(recording: Recording, model: Model) -> None:
+    """Raises IdentificationError where a model needs the position and the recording has none."""
     if model.needs_position and recording.struts is None:
         raise IdentificationError(
             f"{recording.source}: model {model.number} needs the platform's position, the recording has orientations "

@@ -19,7 +19,7 @@ class Filtered(NamedTuple):
     """
 
     gain: float
-    stride: int
+    stride: float
 
 
 UNFILTERED = Filtered(1.0, 1)

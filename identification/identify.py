@@ -6,7 +6,7 @@ run is looked for before the estimate (`plausibility`) and in what the estimate 
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from scipy.linalg import block_diag
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.biases import OFFSET_NAMES, Biases, accelerometer_bias, gain, widened
-from identification.coloured import coloured_covariance
+from identification.conditioning import USUAL, Conditioning
 from identification.contact import Contact, find_contacts, touched
 from identification.estimator import independent_poses, require_alive
 from identification.estimators import Method, Problem, gauss_markov_of, method, robust_of
@@ -24,7 +24,8 @@ from identification.fit import Fit
 from identification.identifiability import Identifiability, analyse
 from identification.model import MASS, Model, identification_model
 from identification.noise_sources import noise_sources
-from identification.plausibility import places, scan
+from identification.periodic import PeriodicRun, periodic_run
+from identification.plausibility import Scan, places, scan
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
 from identification.swapped import other_wiring
@@ -43,6 +44,7 @@ LEAST_SERIES = 50  # samples that tell an autocorrelation
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
 SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
+AnyRun = Run | WristRun | PeriodicRun
 
 
 def default_model(recording: Recording) -> int:
@@ -58,6 +60,7 @@ def identify(
     number: int | None = None,
     how: Method = GAUSS_MARKOV,
     terms: Sequence[str] = (),
+    conditioning: Conditioning = USUAL,
 ) -> Estimate:
     """Identifies the parameters of a model from one recording.
 
@@ -67,6 +70,7 @@ def identify(
         number: of the model in Table 2; by default what the recording can carry.
         how: estimator, and what is known beforehand.
         terms: other forms of the error compensation than the model's: K1 to K5.
+        conditioning: what is done to a moving run beforehand.
 
     Raises:
         IdentificationError: the run does not determine the parameters; the message names them.
@@ -77,8 +81,11 @@ def identify(
     try:
         if len(recording.forces) > 1:
             require_alive(recording.forces)
-        evaluate = _from_standstills if recording.t is None or case.setup == "1a" else _from_motion
-        return evaluate(recording, case, model, how)
+        if recording.t is None or case.setup == "1a":
+            if conditioning != USUAL:
+                raise RecordingError("is no moving run; --period and --harmonics are for moving runs")
+            return _from_standstills(recording, case, model, how)
+        return _from_motion(recording, case, model, how, conditioning)
     except IdentificationError as error:
         raise IdentificationError(placed(recording.source, error)) from error
     except RecordingError as error:
@@ -103,9 +110,7 @@ def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Ide
     if recording.t is None or case.setup == "1a":
         matrices = standstills(recording, case, model).regressors
     else:
-        strutless = recording.struts is None
-        biases = estimate.how.biases
-        run = wrist_run(recording, case, model, MOST_DELAY, biases) if strutless else moving_run(recording, case, model)
+        run = run_of(recording, case, model, estimate.conditioning, biases=estimate.how.biases)
         matrices = run.regressors(estimate.delay.value if estimate.delay else 0.0)
     return analyse(matrices @ selection.basis, selection.names)
 
@@ -184,7 +189,7 @@ def _w(whitening: Array | None, fit: Fit) -> Array:
 class Moving(NamedTuple):
     """A run with its fit: residuals are those of the forces as recorded; W is the square of `whitening` where given."""
 
-    run: Run | WristRun
+    run: AnyRun
     fit: Fit
     delay: Delay
     residuals: Array
@@ -196,14 +201,13 @@ class Moving(NamedTuple):
         return _w(self.whitening, self.fit)
 
 
-def _from_motion(recording: Recording, case: Case, model: Model, how: Method) -> Estimate:
+def _from_motion(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
     found = scan(recording, case)
-    run: Run | WristRun
     problem = Problem.of(model, case, how)
     held: Delay | None = None
     notes: list[str] = []
-    if recording.struts is None:
-        run = wrist_run(recording, case, model, MOST_DELAY, how.biases)
+    run = run_of(recording, case, model, conditioning, found, how.biases)
+    if isinstance(run, WristRun):
         band = delay_band(recording)
         wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band)
         held = fit_with_delay(wide, GAUSS_MARKOV, problem).delay
@@ -211,8 +215,6 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
             f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up to "
             f"{run.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
         )
-    else:
-        run = moving_run(recording, case, model, found=found)
     moving = fit_with_delay(run, how, problem, held=held)
     contacts: tuple[Contact, ...] = ()
     for _ in range(SEARCHES if isinstance(run, Run) else 0):  # a wrist run leaves too much for that
@@ -227,6 +229,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
                 f"the forces leave the model in {100 * rows.mean():.0f} % of the samples, as in contact; an "
                 "identification run must be free: check columns, struts and model, or record again"
             )
+        assert isinstance(run, Run)
         moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value)
     warnings = [*found.warnings, *run.warnings]
     warnings += [_told(recording, contact) for contact in contacts]
@@ -246,11 +249,47 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method) ->
     if how.biases is not None:
         free = fit_with_delay(moving.run, how.without_biases, problem, moving.delay.value, held)
         warnings += _drift(how.biases, model, free.fit)
-    evaluation = Evaluation(moving.run.samples, moving.residuals, moving.delay, noise, notes=tuple(notes))
+    told: dict[str, Any] = {}
+    if isinstance(moving.run, PeriodicRun):
+        notes, told = [*notes, *moving.run.notes], moving.run.told
+        warnings += moving.run.doubts(moving.fit, moving.w)
+    evaluation = Evaluation(
+        moving.run.samples, moving.residuals, moving.delay, noise, notes=tuple(notes), conditioning=conditioning,
+        told=told,
+    )  # fmt: skip
     return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
 
 
-def _without_pull(run: Run | WristRun, moving: Moving, how: Method, problem: Problem) -> Array:
+def run_of(
+    recording: Recording,
+    case: Case,
+    model: Model,
+    conditioning: Conditioning,
+    found: Scan | None = None,
+    biases: Biases | None = None,
+) -> AnyRun:
+    """A moving run, ready to be evaluated, as it was asked for.
+
+    Args:
+        recording: with a clock.
+        case: its case.
+        model: gives A.
+        conditioning: what is done to it.
+        found: samples that may not be used.
+        biases: of a wrist run, known beforehand.
+
+    Raises:
+        RecordingError: it cannot be evaluated so.
+        IdentificationError: the model needs what the recording does not have.
+    """
+    if conditioning.periodic is not None:
+        return periodic_run(recording, case, model, conditioning.periodic, found)
+    if recording.struts is None:
+        return wrist_run(recording, case, model, MOST_DELAY, biases)
+    return moving_run(recording, case, model, found=found)
+
+
+def _without_pull(run: AnyRun, moving: Moving, how: Method, problem: Problem) -> Array:
     """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
     selection = how.selection(run.model)
     matrices, forces = run.regressors(moving.delay.value), run.forces
@@ -268,9 +307,7 @@ def _told(recording: Recording, contact: Contact) -> str:
     )
 
 
-def fit_with_delay(
-    run: Run | WristRun, how: Method, problem: Problem, delay: float = 0.0, held: Delay | None = None
-) -> Moving:
+def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.0, held: Delay | None = None) -> Moving:
     """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
 
     Args:
@@ -320,13 +357,13 @@ def fit_with_delay(
     fit = how.estimator(problem)(*white, names)
     if how.name in SANDWICHED and not how.priors:
         basis = block_diag(selection.basis, np.eye(beside))
-        coloured = coloured_covariance(white[0] @ basis, fit.residuals, fit.weights)
+        coloured = run.robust_covariance(white[0] @ basis, fit.residuals, fit.weights, whitening)
         if coloured is not None:
             fit = replace(fit, covariance_robust=basis @ coloured @ basis.T)
     fit = _of_forces(whitening, fit, augmented, forces)
     _require_sense(model, fit)
     told = augmented.shape[2] - (held is None)
-    residuals = run.recorded_forces - augmented[:, :, :told] @ fit.values[:told]
+    residuals = run.left(augmented[:, :, :told], fit.values[:told])
     basis = block_diag(selection.basis, np.eye(beside))
     if how.biases is not None:
         fit = _with_uncertain_offsets(fit, model, basis, augmented, _w(whitening, fit), how.biases)
@@ -362,7 +399,7 @@ def _systematic(moving: Moving) -> list[str]:
     """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
     left = moving.fit.residuals
     alike = np.sum(left[1:] * left[:-1], axis=0) / np.maximum(np.sum(left**2, axis=0), np.finfo(float).tiny)
-    usual = moving.run.filter.noise_correlation
+    usual = moving.run.noise_correlation
     if len(left) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
         return []
     return [

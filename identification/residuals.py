@@ -9,6 +9,8 @@ from scipy.signal import welch
 from cases.schema import Case
 from identification.evaluation import MOST_DELAY, moving_run, standstills
 from identification.model import identification_model
+from identification.periodic import periodic_run
+from identification.plausibility import scan
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.wrist import wrist_run
@@ -69,6 +71,12 @@ def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residu
         wrist = wrist_run(recording, case, model, MOST_DELAY, estimate.how.biases)
         values = wrist.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
         return Residuals(wrist.t, wrist.recorded_forces, values, wrist.filter.step * wrist.filter.stride)
+    if estimate.conditioning.periodic is not None:
+        periodic = periodic_run(recording, case, model, estimate.conditioning.periodic, scan(recording, case))
+        t = recording.t[periodic.used][:MOST_SAMPLES]
+        expected = periodic.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
+        recorded = recording.forces[periodic.used][:MOST_SAMPLES]
+        return Residuals(t, recorded, periodic.predicted(expected, t), recording.step)
     run = moving_run(recording, case, model)
     every = replace(run, rows=np.arange(run.rows[0], min(run.rows[-1] + 1, run.rows[0] + MOST_SAMPLES)))
     predicted = every.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values

@@ -1,6 +1,8 @@
 """What an identification says: parameters in both forms with standard deviations, and how well the model fits."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +11,7 @@ from scipy import stats
 
 from cases.schema import Case
 from identification.biases import AccelerometerBias
+from identification.conditioning import USUAL, Conditioning
 from identification.estimators import Method
 from identification.fit import Fit
 from identification.model import ERROR_TERMS, Model, identification_model
@@ -37,6 +40,8 @@ class Evaluation(NamedTuple):
         noise: what s0 consists of, where the case states noise.
         accelerometer: its biases, where standstills have its readings.
         notes: sentences about the evaluation.
+        conditioning: what was done to a moving run beforehand.
+        told: what is to be said of that, for result files.
     """
 
     samples: int
@@ -45,6 +50,8 @@ class Evaluation(NamedTuple):
     noise: NoiseSources | None = None
     accelerometer: AccelerometerBias | None = None
     notes: tuple[str, ...] = ()
+    conditioning: Conditioning = USUAL
+    told: Mapping[str, Any] = MappingProxyType({})
 
 
 class Value(NamedTuple):
@@ -96,6 +103,8 @@ class Estimate:
         notes: what the estimator did beside.
         warnings: sentences.
         residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
+        conditioning: what was done to a moving run beforehand.
+        told: what is to be said of that.
         noise_sources: what s0 consists of, where the case states noise.
         attenuation: of physical parameters by name, where the case states noise of the struts.
         accelerometer: its biases, where standstills have its readings.
@@ -128,6 +137,8 @@ class Estimate:
     noise_sources: NoiseSources | None
     attenuation: dict[str, Attenuation] | None
     accelerometer: AccelerometerBias | None
+    conditioning: Conditioning = USUAL
+    told: Mapping[str, Any] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Everything but the residuals, SI units."""
@@ -164,6 +175,7 @@ class Estimate:
             "covariance_robust": self.covariance_robust.tolist(),
             "notes": list(self.notes),
             "warnings": list(self.warnings),
+            **self.told,
         }
 
 
@@ -224,4 +236,6 @@ def estimate_of(
         noise_sources=noise,
         attenuation=attenuation,
         accelerometer=evaluation.accelerometer,
+        conditioning=evaluation.conditioning,
+        told=evaluation.told,
     )

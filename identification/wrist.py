@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.biases import Biases
+from identification.coloured import coloured_covariance
 from identification.fit import Filtered
 from identification.formats.stream import Recording, Stream
 from identification.model import MASS, Model
@@ -97,6 +98,21 @@ class WristRun:
         specific = self.specific_force(self.t - delay)
         felt = [(self._matrices(delay, specific + axis) - matrices) @ values for axis in np.eye(3)]
         return np.concatenate([late, np.stack(felt, axis=2)], axis=2)
+
+    @property
+    def noise_correlation(self) -> float:
+        """Of white noise behind the filter, between evaluated samples."""
+        return self.filter.noise_correlation
+
+    def left(self, matrices: Array, values: Array) -> Array:
+        """Recorded forces less the model, A u, at the evaluated samples, shape (n, 6)."""
+        return np.asarray(self.recorded_forces - matrices @ values)
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Array | None:
+        """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
+        return coloured_covariance(matrices, residuals, weights)
 
     def without(self, left_out: NDArray[np.bool_]) -> "WristRun":
         """The run without some of its evaluated samples, shape (n,)."""

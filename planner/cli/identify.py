@@ -6,6 +6,7 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
+from identification.conditioning import USUAL, Conditioning
 from planner.cli.console import Json, print_json, print_table, status
 
 
@@ -58,6 +59,16 @@ def identify(
     standstills: Annotated[
         bool, typer.Option("--standstills", help="Average the run's standstills, wherever they are.")
     ] = False,
+    period: Annotated[
+        str | None,
+        typer.Option(
+            help="A run that repeats itself: average its periods, differentiate and filter by a Fourier series. "
+            "auto finds the period, or give it in seconds."
+        ),
+    ] = None,
+    harmonics: Annotated[
+        int | None, typer.Option(help="Of that series; by default as many as stand out of the struts' noise.")
+    ] = None,
     verify: Annotated[
         Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
     ] = None,
@@ -69,9 +80,12 @@ def identify(
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
     larger of the two is what to report.
     """
+    from planner.cli.conditioning import read_conditioning
+
     wanted = Wish(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
         tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
+        read_conditioning(period, harmonics),
     )  # fmt: skip
     answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills))
     if verify is not None:
@@ -93,6 +107,7 @@ class Wish(NamedTuple):
         terms: error terms instead of the model's.
         weights: instead of the case's.
         biases: result whose offsets are taken.
+        conditioning: what is to be done to a moving run beforehand.
     """
 
     model: int | None = None
@@ -104,6 +119,7 @@ class Wish(NamedTuple):
     terms: tuple[str, ...] = ()
     weights: str | None = None
     biases: Path | None = None
+    conditioning: Conditioning = USUAL
 
 
 class Still(NamedTuple):
@@ -161,7 +177,7 @@ def make_result(
             recording, standing = standing_of(read_run(paths, loaded), loaded, paths[0], still)
             number = default_model(recording) if wish.model is None else wish.model
             how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
-            estimate = estimate_parameters(recording, loaded, number, how, wish.terms)
+            estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
         found = identifiability(recording, loaded, estimate)
         content = estimate.to_json() | provenance(files_of(paths))
         answer = {"result": str(folder), "report": str(folder / "report.html")} | content
