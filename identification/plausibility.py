@@ -22,6 +22,7 @@ Rows = NDArray[np.bool_]
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is no chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
+SHAKEN = 4.0  # the same for accelerations of struts, from which on a force that leaves its neighbours is the motion's
 TOGETHER = 10  # samples between a leap of the motion and that of the forces, delay included
 LONELY = 5.0  # times what most samples around it do, for a glitch
 LONELY_SHARE = 90.0  # [%] of these samples
@@ -166,14 +167,18 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
 
 
 def _shaken(recording: Recording) -> Rows:
-    """Samples at or shortly after which the acceleration of a strut leaves its neighbours too, shape (n,)."""
+    """Samples at or shortly after which the acceleration of a strut leaves its neighbours too, shape (n,).
+
+    Encoders see an acceleration through two differences of their steps, far less clearly than sensors feel it. The
+    limit is low: noise of Gaussian struts hides one glitch in a hundred, but no motion is cut.
+    """
     rows = np.zeros(len(recording.forces), dtype=bool)
     if recording.struts is None:
         return rows
     second = np.diff(recording.struts, 2, axis=0)
     away = np.abs(second[1:-1] - (second[:-2] + second[2:]) / 2)
     usual = 1.4826 * np.median(away, axis=0)
-    rows[2:-2] = np.any((away > OUTLIER * usual) & (usual > 0.0), axis=1)
+    rows[2:-2] = np.any((away > SHAKEN * usual) & (usual > 0.0), axis=1)
     return np.asarray(maximum_filter1d(rows, 2 * TOGETHER + 1))
 
 

@@ -10,7 +10,7 @@ import pytest
 import identification.identify as module
 from cases.errors import HexciteError, IdentificationError, RecordingError
 from cases.loading import load_case
-from identification.executed import PoseExecution
+from identification.executed import PoseExecution, StrutExecution
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
@@ -156,6 +156,32 @@ def test_an_acceleration_that_steps_is_no_glitch() -> None:
             forces[row:] += np.array([200.0, -150.0, 100.0, 80.0, -60.0, 120.0]) * (1 if row < 1000 else -1)
 
     assert scan(with_forces(steps, run(0)), CASE).warnings == ()
+
+
+def moves_without_jerk_limit(seed: int) -> StrutExecution:
+    """Point-to-point moves as LinuxCNC times them: accelerations step, and where moves meet leap for a single cycle."""
+    draw, step = np.random.default_rng(seed), 1e-3
+    accelerations = [np.zeros((300, 6))]
+    for _ in range(8):
+        half = np.tile(draw.uniform(-1.0, 1.0, 6) * [4.0, 4.0, 2.0, 6.0, 6.0, 6.0], (60, 1))
+        leap = draw.choice([-1.0, 1.0], 6) * [0.7, 0.7, 0.4, 1.0, 1.0, 1.0]
+        accelerations += [half, half[:1] + leap, half, -half, -half[:1] - leap, -half]
+        accelerations += [-half, -half[:1] - leap, -half, half, half[:1] + leap, half]
+    accelerations.append(np.zeros((300, 6)))
+    way = np.cumsum(np.cumsum(np.vstack(accelerations), axis=0), axis=0) * step**2
+    hexapod = Hexapod.of(CASE)
+    return StrutExecution.of_log(hexapod, step, hexapod.strut_lengths(CASE.machine.home.vector + way))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_accelerations_leap_by_between_moves_is_the_motion_s(seed: int) -> None:
+    """Forces leap by some fifty newtons for a sample or two; the encoders' steps nearly hide what they leap with."""
+    execution = moves_without_jerk_limit(seed)
+    recording = simulate_recording(CASE, execution, np.array([[0.25, execution.duration - 0.25]]), seed, "run.csv")
+    away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
+    assert np.abs(away).max() > 20.0
+    assert scan(recording, CASE).warnings == ()
+    assert not [w for w in identify(recording, CASE).warnings if "contact" in w or "jumps" in w]
 
 
 @pytest.mark.parametrize("size", [1e-3, 0.1])
