@@ -15,7 +15,7 @@ from cases.units import DEG, MM
 from identification.limits import LimitReport
 from identification.motion import Motion, Trajectory, sample
 from planner.bound import Bound
-from planner.families.fourier import FourierMotion, needless_harmonics
+from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.saved import motion_entries, motion_of_entries
 from planner.noise import ExpectedNoise
 from planner.request import LONGEST, Request

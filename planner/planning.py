@@ -73,8 +73,8 @@ def first_family(request: Request, case: Case) -> Family:
     """The family from which the starts of a request are drawn."""
     if request.family == "fourier":
         middle, half = box_middle(case)
-        repeats = round(request.duration / request.period)
-        return FourierFamily(request.order, request.period, repeats, middle, half, COARSE, request.centred)
+        periods = round(request.duration / request.period)
+        return FourierFamily.lasting(request.order, request.period, periods, middle, half, COARSE, request.centred)
     if request.family == "spline":
         moves = int(np.clip(round(MOVES_A_SECOND * request.duration), FEWEST, MOST))
         return PointToPointFamily.of(case, moves, request.duration)

@@ -83,7 +83,7 @@ class Request:
     def allowed_duration(self, duration: float) -> float:
         """The next longer duration that the family can have [s]."""
         if self.family == "fourier":
-            return max(1, int(np.ceil(duration / self.period - 1e-9))) * self.period
+            return max(self._fewest_periods, int(np.ceil(duration / self.period - 1e-9))) * self.period
         return max(duration, FEWEST * SHORTEST_MOVE, FEWEST_INTERVALS / KNOTS_A_SECOND)
 
     def lasting(self, duration: float) -> "Request":
@@ -96,8 +96,8 @@ class Request:
         return replace(self, duration=duration, moves=moves, knots=knots)
 
     def _fourier(self) -> None:
-        if not 2 <= self.order <= 7:
-            raise HexciteError(f"order {self.order} is outside 2 to 7; 1 cannot start at rest, above 7 only jerk grows")
+        if not 1 <= self.order <= 7:
+            raise HexciteError(f"order {self.order} is outside 1 to 7; above 7 only jerk grows: choose 3 to 7")
         if not self.period > 0.0 or not np.isfinite(self.period):
             raise HexciteError(f"period {self.period:g} s is not positive; choose about 3 s")
         repeats = self.duration / self.period
@@ -106,6 +106,15 @@ class Request:
                 f"duration {self.duration:g} s is not a whole number of periods of {self.period:g} s; choose "
                 f"{max(1, round(repeats)) * self.period:g} s"
             )
+        if round(repeats) < self._fewest_periods:
+            raise HexciteError(
+                f"order 1 needs two periods: it is led in and out of over one of them; choose --duration "
+                f"{2 * self.period:g} or more"
+            )
+
+    @property
+    def _fewest_periods(self) -> int:
+        return 2 if self.order == 1 else 1
 
     def _ptp(self) -> None:
         if not FEWEST <= self.moves <= MOST:

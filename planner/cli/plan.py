@@ -31,7 +31,7 @@ def plan(
     criterion: Annotated[str, typer.Option(help="What to optimise, Table 4: A, D, K, N.")] = "D",
     solver: Annotated[str, typer.Option(help="ipopt, sqp (active set) or slsqp.")] = "ipopt",
     duration: Annotated[float, typer.Option(help="Whole duration in s; for fourier a multiple of the period.")] = 12.0,
-    order: Annotated[int, typer.Option(help="fourier: harmonics, 2 to 7.")] = 5,
+    order: Annotated[int, typer.Option(help="fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
     period: Annotated[float, typer.Option(help="fourier: period in s.")] = 3.0,
     centred: Annotated[bool, typer.Option(help="fourier: keep x0 in the middle of the box.")] = False,
     moves: Annotated[int, typer.Option(help="ptp: point-to-point moves, 8 to 64.")] = 40,

@@ -3,7 +3,8 @@
 x(t) = x0 + sum_l a_l/(l w) sin(l w t) - b_l/(l w) cos(l w t) for each coordinate. Rest at t = 0 (and so after every
 period) is linear in the coefficients: sum a_l = 0 (rate) and sum l b_l = 0 (acceleration; a motion that starts out of a
 standstill with bounded jerk starts without acceleration). The coefficients are therefore written as a basis of the null
-space of these two rows, and no constraint is left to a solver.
+space of these two rows, and no constraint is left to a solver. Order 1 has nothing left then: it keeps all of its
+coefficients, and a quintic leads from rest in the middle of its circle into it and back (`run_in`).
 """
 
 from collections.abc import Callable
@@ -11,68 +12,19 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from cases.schema import Case
-from identification.motion import Motion
 from planner.families.family import Sampling
+from planner.families.fourier_motion import FourierMotion
 from planner.families.linear import linear_sampling
+from planner.families.run_in import run_in, run_out
 
 Array = NDArray[np.float64]
 
 START_SHARE = 0.8  # random starts use this share of the tightest limit: significantly different from zero, inside
 COARSE, FINE = 12, 16  # instants of the optimiser's grid in one period of the highest harmonic
-
-
-@dataclass(frozen=True, slots=True)
-class FourierMotion:
-    """A Fourier-series motion, repeated a whole number of times.
-
-    Args:
-        centre: x0 of (34), shape (6,) [m, rad].
-        a: sine coefficients of (34), shape (N, 6) [m/s, rad/s].
-        b: cosine coefficients of (34), shape (N, 6) [m/s, rad/s].
-        period: 2 pi / w [s].
-        repeats: number of periods.
-    """
-
-    centre: Array
-    a: Array
-    b: Array
-    period: float
-    repeats: int
-
-    @property
-    def order(self) -> int:
-        """N of (34)."""
-        return len(self.a)
-
-    @property
-    def duration(self) -> float:
-        """Duration of all periods [s]."""
-        return self.period * self.repeats
-
-    def at(self, t: ArrayLike) -> Motion:
-        """(34), (35), (36) and the third derivative at times t, shape (n,) [s]."""
-        time = np.asarray(t, dtype=float)
-        w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
-        sine, cosine = np.sin(time[:, None] * w), np.cos(time[:, None] * w)
-        pose = self.centre + sine @ (self.a / w[:, None]) - cosine @ (self.b / w[:, None])
-        rates = cosine @ self.a + sine @ self.b
-        accelerations = -sine @ (self.a * w[:, None]) + cosine @ (self.b * w[:, None])
-        jerks = -cosine @ (self.a * w[:, None] ** 2) - sine @ (self.b * w[:, None] ** 2)
-        return Motion(time, pose, rates, accelerations, jerks)
-
-
-NEGLIGIBLE = 0.02  # of the largest amplitude; a harmonic below adds nothing that can be measured
-
-
-def needless_harmonics(motion: FourierMotion) -> int:
-    """Number of highest harmonics whose rates are negligible beside the largest, in every coordinate."""
-    amplitude = np.hypot(motion.a, motion.b)
-    share = (amplitude / np.maximum(amplitude.max(axis=0), 1e-300)).max(axis=1)
-    return int(np.argmax(share[::-1] > NEGLIGIBLE))
 
 
 def resting_basis(order: int) -> Array:
@@ -87,16 +39,17 @@ def resting_basis(order: int) -> Array:
 class FourierFamily:
     """All Fourier motions of one order and period.
 
-    Unknowns are `q = 2 N - 1` numbers for each coordinate: amplitudes in units of the pose limits.
+    Unknowns are `q = 2 N - 1` amplitudes of each coordinate in units of the pose limits; with a run-in 2 N + 1.
 
     Args:
-        order: N, from 2 (order 1 cannot rest) to 7.
+        order: N, from 1 to 7; order 1 needs a run-in.
         period: [s].
         repeats: number of periods.
         middle: middle of the box of poses, shape (6,) [m, rad].
         half: half of its width, shape (6,) [m, rad].
         density: instants of the optimiser's grid in one period of the highest harmonic.
         centred: whether x0 is the middle of the box, as in the paper; else it is free.
+        run_in: time from rest into the series and again out of it [s]; 0: the series itself begins at rest.
     """
 
     order: int
@@ -106,6 +59,15 @@ class FourierFamily:
     half: Array
     density: int
     centred: bool = False
+    run_in: float = 0.0
+
+    @classmethod
+    def lasting(
+        cls, order: int, period: float, periods: int, middle: Array, half: Array, density: int, centred: bool = False
+    ) -> "FourierFamily":
+        """The family whose motions last a number of periods; of order 1 two halves of one are run-in and run-out."""
+        led = order == 1
+        return cls(order, period, periods - led, middle, half, density, centred, period / 2 if led else 0.0)
 
     @property
     def name(self) -> str:
@@ -115,7 +77,8 @@ class FourierFamily:
     @property
     def settings(self) -> dict[str, Any]:
         """Order, period and number of periods."""
-        return {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
+        own = {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
+        return own | ({"run_in_s": self.run_in} if self.run_in else {})
 
     def sampling(self, case: Case) -> Sampling:
         """The motion as expressions."""
@@ -137,12 +100,12 @@ class FourierFamily:
     @property
     def unknowns(self) -> int:
         """Unknowns of each coordinate."""
-        return 2 * self.order - 1 - self.centred
+        return 2 * self.order + (1 if self.run_in else -1) - self.centred
 
     @property
     def _basis(self) -> Array:
-        """Coefficients at rest; `centred` leaves out the one with nothing but x0."""
-        basis = resting_basis(self.order)
+        """Coefficients at rest, or all with a run-in; `centred` leaves out the one with nothing but x0."""
+        basis = np.eye(2 * self.order + 1) if self.run_in else resting_basis(self.order)
         if not self.centred:
             return basis
         return np.asarray(basis @ null_space(basis[:1]))  # its first row is x0
@@ -151,10 +114,28 @@ class FourierFamily:
     def grid(self) -> Array:
         """Instants at which the optimiser holds the limits, shape (K,) [s].
 
-        Between two of them a limit slips by at most 1 - cos(pi / density), which the final scaling takes back.
+        They cover one period, and before and after it the run-in and the run-out. Between two of them a limit of the
+        series slips by at most 1 - cos(pi / density), which the final scaling takes back.
         """
-        count = self.density * self.order
+        led, series = self._led, self._period
+        return np.concatenate([led, self.run_in + series, self.run_in + self.period * self.repeats + led])
+
+    @property
+    def _period(self) -> Array:
+        count = self.density * max(self.order, 2)
         return np.arange(count) * self.period / count
+
+    @property
+    def _led(self) -> Array:
+        """Instants of the run-in, and of the run-out after its start."""
+        count = int(np.ceil(len(self._period) * self.run_in / self.period))
+        return (np.arange(count) + 0.5) * self.run_in / max(count, 1)
+
+    def weights(self) -> Array:
+        """Share of the duration that each instant of the grid stands for."""
+        led = np.full(len(self._led), self.run_in / max(len(self._led), 1))
+        series = np.full(len(self._period), self.period * self.repeats / len(self._period))
+        return np.concatenate([led, series, led]) / (self.period * self.repeats + 2 * self.run_in)
 
     def struts(self) -> NDArray[np.bool_]:
         """Strut limits enter where they come close."""
@@ -172,8 +153,11 @@ class FourierFamily:
         """N w: Bernstein's inequality for trigonometric polynomials of degree N [1/s].
 
         A limit on a derivative that N w times the limit before it cannot reach needs no rows of its own. A constant
-        part does not move, so the bound holds for the oscillation, and the half width of the box bounds that.
+        part does not move, so the bound holds for the oscillation, and the half width of the box bounds that. A run-in
+        has no such bound.
         """
+        if self.run_in:
+            return float("inf")
         return 2 * np.pi * self.order / self.period
 
     def _coefficients(self, unknowns: Array) -> tuple[Array, Array, Array]:
@@ -185,7 +169,7 @@ class FourierFamily:
     def motion(self, unknowns: Array) -> FourierMotion:
         """The motion of the unknowns, shape (q * 6,), row by row."""
         centre, a, b = self._coefficients(unknowns)
-        return FourierMotion(self.middle + centre, a, b, self.period, self.repeats)
+        return FourierMotion(self.middle + centre, a, b, self.period, self.repeats, self.run_in)
 
     def limit_maps(self) -> tuple[Array, Array, Array, Array]:
         """Limits are held on the grid; see `grid`."""
@@ -193,7 +177,21 @@ class FourierFamily:
 
     def maps(self) -> tuple[Array, Array, Array, Array]:
         """Linear maps, each (K, q): unknowns of a coordinate -> it and its derivatives on the grid, in half widths."""
-        basis, t = self._basis, self.grid
+        series = self._series_maps(self._period)
+        if self.run_in:
+            begin = np.vstack([matrix[:1] for matrix in self._series_maps(np.zeros(1))[:3]])
+            centre = self._basis[:1]  # of coordinate x0: it is where the run-in begins
+            begin[:1] -= centre
+            led = [m @ begin for m in run_in(self._led, self.run_in)]
+            back = [m @ begin for m in run_out(self._led, self.run_in)]
+            series = tuple(np.vstack(parts) for parts in zip(led, series, back, strict=True))
+            outside = np.r_[0 : len(self._led), len(series[0]) - len(self._led) : len(series[0])]
+            series[0][outside] += centre
+        value, rate, acceleration, jerk = series
+        return value, rate, acceleration, jerk
+
+    def _series_maps(self, t: Array) -> tuple[Array, ...]:
+        basis = self._basis
         w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
         sine, cosine = np.sin(np.outer(t, w)), np.cos(np.outer(t, w))
         one, zero = np.ones((len(t), 1)), np.zeros((len(t), 1))
@@ -204,5 +202,4 @@ class FourierFamily:
             np.hstack([zero, -cosine * w**2, -sine * w**2]),
         )
         scale = np.r_[1.0, np.full(2 * self.order, w[0])]
-        value, rate, acceleration, jerk = ((r * scale) @ basis for r in rows)
-        return value, rate, acceleration, jerk
+        return tuple((r * scale) @ basis for r in rows)

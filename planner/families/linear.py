@@ -25,6 +25,10 @@ class Maps(Protocol):
         """Matrices (K, q) from unknowns to value, rate, acceleration and jerk at the samples of information."""
         ...
 
+    def weights(self) -> Array:
+        """Share of the duration that each sample of `maps` stands for, shape (K,); they add up to 1."""
+        ...
+
     def struts(self) -> NDArray[np.bool_]:
         """At which of the `critical_maps` strut velocities and accelerations are held from the start, shape (2, C)."""
         ...
@@ -47,7 +51,7 @@ class Maps(Protocol):
 
 
 def linear_sampling(case: Case, family: Maps) -> Sampling:
-    """States and rows of a linear family, samples of equal weight.
+    """States and rows of a linear family.
 
     Limits of a derivative that others prove to be kept (`growth`) are left out.
     """
@@ -62,7 +66,6 @@ def linear_sampling(case: Case, family: Maps) -> Sampling:
         return States(value + ca.repmat(ca.DM(middle), 1, value.shape[1]), rate, acceleration)
 
     states, critical = states_of(family.maps()[:3]), states_of(family.critical_maps())
-    count = states.count
     rows = []
     reached = np.ones(6)  # what is known to bound the derivative before, in half widths
     for order, (matrix, limit) in enumerate(
@@ -80,7 +83,7 @@ def linear_sampling(case: Case, family: Maps) -> Sampling:
         lower=np.full(size, -np.inf),
         upper=np.full(size, np.inf),
         states=states,
-        shares=ca.MX(ca.DM.ones(count, 1) / count),
+        shares=ca.MX(ca.DM(family.weights())),
         rows=ca.vertcat(*rows),
         zeros=ca.MX(0, 1),
         critical=critical,

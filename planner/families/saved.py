@@ -10,7 +10,7 @@ from identification.circle import CircularMove, Plane
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.polynomial import Piece, PolynomialMotion
 from identification.profile import Profile, StraightMove
-from planner.families.fourier import FourierMotion
+from planner.families.fourier_motion import FourierMotion
 from planner.families.ptp import unit_profile
 
 Array = NDArray[np.float64]
@@ -30,6 +30,7 @@ def motion_entries(motion: Trajectory) -> dict[str, Any]:
                 "centre_m_rad": motion.centre.tolist(),
                 "a_m_s_rad_s": motion.a.tolist(),
                 "b_m_s_rad_s": motion.b.tolist(),
+                **({"run_in_s": motion.run_in} if motion.run_in else {}),
             }
         }
     if isinstance(motion, Joined):
@@ -113,7 +114,8 @@ def _fourier(entry: dict[str, Any]) -> FourierMotion:
     if order < 1 or repeats < 1:
         raise ValueError("a_m_s_rad_s" if order < 1 else "repeats")
     a, b = (_numbers(entry, key, order, 6) for key in ("a_m_s_rad_s", "b_m_s_rad_s"))
-    return FourierMotion(_numbers(entry, "centre_m_rad", 6), a, b, _positive(entry, "period_s"), repeats)
+    run_in = _positive(entry, "run_in_s") if "run_in_s" in entry else 0.0
+    return FourierMotion(_numbers(entry, "centre_m_rad", 6), a, b, _positive(entry, "period_s"), repeats, run_in)
 
 
 def _read_part(entry: dict[str, Any]) -> Trajectory:

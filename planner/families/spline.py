@@ -94,6 +94,10 @@ class SplineFamily:
         value, rate, acceleration, jerk = (np.asarray(basis(t, nu=order)) for order in range(4))
         return value, rate, acceleration, jerk
 
+    def weights(self) -> Array:
+        """All samples count alike."""
+        return np.full(2 * self.intervals, 0.5 / self.intervals)
+
     def limit_maps(self) -> tuple[Array, Array, Array, Array]:
         """Positions and rates at four instants an interval, accelerations at the knots, jerks in the intervals."""
         basis, fine = self._basis(), self._at(tuple(np.arange(FINE) / FINE))

@@ -14,7 +14,8 @@ from identification.criteria import CRITERIA, singular_values
 from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner.families.family import box_middle
-from planner.families.fourier import FourierFamily, FourierMotion
+from planner.families.fourier import FourierFamily
+from planner.families.fourier_motion import FourierMotion
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.problem import build_problem, mean_information
 from planner.solving import Stage, Task, keep_limits, random_start, run_start

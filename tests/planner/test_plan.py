@@ -12,7 +12,8 @@ from identification.evaluate import over_samples
 from identification.limits import prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
-from planner.families.fourier import COARSE, FINE, FourierFamily, FourierMotion
+from planner.families.fourier import COARSE, FINE, FourierFamily
+from planner.families.fourier_motion import FourierMotion
 from planner.plan import Plan, SavedPlan
 from planner.problem import build_problem, mean_information
 from planner.request import Request

@@ -16,7 +16,7 @@ PLAN = ("plan", "hexapod", "--json")
         (("plan", "ft_wrist"), ("ft_wrist", "machine", "is missing")),
         ((*PLAN, "--family", "magic"), ("'magic'", "choose manual, fourier, ptp, spline")),
         ((*PLAN, "--criterion", "E"), ("'E'", "choose A, D, K, N")),
-        ((*PLAN, "--order", "1"), ("order 1", "2 to 7")),
+        ((*PLAN, "--order", "8"), ("order 8", "1 to 7")),
         ((*PLAN, "--period", "0"), ("period 0 s", "choose")),
         ((*PLAN, "--duration", "10"), ("10 s", "choose 9 s")),
         ((*PLAN, "--duration", "nan"), ("duration nan",)),

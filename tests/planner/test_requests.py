@@ -15,9 +15,8 @@ from tests.helpers import one_line
         ("criterion", "E", "criterion 'E' is unknown; choose A, D, K, N"),
         ("family", "chirp", "family 'chirp' is unknown; choose manual, fourier, ptp, spline"),
         ("solver", "knitro", "solver 'knitro' is unknown; choose ipopt, sqp, slsqp"),
-        ("order", 1, "order 1 is outside 2 to 7; 1 cannot start at rest"),
-        ("order", 0, "order 0 is outside 2 to 7"),
-        ("order", 50, "order 50 is outside 2 to 7"),
+        ("order", 0, "order 0 is outside 1 to 7"),
+        ("order", 50, "order 50 is outside 1 to 7"),
         ("period", 0.0, "period 0 s is not positive; choose about 3 s"),
         ("period", -3.0, "period -3 s"),
         ("period", float("nan"), "period nan s"),
@@ -38,6 +37,12 @@ def test_a_setting_outside_its_range_is_named_with_its_value(setting: str, value
     with pytest.raises(HexciteError, match=re.escape(words)) as caught:
         Request("hexapod", **{setting: value})
     one_line(caught.value)
+
+
+def test_order_1_needs_two_periods_for_it_is_led_in_and_out_of_over_one():
+    Request("hexapod", order=1, period=3.0, duration=6.0)
+    with pytest.raises(HexciteError, match=r"order 1 needs two periods.*--duration 6 or more"):
+        Request("hexapod", order=1, period=3.0, duration=3.0)
 
 
 def test_a_whole_number_of_periods_may_be_a_rounded_one():

@@ -8,7 +8,8 @@ import pytest
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.limits import prove
-from planner.families.fourier import FourierFamily, FourierMotion
+from planner.families.fourier import FourierFamily
+from planner.families.fourier_motion import FourierMotion
 from postprocessors.dialects import dialect, dialect_of_file
 from postprocessors.program import TimedPath
 from postprocessors.reading.linuxcnc import read_linuxcnc

@@ -1,0 +1,79 @@
+"""A motion along a periodic Fourier series (34)-(36), repeated, at rest itself or led in and out of."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from identification.motion import Motion
+from planner.families.run_in import run_in, run_out
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class FourierMotion:
+    """A Fourier-series motion, repeated a whole number of times.
+
+    Args:
+        centre: x0 of (34), shape (6,) [m, rad].
+        a: sine coefficients of (34), shape (N, 6) [m/s, rad/s].
+        b: cosine coefficients of (34), shape (N, 6) [m/s, rad/s].
+        period: 2 pi / w [s].
+        repeats: number of periods.
+        run_in: time from rest at x0 into the series, and again out of it [s]; 0 for a series that is at rest itself.
+    """
+
+    centre: Array
+    a: Array
+    b: Array
+    period: float
+    repeats: int
+    run_in: float = 0.0
+
+    @property
+    def order(self) -> int:
+        """N of (34)."""
+        return len(self.a)
+
+    @property
+    def duration(self) -> float:
+        """Duration of all periods, and of the run-in and run-out [s]."""
+        return self.period * self.repeats + 2 * self.run_in
+
+    def at(self, t: ArrayLike) -> Motion:
+        """(34), (35), (36) and the third derivative at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        series = self._series(time - self.run_in)
+        if self.run_in == 0.0:
+            return series
+        begin = self._series(np.zeros(1))
+        reached = np.vstack([begin.pose - self.centre, begin.rates, begin.accelerations])
+        fields = [v.copy() for v in (series.pose, series.rates, series.accelerations, series.jerks)]
+        last = self.duration - self.run_in
+        for rows, matrices in (
+            (time < self.run_in, run_in(time[time < self.run_in], self.run_in)),
+            (time > last, run_out(time[time > last] - last, self.run_in)),
+        ):
+            for order, matrix in enumerate(matrices):
+                fields[order][rows] = matrix @ reached + (self.centre if order == 0 else 0.0)
+        return Motion(time, *fields)
+
+    def _series(self, time: Array) -> Motion:
+        w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
+        sine, cosine = np.sin(time[:, None] * w), np.cos(time[:, None] * w)
+        pose = self.centre + sine @ (self.a / w[:, None]) - cosine @ (self.b / w[:, None])
+        rates = cosine @ self.a + sine @ self.b
+        accelerations = -sine @ (self.a * w[:, None]) + cosine @ (self.b * w[:, None])
+        jerks = -cosine @ (self.a * w[:, None] ** 2) - sine @ (self.b * w[:, None] ** 2)
+        return Motion(time, pose, rates, accelerations, jerks)
+
+
+NEGLIGIBLE = 0.02  # of the largest amplitude; a harmonic below adds nothing that can be measured
+
+
+def needless_harmonics(motion: FourierMotion) -> int:
+    """Number of highest harmonics whose rates are negligible beside the largest, in every coordinate."""
+    amplitude = np.hypot(motion.a, motion.b)
+    share = (amplitude / np.maximum(amplitude.max(axis=0), 1e-300)).max(axis=1)
+    return int(np.argmax(share[::-1] > NEGLIGIBLE))
