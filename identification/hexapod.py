@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 # rounding (1e-16 relative to 1 m).
 STRUT_TOLERANCE = 1e-12  # [m]
 MOST_STEPS = 25
+CLOSE = 2e-3  # [m, rad] between cubic and linear interpolation, where the cubic one is trusted: a motion, no jump
 COARSE = 32  # every 32nd sample is solved from home, the ones between start from their interpolation
 
 
@@ -185,38 +186,46 @@ class Hexapod:
         Raises:
             StrutsDoNotClose: the struts cannot close; the message names the first such sample.
         """
-        lengths = np.asarray(lengths, dtype=float)
+        return self._assembled(np.asarray(lengths, dtype=float))[0]
+
+    def _assembled(self, lengths: Array) -> tuple[Array, Array]:
+        """Poses, shape (n, 6), and J_Hex^-1 there, shape (n, 6, 6); raises StrutsDoNotClose."""
         count = len(lengths)
         coarse = np.unique(np.r_[np.arange(0, count, COARSE), count - 1])
-        at_coarse, closed = self._newton(lengths[coarse], np.tile(self.home, (len(coarse), 1)))
+        at_coarse, _, closed = self._newton(lengths[coarse], np.tile(self.home, (len(coarse), 1)))
         start = np.tile(self.home, (count, 1))
         if closed.any():
-            index, known = np.arange(count), coarse[closed]
-            start = np.column_stack([np.interp(index, known, at_coarse[closed, k]) for k in range(6)])
-        poses, closed = self._newton(lengths, start)
+            start = _between(np.arange(count), coarse[closed], at_coarse[closed])
+        poses, jacobians, closed = self._newton(lengths, start)
         if not closed.all():
             first = int(np.argmin(closed))
             raise StrutsDoNotClose(first, lengths[first])
-        return poses
+        return poses, jacobians
 
-    def _newton(self, lengths: Array, start: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Poses, and for which samples the struts close."""
+    def _newton(self, lengths: Array, start: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Poses, J_Hex^-1 there, and for which samples the struts close."""
         pose, closed = start.copy(), np.zeros(len(start), dtype=bool)
+        jacobians = np.empty((len(start), 6, 6))
         active = np.arange(len(pose))
         for _ in range(MOST_STEPS):
             reached, jacobian = over_samples(self.inverse_jacobian, pose[active])
             error = lengths[active] - reached
             done = np.abs(error).max(axis=1) <= STRUT_TOLERANCE
             closed[active[done]] = True
+            jacobians[active[done]] = jacobian[done]
             # A sample that has run off into a singularity or to infinity is given up, not the others with it.
             alive = ~done & np.isfinite(error).all(axis=1)
-            alive &= np.abs(np.linalg.det(np.where(alive[:, None, None], jacobian, 0.0))) > np.finfo(float).tiny
             active, error, jacobian = active[alive], error[alive], jacobian[alive]
             if not len(active):
                 break
-            step = np.linalg.solve(jacobian, error[:, :, None])[:, :, 0]
+            try:
+                step = np.linalg.solve(jacobian, error[:, :, None])[:, :, 0]
+            except np.linalg.LinAlgError:  # one of them is singular
+                regular = np.abs(np.linalg.det(jacobian)) > np.finfo(float).tiny
+                active = active[regular]
+                step = np.linalg.solve(jacobian[regular], error[regular][:, :, None])[:, :, 0]
             pose[active] = over_samples(self.newton_step, pose[active], step)[0]
-        return pose, closed
+        return pose, jacobians, closed
 
     def kinematics(self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike) -> Kinematics:
         """Pose, twist and twist rate from strut motion: (7), (8), (9).
@@ -231,12 +240,29 @@ class Hexapod:
         Raises:
             IdentificationError: the struts cannot close.
         """
-        pose = self.poses(lengths)
-        jacobian = over_samples(self.inverse_jacobian, pose)[1]
+        pose, jacobian = self._assembled(np.asarray(lengths, dtype=float))
         twist_ = np.linalg.solve(jacobian, np.asarray(velocities)[:, :, None])[:, :, 0]
         drift = over_samples(self.jacobian_drift, pose, twist_)[0]
         rate = np.linalg.solve(jacobian, (np.asarray(accelerations) - drift)[:, :, None])[:, :, 0]
         return Kinematics(pose, twist_, np.asarray(rate, dtype=np.float64))
+
+
+def _between(index: NDArray[np.int_], known: NDArray[np.int_], poses: Array) -> Array:
+    """Poses between those at some samples, shape (n, 6): cubic in a motion, linear across jumps, which a cubic overshoots.
+
+    Args:
+        index: samples, shape (n,).
+        known: samples whose poses are known, ascending, shape (k,).
+        poses: of these, shape (k, 6).
+    """
+    linear = np.column_stack([np.interp(index, known, poses[:, k]) for k in range(6)])
+    if len(known) < 4:
+        return linear
+    from scipy.interpolate import CubicSpline
+
+    cubic = np.asarray(CubicSpline(known, poses)(np.clip(index, known[0], known[-1])))
+    trusted = np.abs(cubic - linear).max(axis=1) < CLOSE
+    return np.where(trusted[:, None], cubic, linear)
 
 
 def kinematics_of_coordinates(pose: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:

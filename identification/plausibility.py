@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, percentile_filter
+from scipy.ndimage import maximum_filter1d
 
 from cases.errors import RecordingError
 from cases.schema import Case
@@ -27,6 +27,7 @@ TOGETHER = 10  # samples between a leap of the motion and that of the forces, de
 LONELY = 5.0  # times what most samples around it do, for a glitch
 LONELY_SHARE = 90.0  # [%] of these samples
 LONELY_WIDTH = 101  # samples around
+_AT_ONCE = 10_000  # windows in memory
 SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
 TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
@@ -142,13 +143,14 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
     step_across = np.abs(recording.forces[2:] - recording.forces[:-2])
     shaken = _shaken(recording)
-    # A drive that ripples makes forces that leap again and again; a glitch stands alone.
-    around = percentile_filter(np.abs(away), LONELY_SHARE, size=(LONELY_WIDTH, 1), mode="nearest")
     for k in range(6):
         least = max(OUTLIER * usual[k], 1e-9 * float(np.abs(recording.forces[:, k]).max()))
-        rows = _peaks(away[:, k], np.maximum(least, LONELY * around[:, k]))
+        rows = _peaks(away[:, k], least)
         rows[1:-1] &= step_across[:, k] < np.abs(away[:, k])
         rows &= ~shaken
+        # A drive that ripples makes forces that leap again and again; a glitch stands alone.
+        leaps = np.flatnonzero(rows[1:-1])
+        rows[1 + leaps] = np.abs(away[leaps, k]) > LONELY * _around(np.abs(away[:, k]), leaps)
         if usual[k] > 0.0 and rows.any():
             found.append((f"channel {k + 1} jumps by up to {np.abs(away[:, k]).max():.4g} for single samples", rows))
     if recording.struts is None or case.limits is None:
@@ -163,6 +165,18 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
             size = np.abs(away[:, k]).max() / MM
             text = f"strut {k + 1} jumps by up to {size:.4g} mm between samples {step * 1e3:.3g} ms apart, "
             found.append((text + f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids", rows))
+    return found
+
+
+def _around(size: Array, index: NDArray[np.int64]) -> Array:
+    """What most samples around some of them stay below, shape of `index`."""
+    half = LONELY_WIDTH // 2
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(size, half, mode="edge"), LONELY_WIDTH)
+    rank = int(LONELY_WIDTH * LONELY_SHARE / 100.0)
+    found = np.empty(len(index))
+    for start in range(0, len(index), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        found[part] = np.partition(windows[index[part]], rank, axis=1)[:, rank]
     return found
 
 
