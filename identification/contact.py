@@ -37,7 +37,9 @@ class Contact(NamedTuple):
     peak: float
 
 
-def find_contacts(t: Array, residuals: Array, structure: Array, expected: Array) -> tuple[Contact, ...]:
+def find_contacts(
+    t: Array, residuals: Array, structure: Array, expected: Array, usual: Array | None = None
+) -> tuple[Contact, ...]:
     """Looks for contacts.
 
     Args:
@@ -46,8 +48,9 @@ def find_contacts(t: Array, residuals: Array, structure: Array, expected: Array)
         structure: J^-T, shape (6, 6), for the external force.
         expected: forces of the model, shape (n, 6): where they change fast, a little error of time or of the model is
             no contact.
+        usual: residuals that tell the noise, shape (m, 6); by default these.
     """
-    distance = _distance(residuals)
+    distance = _distance(residuals, residuals if usual is None else usual)
     clear = (distance >= CLEAR) & np.any(np.abs(residuals) > SHARE * _change(t, expected), axis=1)
     above = distance > 1.0
     edges = np.flatnonzero(np.diff(np.r_[False, above, False].astype(np.int8)))
@@ -79,23 +82,31 @@ def _change(t: Array, forces: Array) -> Array:
     return np.asarray(maximum_filter1d(forces, width, axis=0) - minimum_filter1d(forces, width, axis=0))
 
 
-def _distance(residuals: Array) -> Array:
+def _distance(residuals: Array, usual: Array) -> Array:
     """Squared residuals over what noise exceeds with the probability `CHANCE`, shape (n,).
 
-    The covariance is that of the inner half of the samples, so that up to half of them may be touched; the median of
+    The covariance is that of the inner half of the usual ones, so that up to half of them may be touched; the median of
     the distances, which noise fixes, removes what trimming took from it.
+
+    Args:
+        residuals: shape (n, 6).
+        usual: those that tell the noise, shape (m, 6).
     """
-    centred = residuals - np.median(residuals, axis=0)
+    centre = np.median(usual, axis=0)
+    centred = usual - centre
     scale = np.maximum(np.median(np.abs(centred), axis=0), np.finfo(float).tiny)
     size = np.sum((centred / scale) ** 2, axis=1)
+    inverse = np.eye(6)
     for _ in range(3):
         inner = centred[size <= np.median(size)] / scale
         covariance = inner.T @ inner / max(len(inner), 1)
         covariance += 1e-9 * np.trace(covariance) * np.eye(6) + np.finfo(float).tiny * np.eye(6)
-        size = np.einsum("ni,ij,nj->n", centred / scale, np.linalg.inv(covariance), centred / scale)
-    usual = float(np.median(size))
-    if usual <= 0.0:
+        inverse = np.linalg.inv(covariance)
+        size = np.einsum("ni,ij,nj->n", centred / scale, inverse, centred / scale)
+    middle = float(np.median(size))
+    if middle <= 0.0:
         return np.zeros(len(residuals))
     # Residuals of a real run have a spread that changes; the upper quartile keeps calm where the median would not.
-    spread = max(usual / stats.chi2.ppf(0.5, 6), float(np.quantile(size, 0.75)) / float(stats.chi2.ppf(0.75, 6)))
-    return np.asarray(size / spread / stats.chi2.isf(CHANCE, 6))
+    spread = max(middle / stats.chi2.ppf(0.5, 6), float(np.quantile(size, 0.75)) / float(stats.chi2.ppf(0.75, 6)))
+    away = (residuals - centre) / scale
+    return np.asarray(np.einsum("ni,ij,nj->n", away, inverse, away) / spread / stats.chi2.isf(CHANCE, 6))

@@ -206,7 +206,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     warnings: tuple[str, ...] = ()
     spoilt = np.zeros(max(count, 0), dtype=bool)
     if found is not None and found.bad.any():
-        spoilt = _spoilt(found.bad, low_pass)
+        spoilt = spoilt_by(found.bad, low_pass)
         recording = replace(
             recording, struts=bridged(recording.struts, found.bad), forces=bridged(recording.forces, found.bad)
         )
@@ -248,7 +248,7 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     return Filter(cutoff, step, MOST_DELAY)
 
 
-def _spoilt(bad: NDArray[np.bool_], low_pass: Filter) -> NDArray[np.bool_]:
+def spoilt_by(bad: NDArray[np.bool_], low_pass: Filter) -> NDArray[np.bool_]:
     """Filtered samples that feel more than a short bridge of bad ones, shape (n - 2 margin,)."""
     edges = np.flatnonzero(np.diff(np.r_[False, bad, False].astype(np.int8)))
     change = np.zeros(len(bad) + 1, dtype=np.int64)

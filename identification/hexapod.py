@@ -248,7 +248,7 @@ class Hexapod:
 
 
 def _between(index: NDArray[np.int_], known: NDArray[np.int_], poses: Array) -> Array:
-    """Poses between those at some samples, shape (n, 6): cubic in a motion, linear across jumps, which a cubic overshoots.
+    """Poses between those at some samples, shape (n, 6): cubic in a motion, linear across jumps.
 
     Args:
         index: samples, shape (n,).

@@ -224,15 +224,11 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         if contacts == before:
             break
         rows = touched(run.t, contacts)
-        if rows.mean() > MOST_TOUCHED:
-            raise IdentificationError(
-                f"the forces leave the model in {100 * rows.mean():.0f} % of the samples, as in contact; an "
-                "identification run must be free: check columns, struts and model, or record again"
-            )
+        require_free(float(rows.mean()), [_told(recording, contact) for contact in contacts])
         assert isinstance(run, Run)
         moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value)
     warnings = [*found.warnings, *run.warnings]
-    warnings += [_told(recording, contact) for contact in contacts]
+    warnings += [f"{_told(recording, contact)}; left out" for contact in contacts]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
         warnings.append(f"delay of {moving.delay.value * 1e3:.1f} ms: do the streams match?")
     warnings += doubts(moving.fit, moving.run.forces)
@@ -289,6 +285,20 @@ def run_of(
     return moving_run(recording, case, model, found=found)
 
 
+def require_free(share: float, contacts: Sequence[str]) -> None:
+    """Raises IdentificationError where too much of a run is in contact.
+
+    Args:
+        share: of its samples.
+        contacts: what is told of each.
+    """
+    if share > MOST_TOUCHED:
+        raise IdentificationError(
+            f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact ({contacts[0]}); an "
+            "identification run must be free: check columns, struts and model, or record again"
+        )
+
+
 def _without_pull(run: AnyRun, moving: Moving, how: Method, problem: Problem) -> Array:
     """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
     selection = how.selection(run.model)
@@ -303,7 +313,7 @@ def _told(recording: Recording, contact: Contact) -> str:
     rows = (recording.t >= contact.start) & (recording.t <= contact.end)
     return (
         f"{places(recording.lines, rows)}: external contact from {contact.start:.3f} to {contact.end:.3f} s, up to "
-        f"{contact.peak:.3g} N; left out"
+        f"{contact.peak:.3g} N"
     )
 
 

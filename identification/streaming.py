@@ -1,40 +1,41 @@
 """A run of any length in constant memory: overlapping blocks through the filter, QR of blocks into one triangle.
 
-Read twice: the first pass gives parameters and delay, the second one is at that delay and tells what is left of the
-forces. Blocks overlap by the filter's length, so that filtered samples are those of the whole run at once.
+Read at least twice: the first pass gives parameters, weights and delay; the next ones are at these, look for contacts
+and tell what is left of the forces. Blocks overlap by the filter's length, so that filtered samples are those of the
+whole run at once.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from identification.blocks import Blocks, block_run, mended
 from identification.compressed import Compressed, degrees_of_freedom, determined, inverse_root, scores
-from identification.estimator import best_values
+from identification.contact import NEAR, Contact, find_contacts, touched
+from identification.estimator import WEIGHT_ROUNDS, WEIGHT_TOLERANCE, best_values
 from identification.estimators import Problem
-from identification.evaluation import MOST_DELAY, Run, checked_filter
+from identification.evaluation import MOST_DELAY, Run
 from identification.fit import Filtered, Fit, long_run_covariance
-from identification.formats.stream import UNIFORMITY, Recording, Stream
-from identification.formats.table import Lines
+from identification.formats.stream import Recording
 from identification.hexapod import Hexapod
-from identification.identify import GAUSS_MARKOV, fit_with_delay, placed
-from identification.model import Model, identification_model
-from identification.plausibility import bridged, scan
-from identification.recording import files_of, read_batches
+from identification.identify import GAUSS_MARKOV, fit_with_delay, placed, require_free
+from identification.model import identification_model
+from identification.plausibility import scan
+from identification.recording import files_of
 from identification.result import Delay, Estimate, Evaluation, estimate_of
 from identification.signals import Filter
 
 Array = NDArray[np.float64]
 
 LONG = 150_000_000  # bytes of a file from which on it is not read at once
-HEAD = 60_000  # rows that give the delay to start from
-PASSES = 5
+PASSES = 6
 TOLERANCE = 3e-8  # [s] of the delay between passes; its square is what is left
+WEIGHTS_SETTLED = 1e-4  # of each weight between passes; parameters move by far less than their standard deviation
 MOST_KEPT = 20_000  # residuals kept for the plots
 MOST_WARNINGS = 10
 
@@ -55,10 +56,10 @@ class LongRun(NamedTuple):
 
 
 def identify_long(path: Path, case: Case, number: int | None = None) -> LongRun:
-    """Identifies parameters by Gauss-Markov with equal weights from one file of any length.
+    """Identifies parameters by Gauss-Markov from one file of any length, weights equal, per channel or per unit.
 
-    Contacts are not searched for, and the robust standard deviations add those of blocks; the rest is as in
-    `identify`, with the same result up to rounding.
+    The robust standard deviations add those of blocks, contacts are looked for block by block; the rest is as in
+    `identify`, with the same result up to rounding (equal weights) or to the tolerance of the weights.
 
     Args:
         path: one file, or a folder of `hexcite run`.
@@ -66,47 +67,59 @@ def identify_long(path: Path, case: Case, number: int | None = None) -> LongRun:
         number: of the model in Table 2; 9 by default.
 
     Raises:
-        IdentificationError, RecordingError: as `identify`; a case with channel weights, a run without trigger.
+        IdentificationError, RecordingError: as `identify`; a case with weights from stated noise.
     """
     model = identification_model(case, 9 if number is None else number)
-    if case.sensors.weights != "equal":
+    problem = Problem.of(model, case, GAUSS_MARKOV)
+    if problem.noise is not None:
         raise RecordingError(
-            f"{path}: is too long to be read at once, and channel weights need that; cut it, or set sensors.weights = "
-            "equal"
+            f"{path}: is too long to be read at once, and weights from stated noise need that; cut it, or choose other "
+            "sensors.weights"
         )
     try:
-        return _identified(path, case, model)
+        return _identified(path, case, problem)
     except IdentificationError as error:
         raise IdentificationError(placed(str(path), error)) from error
     except RecordingError as error:
         raise RecordingError(placed(str(path), error)) from error
 
 
-def _identified(path: Path, case: Case, model: Model) -> LongRun:
-    head, low_pass = _head(path, case)
-    first = fit_with_delay(
-        _run(head, case, model, low_pass, _Window()), GAUSS_MARKOV, Problem.of(model, case, GAUSS_MARKOV)
-    )
-    names, delay, values = [*model.names, "delay"], first.delay.value, first.fit.values[:-1]
-    total = _Total()
+def _identified(path: Path, case: Case, problem: Problem) -> LongRun:
+    model, blocks = problem.model, Blocks(path, case)
+    head, low_pass = blocks.head()
+    usable, bad = mended(head, scan(head, case).bad)
+    begin = block_run(usable, bad, model, Hexapod.of(case), low_pass).run
+    first = fit_with_delay(begin, GAUSS_MARKOV, problem)
+    names, delay, values, weights = [*model.names, "delay"], first.delay.value, first.fit.values[:-1], first.fit.weights
+    contacts: tuple[Touch, ...] = ()
+    total = _Total(delay, values, weights)
     for number in range(PASSES):
-        total = _Total()
-        for run in _runs(path, case, model, low_pass, total):
-            total.add(run, delay, values)
+        # The first reading has the parameters of its head only, too little to tell a contact by.
+        total = _Total(delay, values, weights, total.kept if number else None, contacts)
+        for run in blocks.runs(model, low_pass):
+            total.add(run)
+        if total.looked_at:
+            require_free(total.touched / total.looked_at, [_told(t) for t in total.found])
         found = best_values(total.compressed, names, 1)
         step = float(np.clip(found[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
         values = found[:-1]
-        if number and abs(step) < TOLERANCE:  # at the second reading the residuals are those of the estimate
+        newer = weights if problem.pooled else total.new_weights(low_pass, problem.alike)
+        settled = abs(step) < TOLERANCE and np.all(np.abs(newer / weights - 1.0) < WEIGHTS_SETTLED)
+        if number and settled and _alike(total.found, contacts):  # what is left is then what the estimate leaves
             break
+        contacts, weights = total.found, newer
         delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
     fit = _fit(total, found, names, low_pass)
     robust = float(np.sqrt(fit.covariance_robust[-1, -1]))
-    about = Evaluation(total.samples, total.kept, Delay(delay + float(found[-1]), robust))
+    about = Evaluation(total.samples, total.kept, Delay(total.delay + float(found[-1]), robust))
     warnings = (
-        *total.warnings[:MOST_WARNINGS],
+        *blocks.warnings[:MOST_WARNINGS],
+        *(f"{_told(t)}; left out" for t in total.found[:MOST_WARNINGS]),
         *fit.doubts,
-        "a long run, evaluated in blocks: external contacts were not searched for",
     )
+    more = len(total.found) - MOST_WARNINGS
+    if more > 0:
+        warnings += (f"and {more} more contacts",)
     if case.sensors.state_noise:
         warnings += ("a long run, evaluated in blocks: s0 is not compared with the noise that the case states",)
     estimate = estimate_of(model, fit, str(path), case, about, GAUSS_MARKOV, warnings)
@@ -114,53 +127,115 @@ def _identified(path: Path, case: Case, model: Model) -> LongRun:
     return LongRun(replace(estimate, residual_rms=rms, s0_N=float(np.sqrt(np.mean(rms**2)))), head)
 
 
-@dataclass(slots=True)
-class _Window:
-    """How many samples of the window have passed: every stride-th is kept, across blocks as in one run."""
+class Touch(NamedTuple):
+    """A contact, and its first and last row as messages name them."""
 
-    passed: int = 0
+    contact: Contact
+    first: str
+    last: str
 
-    def rows(self, on: NDArray[np.bool_], stride: int) -> NDArray[np.int64]:
-        """Indices that are kept of samples that are on or off."""
-        inside = np.flatnonzero(on)
-        kept = inside[(-self.passed) % stride :: stride]
-        self.passed += len(inside)
-        return kept
+
+def _told(touch: Touch) -> str:
+    contact, word = touch.contact, touch.first.split()[0]
+    return (
+        f"{word}s {touch.first.split()[-1]} to {touch.last.split()[-1]}: external contact from {contact.start:.3f} to "
+        f"{contact.end:.3f} s, up to {contact.peak:.3g} N"
+    )
+
+
+def _alike(some: tuple[Touch, ...], others: tuple[Touch, ...]) -> bool:
+    return [t.contact[:2] for t in some] == [t.contact[:2] for t in others]
+
+
+def _merged(found: tuple[Touch, ...], more: list[Touch]) -> tuple[Touch, ...]:
+    """Contacts in the order of time; those that go on in the next block as one."""
+    merged = list(found)
+    for touch in more:
+        if merged and touch.contact.start - merged[-1].contact.end < NEAR:
+            one = merged.pop()
+            contact = Contact(one.contact.start, touch.contact.end, max(one.contact.peak, touch.contact.peak))
+            touch = Touch(contact, one.first, touch.last)
+        merged.append(touch)
+    return tuple(merged)
 
 
 @dataclass(slots=True)
 class _Total:
-    """What is left of a run after its blocks: a triangle and sums."""
+    """What is left of a run after its blocks: a triangle and sums.
 
+    Args:
+        delay: at which the blocks are evaluated [s].
+        values: u whose residuals are judged, shape (u,).
+        weights: diagonal of W for one sample, shape (6,).
+        usual: what the reading before left, shape (k, 6); by it contacts are told from noise. None: do not look.
+        known: contacts that the reading before found.
+    """
+
+    delay: float
+    values: Array
+    weights: Array
+    usual: Array | None = None
+    known: tuple[Touch, ...] = ()
     triangle: Array | None = None
     rows: int = 0
     samples: int = 0
     squares: Array = field(default_factory=lambda: np.zeros(6))
+    smooth_squares: Array = field(default_factory=lambda: np.zeros(6))
+    information: Array | None = None
+    gradient: Array | None = None
     meat: Array | None = None
+    found: tuple[Touch, ...] = ()
+    touched: int = 0
+    looked_at: int = 0
     pieces: list[Array] = field(default_factory=list)
     thinning: int = 1
-    warnings: list[str] = field(default_factory=list)
 
-    def add(self, run: Run, delay: float, values: Array) -> None:
-        """One block more, at a delay; what it leaves at earlier values."""
+    def add(self, run: Run) -> None:
+        """One block more; what it leaves at earlier values."""
         if not len(run.rows):
             return
-        matrices, forces = run.regressors(delay), run.forces
-        augmented = np.dstack([matrices, run.effect_of_delay(delay, matrices, values)])
-        joined = np.concatenate([augmented, forces[:, :, None]], axis=2).reshape(-1, augmented.shape[2] + 1)
-        stacked = joined if self.triangle is None else np.vstack([self.triangle, joined])
+        matrices, forces = run.regressors(self.delay), run.forces
+        left = forces - matrices @ self.values
+        if self.usual is not None:
+            keep = ~self._contacts(run, left)
+            self.looked_at, self.touched = self.looked_at + len(keep), self.touched + int(np.sum(~keep))
+            if not keep.all():
+                if not keep.any():
+                    return
+                run, matrices, forces, left = run.without(~keep), matrices[keep], forces[keep], left[keep]
+        augmented = np.dstack([matrices, run.effect_of_delay(self.delay, matrices, self.values)])
+        joined = np.concatenate([augmented, forces[:, :, None]], axis=2) * np.sqrt(self.weights)[:, None]
+        flat = joined.reshape(-1, joined.shape[2])
+        stacked = flat if self.triangle is None else np.vstack([self.triangle, flat])
         self.triangle = np.asarray(np.linalg.qr(stacked, mode="r"))
         self.rows += len(run.rows)
         self.samples += run.samples
-        expected = matrices @ values
-        self.squares = self.squares + np.sum((run.recorded_forces - expected) ** 2, axis=0)
-        left = forces - expected
-        meat = long_run_covariance(scores(augmented, left, np.ones(6)))
+        self.squares = self.squares + np.sum((run.recorded_forces - matrices @ self.values) ** 2, axis=0)
+        self.smooth_squares = self.smooth_squares + np.sum(left**2, axis=0)
+        own = np.einsum("nku,nkv->kuv", augmented, augmented, optimize=True)
+        self.information = own if self.information is None else self.information + own
+        slope = np.einsum("nku,nk->ku", augmented, left)
+        self.gradient = slope if self.gradient is None else self.gradient + slope
+        meat = long_run_covariance(scores(augmented, left, self.weights))
         self.meat = meat if self.meat is None else self.meat + meat
         self.pieces.append(left[:: self.thinning])
         if sum(map(len, self.pieces)) > MOST_KEPT:
             self.pieces = [np.vstack(self.pieces)[::2]]
             self.thinning *= 2
+
+    def _contacts(self, run: Run, left: Array) -> NDArray[np.bool_]:
+        """Samples of a block that a contact may have moved; what is found is kept with its rows."""
+        here = find_contacts(run.t, left, run.model.structure, run.forces - left, self.usual)
+        rows = [self._rows_of(run, contact) for contact in here]
+        self.found = _merged(self.found, [Touch(c, *r) for c, r in zip(here, rows, strict=True)])
+        return touched(run.t, (*here, *(t.contact for t in self.known)))
+
+    @staticmethod
+    def _rows_of(run: Run, contact: Contact) -> tuple[str, str]:
+        assert run.recording.t is not None
+        inside = np.flatnonzero((run.recording.t >= contact.start) & (run.recording.t <= contact.end))
+        place = run.recording.lines.place
+        return place(int(inside[0])), place(int(inside[-1]))
 
     @property
     def kept(self) -> Array:
@@ -169,10 +244,41 @@ class _Total:
 
     @property
     def compressed(self) -> Compressed:
-        """The QR of all blocks."""
-        assert self.triangle is not None
+        """The QR of all blocks.
+
+        Raises:
+            IdentificationError: no sample was left.
+        """
+        if self.triangle is None:
+            raise IdentificationError("no sample of the window can be used; record again")
         r = self.triangle
         return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), 6 * self.rows)
+
+    def new_weights(self, low_pass: Filter, alike: tuple[int, ...]) -> Array:
+        """W as `per_channel` finds it, in turns with the parameters, from the sums of each channel.
+
+        chi^2 of a channel at u + du is q - 2 g^T du + du^T I du with the sums q, g, I at u.
+        """
+        assert self.information is not None
+        assert self.gradient is not None
+        scale = 1.0 / np.sqrt(np.einsum("kuu->u", self.information))
+        own, slope = self.information * np.outer(scale, scale), self.gradient * scale
+        same = np.equal.outer(np.asarray(alike), np.asarray(alike)).astype(float)
+        weights = self.weights
+        for _ in range(WEIGHT_ROUNDS):
+            inverse = np.linalg.inv(np.einsum("k,kuv->uv", weights, own))
+            step = inverse @ (weights @ slope)
+            left = self.smooth_squares - 2.0 * slope @ step + np.einsum("kuv,u,v->k", own, step, step)
+            freedom = self.rows * low_pass.noise_gain * low_pass.stride
+            freedom_left = freedom - weights * np.einsum("kuv,uv->k", own, inverse)
+            variance = same @ left * low_pass.stride / (same @ freedom_left)
+            if not variance.min() > 0.0:
+                raise IdentificationError("a channel fits without residual; its variance cannot be estimated: check it")
+            settled = bool(np.all(np.abs(1.0 / variance / weights - 1.0) < WEIGHT_TOLERANCE))
+            weights = np.asarray(1.0 / variance)
+            if settled:
+                break
+        return weights
 
 
 def _fit(total: _Total, found: Array, names: list[str], low_pass: Filter) -> Fit:
@@ -186,91 +292,4 @@ def _fit(total: _Total, found: Array, names: list[str], low_pass: Filter) -> Fit
     assert total.meat is not None
     robust = inverse @ total.meat @ inverse
     covariance = s0**2 / low_pass.stride * inverse
-    return Fit(found, covariance, robust, s0, freedom, total.kept, np.ones(6), rank, condition)
-
-
-def _head(path: Path, case: Case) -> tuple[Recording, Filter]:
-    """The first rows of the window, with what the filter needs around them, and the filter."""
-    parts: list[Recording] = []
-    on = 0
-    for batch in _batches(path, case):
-        assert batch.trigger is not None
-        if not on:
-            parts = parts[-1:]  # of a long standstill before the window only what the filter needs
-        parts.append(batch)
-        on += int(batch.trigger.sum())
-        if on >= HEAD:
-            break
-    head = _joined(parts)
-    if not np.any(head.trigger):
-        raise RecordingError(f"{path}, trigger: is never 1; record with the trigger or leave it out")
-    return head, checked_filter(head, case)
-
-
-def _runs(path: Path, case: Case, model: Model, low_pass: Filter, total: _Total) -> Iterator[Run]:
-    """The blocks of a run, each with the last rows of the one before."""
-    window, before, step = _Window(), None, None
-    for batch in _batches(path, case):
-        found = scan(batch, case)
-        total.warnings += found.warnings
-        part = batch
-        if found.bad.any():
-            assert batch.struts is not None
-            part = replace(batch, struts=bridged(batch.struts, found.bad), forces=bridged(batch.forces, found.bad))
-        joined = part if before is None else _joined([before, part])
-        assert joined.t is not None
-        step = joined.step if step is None else step
-        uneven = np.abs(np.diff(joined.t) - step) > UNIFORMITY * step
-        if uneven.any():
-            _ = joined.step  # names the place
-        if len(joined.t) <= 2 * low_pass.margin + 1:
-            before = joined
-            continue
-        yield _run(joined, case, model, low_pass, window)
-        before = _last(joined, 2 * low_pass.margin)
-
-
-def _run(recording: Recording, case: Case, model: Model, low_pass: Filter, window: _Window) -> Run:
-    assert recording.trigger is not None
-    on = recording.trigger[low_pass.margin : -low_pass.margin]
-    rows = window.rows(on, low_pass.stride)
-    return Run(recording, model, Hexapod.of(case), low_pass, rows, int(on.sum()))
-
-
-def _batches(path: Path, case: Case) -> Iterator[Recording]:
-    for stream in read_batches(path, case):
-        yield _recording(stream)
-
-
-def _recording(stream: Stream) -> Recording:
-    """A batch as a recording; raises RecordingError where a channel is not there."""
-    if stream.t is None or stream.struts is None or stream.forces is None or stream.trigger is None:
-        raise RecordingError(
-            f"{stream.source}: is too long to be read at once; in blocks it needs t_s, struts, forces and trigger in "
-            "one file: add what is missing, or cut the run"
-        )
-    return Recording(stream.source, stream.t, stream.struts, None, stream.forces, stream.trigger, lines=stream.lines)
-
-
-def _joined(parts: list[Recording]) -> Recording:
-    if len(parts) == 1:
-        return parts[0]
-    arrays: dict[str, Any] = {
-        n: np.concatenate([getattr(p, n) for p in parts]) for n in ("t", "struts", "forces", "trigger")
-    }
-    skipped = tuple(s for p in parts for s in p.lines.skipped)
-    return replace(parts[0], **arrays, lines=replace(parts[0].lines, skipped=skipped))
-
-
-def _last(recording: Recording, count: int) -> Recording:
-    """The last rows of a recording."""
-    rows = len(recording.forces) - count
-    assert recording.t is not None
-    assert recording.struts is not None
-    assert recording.trigger is not None
-    place = int(recording.lines.place(rows).rsplit(" ", 1)[1])
-    later = tuple(s for s in recording.lines.skipped if s > place)
-    return replace(
-        recording, t=recording.t[rows:], struts=recording.struts[rows:], forces=recording.forces[rows:],
-        trigger=recording.trigger[rows:], lines=Lines(place, later, recording.lines.word),
-    )  # fmt: skip
+    return Fit(found, covariance, robust, s0, freedom, total.kept, total.weights, rank, condition)

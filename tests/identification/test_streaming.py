@@ -1,25 +1,33 @@
 """A run evaluated in blocks is the same run: parameters, covariance and residuals of the one-shot evaluation."""
 
+import importlib
+import re
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from cases.errors import HexciteError
 from cases.loading import load_case
-from identification import streaming
+from cases.schema import Case
+from identification import blocks, streaming
 from identification.executed import PoseExecution
 from identification.formats import parquet
+from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.recording import Recording, read_recording, write_recording
+from identification.result import Estimate
 from identification.simulate import simulate_recording
 from identification.streaming import identify_long
 from tests.helpers import Harmonic, one_line
 from tests.planner.command_line import call
 
 CASE = load_case("hexapod")
+identify_module = importlib.import_module("identification.identify")
 RUN = simulate_recording(
     CASE, PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0)), np.array([[0.2, 1.7], [2.0, 3.8]]), 0
 )
@@ -28,7 +36,7 @@ RUN = simulate_recording(
 @pytest.fixture(autouse=True)
 def _small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lengths that let a short run go through many blocks."""
-    monkeypatch.setattr(streaming, "HEAD", 1000)
+    monkeypatch.setattr(blocks, "HEAD", 2000)
     monkeypatch.setattr(parquet, "_BATCH", 700)
 
 
@@ -98,15 +106,103 @@ def test_what_stops_a_run_is_named_with_its_row(recording: Recording, says: str,
     assert "run.parquet" in one_line(caught.value)
 
 
-def test_a_run_without_trigger_or_with_channel_weights_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "run.csv"
-    write_recording(file, RUN, CASE)
-    file.write_text("\n".join(line.rsplit(",", 1)[0] for line in file.read_text().splitlines()))
-    with pytest.raises(HexciteError, match=r"needs t_s, struts, forces and trigger in one file"):
+def with_weights(weights: str) -> Case:
+    return CASE.model_copy(update={"sensors": CASE.sensors.model_copy(update={"weights": weights})})
+
+
+def assert_same(blocks: Estimate, whole: Estimate, share: float = 1e-4) -> None:
+    """Within a small share of the standard deviations."""
+    std = np.sqrt(np.diag(whole.covariance))
+    assert np.abs((blocks.values - whole.values) / std).max() < share
+    np.testing.assert_allclose(np.diag(blocks.covariance), np.diag(whole.covariance), rtol=1e-3)
+    assert blocks.samples == whole.samples
+
+
+@pytest.mark.parametrize("weights", ["per_channel", "per_unit"])
+def test_weights_are_those_of_the_whole_run(weights: str, tmp_path: Path) -> None:
+    loud = replace(RUN, forces=RUN.forces + 3.0 * np.random.default_rng(1).normal(size=(len(RUN.t), 1)) * np.eye(6)[1])
+    file, case = written(tmp_path, loud), with_weights(weights)
+    whole, long = identify(read_recording(file, case), case), identify_long(file, case).estimate
+    np.testing.assert_allclose(long.w, whole.w, rtol=2e-4)
+    assert long.s0 == pytest.approx(1.0, abs=1e-3)
+    assert_same(long, whole, share=1e-3)
+
+
+def without_trigger(folder: Path) -> Path:
+    file = written(folder)
+    pq.write_table(pq.read_table(file).drop_columns(["trigger"]), file)
+    return file
+
+
+def test_without_a_trigger_the_window_is_the_motion_as_in_a_whole_run(tmp_path: Path) -> None:
+    file = without_trigger(tmp_path)
+    assert_same(identify_long(file, CASE).estimate, identify(read_recording(file, CASE), CASE))
+
+
+def test_weights_from_stated_noise_and_missing_channels_are_refused(tmp_path: Path) -> None:
+    stated = CASE.sensors.model_copy(update={"weights": "stated", "force_noise_N": 1.0})
+    with pytest.raises(HexciteError, match="weights from stated noise need that"):
+        identify_long(written(tmp_path), CASE.model_copy(update={"sensors": stated}))
+    file = tmp_path / "poses.csv"
+    file.write_text("t_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg," + ",".join(f"f{k}_N" for k in range(1, 7)) + "\n")
+    with file.open("a") as rows:
+        rows.writelines(f"{k / 1000},0,0,900,0,0,0,1,2,3,4,5,6\n" for k in range(2000))
+    with pytest.raises(HexciteError, match="needs t_s, struts and forces in one file"):
         identify_long(file, CASE)
-    weighted = CASE.model_copy(update={"sensors": CASE.sensors.model_copy(update={"weights": "per_channel"})})
-    with pytest.raises(HexciteError, match="channel weights need that"):
-        identify_long(file, weighted)
+
+
+def pushed(starts: Sequence[float], duration: float = 0.2) -> Recording:
+    """The run with 20 N on the platform, which sensors read by J^T (1)."""
+    extra = np.linalg.solve(structure_matrix(CASE.sensor_frame), [12.0, 0.0, 16.0, 0.0, 0.0, 0.0])
+    on = np.any([(RUN.t >= s) & (RUN.t < s + duration) for s in starts], axis=0)
+    return replace(RUN, forces=RUN.forces - on[:, None] * extra)
+
+
+def told(estimate: Estimate) -> list[tuple[float, ...]]:
+    """First line, last line, begin, end and force of each contact that is told."""
+    pattern = r"(\d+) to (\d+): external contact from ([\d.]+) to ([\d.]+) s, up to ([\d.]+) N"
+    return [tuple(map(float, m.groups())) for w in estimate.warnings if (m := re.search(pattern, w))]
+
+
+@pytest.mark.parametrize("batch", [1100, 1500])
+def test_contacts_are_found_as_in_a_whole_run_also_across_blocks(
+    batch: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(parquet, "_BATCH", batch)
+    starts = (1.0, 2.9)  # blocks of 1100 rows end in the first, of 1500 in the second
+    file = written(tmp_path, pushed(starts))
+    long, whole = identify_long(file, CASE).estimate, identify(read_recording(file, CASE), CASE)
+    found = told(long)
+    assert len(found) == len(starts)
+    for start, (first, last, begin, end, newtons) in zip(starts, found, strict=True):
+        assert abs(begin - start) < 0.05
+        assert abs(end - start - 0.2) < 0.05
+        assert abs(first - 1 - 1e3 * begin) < 2
+        assert abs(last - 1 - 1e3 * end) < 2
+        assert 17.0 < newtons < 25.0
+    assert np.abs((long.values - whole.values) / np.sqrt(np.diag(whole.covariance))).max() < 0.5
+
+
+def test_nothing_is_found_where_nothing_touches(tmp_path: Path) -> None:
+    for seed in range(4):
+        run = replace(RUN, forces=RUN.forces + np.random.default_rng(seed).normal(size=RUN.forces.shape))
+        assert identify_long(written(tmp_path, run), CASE).estimate.warnings == ()
+
+
+def test_a_run_in_contact_for_too_long_is_refused_with_the_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(identify_module, "MOST_TOUCHED", 0.05)
+    with pytest.raises(HexciteError, match=r"in contact \(rows \d+ to \d+: external contact from [01]\.") as caught:
+        identify_long(written(tmp_path, pushed((1.0,))), CASE)
+    one_line(caught.value)
+
+
+def test_a_long_silence_of_a_sensor_is_left_out_with_the_length_of_the_filter(tmp_path: Path) -> None:
+    forces = RUN.forces.copy()
+    forces[1200:1230, 4] = 5000.0  # at the end of its range
+    file = written(tmp_path, replace(RUN, forces=forces))
+    assert_same(identify_long(file, CASE).estimate, identify(read_recording(file, CASE), CASE))
 
 
 def test_long_files_are_evaluated_in_blocks_from_the_command_line(
@@ -118,4 +214,4 @@ def test_long_files_are_evaluated_in_blocks_from_the_command_line(
     monkeypatch.setattr(streaming, "LONG", 1000)
     long = call(*words, "-o", tmp_path / "long").json()
     assert long["linear"]["values"] == pytest.approx(short["linear"]["values"], rel=1e-5)
-    assert any("evaluated in blocks" in w for w in long["warnings"])
+    assert long["warnings"] == short["warnings"] == []
