@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 
 from cases.controller_promises import Promises
+from cases.controller_struts import PointToPointDrives
 from cases.parts import Part, Positive
 from cases.units import DEG, MM, MS
 
@@ -56,6 +57,8 @@ class Sinumerik(Part):
     most_blocks: Annotated[int, Field(strict=True, ge=10)]
     """What its program memory holds."""
     controller_keeps: Promises
+    ptp: PointToPointDrives | None = None
+    """Drives in moves under `PTP`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
 
     @property
     def poly_block(self) -> float:

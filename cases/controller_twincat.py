@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, model_validator
 
 from cases.controller_promises import Promises
+from cases.controller_struts import PointToPointDrives
 from cases.parts import Part, Positive
 from cases.units import MS
 
@@ -47,6 +48,8 @@ class TwinCat(Part):
     most_blocks: Annotated[int, Field(strict=True, ge=10)]
     """What its program memory holds."""
     controller_keeps: Promises
+    ptp: PointToPointDrives | None = None
+    """Drives in moves under `#PTP ON`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
 
     @model_validator(mode="after")
     def _two_functions(self) -> "TwinCat":

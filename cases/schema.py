@@ -63,6 +63,21 @@ class Case(Part):
                 )
         return self
 
+    @model_validator(mode="after")
+    def _drives_keep_the_struts_limits(self) -> "Case":
+        if self.controller is None or self.limits is None:
+            return self
+        for name in ("sinumerik", "twincat"):
+            settings = getattr(self.controller, name)
+            for key in ("strut_velocity_m_s", "strut_acceleration_m_s2"):
+                limit = getattr(self.limits.motion, key)
+                if settings is not None and settings.ptp is not None and getattr(settings.ptp, key) > limit:
+                    raise ValueError(
+                        f"controller.{name}.ptp.{key} = {getattr(settings.ptp, key):g} is above limits.motion.{key} = "
+                        f"{limit:g}; set the drives, and this value, to the limit or below"
+                    )
+        return self
+
     @field_validator("gravity_m_s2")
     @classmethod
     def _of_this_earth(cls, value: tuple[float, float, float]) -> tuple[float, float, float]:

@@ -117,7 +117,7 @@ def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances
     case.need_simulation("a run")
     read, parts, run = carried_out(program, case, on)
     at_poses = measures_at_poses(parts)
-    planned = way_of(parts, case, read.guarantees) if at_poses else _planned(read, case)
+    planned = way_of(parts, case, read.guarantees) if at_poses else planned_excitation(read, case)
     recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
     fingerprint = hashlib.sha256(read.content).hexdigest()[:16]
     if at_poses:
@@ -149,7 +149,7 @@ def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[
     return read, parts, run
 
 
-def _planned(read: ProgramFile, case: Case) -> Trajectory:
+def planned_excitation(read: ProgramFile, case: Case) -> Trajectory:
     """The motion that the program asks for while its trigger is on."""
     limits = case.need_machine("a run")[2].motion
     excited: list[Trajectory] = []

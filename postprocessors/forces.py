@@ -18,6 +18,7 @@ from identification.limits import LimitCheck, Status
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import SHARE, sensor_forces, sensor_loads
 from identification.profile import StraightMove
+from identification.strut_move import StrutMove
 
 SAMPLES = 64  # of a move: forces change with the pose alone, by less than a hundredth from one to the next
 PATH_SAMPLES = 1000  # of a timed path
@@ -111,7 +112,7 @@ class ForceBounds:
             most += np.abs(share) * rate[i] * rate[j]
         return self._check(most, t + clock)
 
-    def along(self, move: StraightMove | CircularMove, feed: float | None, clock: float) -> LimitCheck:
+    def along(self, move: StraightMove | CircularMove | StrutMove, feed: float | None, clock: float) -> LimitCheck:
         """In a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
         Args:
@@ -181,7 +182,7 @@ def _crossed_axes(angles: Array) -> dict[tuple[int, int], Array]:
 
 
 def _fastest(
-    move: StraightMove | CircularMove, tangent: Array, bend: Array, limits: MotionLimits
+    move: StraightMove | CircularMove | StrutMove, tangent: Array, bend: Array, limits: MotionLimits
 ) -> tuple[float, float]:
     """Largest speed and acceleration of the share of the way under the limits of each coordinate [1/s, 1/s^2]."""
     way = np.abs(tangent).max(axis=0)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol
 
+from identification.hexapod import Hexapod
 from identification.profile import TimeLaw
 
 
@@ -23,6 +24,23 @@ class ArcLaw(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class StrutDrives:
+    """What the struts do at most where the controller moves them in proportion.
+
+    Args:
+        hexapod: on them.
+        velocity: of each [m/s].
+        acceleration: of each [m/s^2].
+        jerk: of each [m/s^3].
+    """
+
+    hexapod: Hexapod
+    velocity: float
+    acceleration: float
+    jerk: float
+
+
+@dataclass(frozen=True, slots=True)
 class Guarantees:
     """A controller as set up for one case and one program.
 
@@ -38,6 +56,7 @@ class Guarantees:
         law: its time law in straight moves that it times itself, under the limits of the case.
         arc_law: the same in arcs.
         jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
+        drives: of the struts in moves that are straight in them; None where there are none or nothing is known.
         rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
     """
 
@@ -50,6 +69,7 @@ class Guarantees:
     law: Law
     arc_law: ArcLaw
     jerk_time: float
+    drives: StrutDrives | None = None
     rounding: tuple[float, float] = (0.0, 0.0)
 
 
@@ -70,6 +90,9 @@ def family(name: str) -> str:
     """The family of a limit by its name in a report: `angular jerk, untimed moves (b)` is of `jerk`."""
     return name.split(" (")[0].split(",")[0].removeprefix("angular ")
 
+
+IN_STRUTS = frozenset({"strut velocity", "strut acceleration"})
+"""Families that a controller can keep in a move straight in the struts: it plans the axes, not the platform."""
 
 KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 """Families of limits that depend on a controller's time law; those of geometry do not."""

@@ -11,10 +11,11 @@ from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, p
 from identification.motion import Standstill, Trajectory
 from identification.polynomial import PolynomialMotion
 from identification.profile import StraightMove
+from identification.strut_move import NoStrutMove, StrutMove
 from identification.tabulated import Tabulated
 from postprocessors.answering import UNTIMED, Answering
 from postprocessors.forces import Steady
-from postprocessors.guarantees import family
+from postprocessors.guarantees import IN_STRUTS, family
 from postprocessors.homing import way_home
 from postprocessors.joints import joint_checks
 from postprocessors.predicted import predicted
@@ -41,7 +42,12 @@ def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, floa
         return LimitReport(()), part.duration
     if part.start is None:
         return LimitReport(tuple(way_home(part, by, clock))), 0.0
-    motion = predicted(part, by.limits, by.guarantees)
+    if part.in_struts:
+        by = replace(by, guarantees=replace(by.guarantees, enforced=by.guarantees.enforced & IN_STRUTS))
+    try:
+        motion = predicted(part, by.limits, by.guarantees)
+    except NoStrutMove as error:
+        raise ProgramError(by.file, part.line, 0, f"{error}, or move straight in the coordinates") from error
     if motion is None:
         return prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger), 0.0
     return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
@@ -95,7 +101,9 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
             yield check
 
 
-def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def _own_time(
+    part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
+) -> Iterable[LimitCheck]:
     """Geometry and programmed speed are proven; what follows from the controller's law is predicted."""
     count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
     report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), clock, part.trigger)
@@ -138,7 +146,9 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Answering) -> LimitCheck:
     return by.own(replace(check, worst=float(steps[k]), limit=float(limit[k]), ratio=ratio))
 
 
-def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def _asked(
+    part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
+) -> Iterable[LimitCheck]:
     """Velocities if the programmed feed held from end to end: the text asks for them, whoever would slow it down.
 
     Of a rapid those at the limits of the coordinates, if the controller keeps these.

@@ -9,6 +9,7 @@ import textwrap
 
 import numpy as np
 
+from cases.errors import HexciteError
 from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
@@ -23,6 +24,7 @@ from postprocessors.program import (
     PointToPoint,
     Program,
     SplinePath,
+    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -71,6 +73,8 @@ class _Writer:
                 return [*_comments("to home"), "G61", f"G94 G1 {_axes(block.pose)} F{_feed(block.feed, linear=True)}"]
             case PointToPoint():
                 return [f"G1 {_axes(block.move.end)} F{self.feed_of(block)}"]
+            case StrutPointToPoint():
+                raise HexciteError("LinuxCNC has no moves straight in the struts; leave out --ptp-struts")
             case Arc():
                 return [f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():

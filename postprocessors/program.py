@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.circle import CircularMove
 from identification.motion import Joined, Measurement, Motion, Standstill, Trajectory
@@ -65,6 +66,19 @@ class PointToPoint:
         way = self.move.end - self.move.start
         linear = float(np.linalg.norm(way[:3]))
         return linear if linear > 0.0 else float(np.linalg.norm(way[3:]))
+
+
+@dataclass(frozen=True, slots=True)
+class StrutPointToPoint:
+    """A move straight in the struts from rest to rest, exact stop at its end: another path than planned.
+
+    Its dialect writes the feed with which it takes as long as planned, or longer where its own path needs that.
+
+    Args:
+        planned: where from, where to, and the time law planned for the straight way.
+    """
+
+    planned: StraightMove
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +145,7 @@ class Trigger:
     on: bool
 
 
-Block = Comment | ToHome | PointToPoint | Arc | TimedPath | SplinePath | Dwell | Trigger
+Block = Comment | ToHome | PointToPoint | StrutPointToPoint | Arc | TimedPath | SplinePath | Dwell | Trigger
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +164,20 @@ class Program:
     def paths(self) -> tuple[TimedPath, ...]:
         """Its timed paths."""
         return tuple(b for b in self.blocks if isinstance(b, TimedPath))
+
+
+def straight_in_struts(program: Program) -> Program:
+    """The program with its point-to-point moves straight in the struts.
+
+    Raises:
+        HexciteError: it has none.
+    """
+    blocks = tuple(StrutPointToPoint(b.move) if isinstance(b, PointToPoint) else b for b in program.blocks)
+    if blocks == program.blocks:
+        raise HexciteError(
+            "the plan has no point-to-point moves that could be straight in the struts; leave out --ptp-struts"
+        )
+    return replace(program, blocks=blocks)
 
 
 @dataclass(frozen=True, slots=True)

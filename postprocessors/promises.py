@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 
+from cases.controller_struts import PointToPointDrives
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.hexapod import Hexapod
 from identification.motion import Array
 from identification.profile import TimeLaw, fastest_profile, fastest_trapezoid
-from postprocessors.guarantees import Guarantees
+from postprocessors.guarantees import Guarantees, StrutDrives
 from postprocessors.reading.words import Polynomial, Reading
 
 ALONG, ACROSS = math.sqrt(0.75), 0.5
@@ -36,6 +38,12 @@ def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: flo
     return fastest_trapezoid(1.0, min(velocity, turning), ALONG * acceleration)
 
 
+def _drives(ptp: PointToPointDrives | None, case: Case) -> StrutDrives | None:
+    if ptp is None:
+        return None
+    return StrutDrives(Hexapod.of(case), ptp.strut_velocity_m_s, ptp.strut_acceleration_m_s2, ptp.strut_jerk_m_s3)
+
+
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
     settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
@@ -50,6 +58,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_seven_segments,
         arc_law=_seven_segment_arc,
         jerk_time=0.0,
+        drives=_drives(settings.ptp, case),
         rounding=(settings.contour_tolerance_mm * MM, settings.orientation_tolerance_deg * DEG),
     )
 
@@ -75,6 +84,7 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_seven_segments if smooth else _trapezoid,
         arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
         jerk_time=0.0 if smooth else settings.shortest_block,
+        drives=_drives(settings.ptp, case),
         rounding=(0.0, 0.0) if settings.path == "akima" else tolerance,
     )
 

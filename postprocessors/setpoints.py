@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.errors import ProgramError
+from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
@@ -24,6 +24,7 @@ from postprocessors.program import (
     Program,
     Slowed,
     SplinePath,
+    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -83,6 +84,8 @@ def _parts(program: Program, cycle: float) -> Iterator[_Part]:
             case Trigger():
                 yield from joined()
                 on = block.on
+            case StrutPointToPoint():
+                raise HexciteError("a table of setpoints has no moves straight in the struts; leave out --ptp-struts")
             case Comment() | ToHome():
                 pass
     yield from joined()

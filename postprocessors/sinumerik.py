@@ -13,7 +13,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.circle import Plane
 from identification.motion import TimedPoints, Trajectory
-from postprocessors.feeds import feed_of
+from postprocessors.feeds import feed_of, strut_feed_of
 from postprocessors.guarantees import Guarantees
 from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.program import (
@@ -25,6 +25,7 @@ from postprocessors.program import (
     PointToPoint,
     Program,
     SplinePath,
+    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -38,6 +39,7 @@ from postprocessors.wording import (
     as_written,
     comments,
     coordinates,
+    digits,
     feed,
     moves_origin,
     number,
@@ -88,6 +90,9 @@ class _Writer:
                 linear = moves_origin(written.start, written.end)
                 value = feed(feed_of(PointToPoint(written), self.limits, self.guarantees, linear), linear)
                 return [*self.group(linear), f"G1 {self.pose(block.move.end)} F{value}"]
+            case StrutPointToPoint():
+                value = digits(MINUTE * strut_feed_of(as_written(block.planned), self.limits, self.guarantees))
+                return [f"PTP G93 G1 {self.pose(block.planned.end)} F{value}", "CP G94"]
             case Arc():
                 return [*self.group(True), f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():

@@ -49,6 +49,7 @@ class Untimed:
         linear: whether the feed counts XYZ.
         turn: the arc; None for a straight move.
         trigger: whether the trigger is on.
+        in_struts: straight in the struts; the feed is then a share of the way [1/s].
     """
 
     line: int
@@ -58,11 +59,14 @@ class Untimed:
     linear: bool
     turn: Turn | None
     trigger: bool
+    in_struts: bool = False
 
     @property
     def length(self) -> float:
-        """Way that the feed counts, from a known start [m], or [rad] where only angles move."""
+        """Way that the feed counts, from a known start [m], [rad] where only angles move, 1 where struts do."""
         assert self.start is not None
+        if self.in_struts:
+            return 1.0
         way = self.end - self.start
         if self.turn is not None:
             first, second, _ = self.turn.plane.axes
@@ -199,5 +203,7 @@ class _Grouping:
             if start is None:
                 raise self.error(move.line, "an arc starts from an unknown pose; first move home at a feed")
             return Untimed(move.line, start, move.end, move.value, True, move, self.trigger)
+        if start is None and move.in_struts:
+            raise self.error(move.line, "a point-to-point move starts from an unknown pose; first move home at a feed")
         feed = None if move.timing is Timing.RAPID else move.value
-        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger)
+        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, move.in_struts)

@@ -11,7 +11,7 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import MM
 from identification.circle import Plane
-from postprocessors.feeds import feed_of
+from postprocessors.feeds import feed_of, strut_feed_of
 from postprocessors.guarantees import Guarantees
 from postprocessors.program import (
     Arc,
@@ -22,6 +22,7 @@ from postprocessors.program import (
     PointToPoint,
     Program,
     SplinePath,
+    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -29,7 +30,16 @@ from postprocessors.program import (
 )
 from postprocessors.promises import twincat_guarantees
 from postprocessors.reading.words import Reading
-from postprocessors.wording import LENGTH_DECIMALS, as_written, comments, coordinates, feed, moves_origin, number
+from postprocessors.wording import (
+    LENGTH_DECIMALS,
+    as_written,
+    comments,
+    coordinates,
+    digits,
+    feed,
+    moves_origin,
+    number,
+)
 
 TIME_DECIMALS = 9  # of a second
 _PLANES = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
@@ -71,6 +81,9 @@ class _Writer:
                 linear = moves_origin(written.start, written.end)
                 value = feed(feed_of(PointToPoint(written), self.limits, self.guarantees, linear), linear)
                 return [*self.group(linear), f"G01 G60 {self.pose(block.move.end)} F{value}"]
+            case StrutPointToPoint():
+                time = digits(1.0 / strut_feed_of(as_written(block.planned), self.limits, self.guarantees))
+                return ["#PTP ON", "G93", f"G01 G60 {self.pose(block.planned.end)} F{time}", "#PTP OFF", "G94"]
             case Arc():
                 return [*self.group(True), f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():

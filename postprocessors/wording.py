@@ -34,9 +34,13 @@ def coordinates(pose: Array) -> list[str]:
 
 def feed(speed: float, linear: bool) -> str:
     """F in mm/min, or in degrees/min where only angles move; ten digits, also where X, Y, Z hardly move."""
-    value = speed * MINUTE / (MM if linear else DEG)
-    digits = FEED_DIGITS - 1 - floor(log10(value)) if value > 0.0 else 0
-    return number(value, max(FEED_DECIMALS, digits))
+    return digits(speed * MINUTE / (MM if linear else DEG))
+
+
+def digits(value: float) -> str:
+    """A number that is not negative with ten digits, or six decimals where those are more."""
+    places = FEED_DIGITS - 1 - floor(log10(value)) if value > 0.0 else 0
+    return number(value, max(FEED_DECIMALS, places))
 
 
 def comments(text: str) -> list[str]:

@@ -10,8 +10,18 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Array, Trajectory
 from identification.polynomial import PolynomialMotion
+from identification.strut_move import NoStrutMove
 from postprocessors.dialects import Language
-from postprocessors.program import Arc, PointToPoint, Program, SplinePath, TimedPath, excitation_program
+from postprocessors.program import (
+    Arc,
+    PointToPoint,
+    Program,
+    SplinePath,
+    StrutPointToPoint,
+    TimedPath,
+    excitation_program,
+    straight_in_struts,
+)
 from postprocessors.proof import ProgramProof, prove_program
 from postprocessors.reading.words import Event, Reading
 from postprocessors.stretches import Timed, Untimed, stretches
@@ -43,6 +53,7 @@ def proven_program(
     header: tuple[str, ...],
     speed: float = 1.0,
     accepted: Collection[str] = (),
+    in_struts: bool = False,
 ) -> Written:
     """Writes a program and proves what it wrote.
 
@@ -54,6 +65,7 @@ def proven_program(
         header: comment lines; what was proven is added to them.
         speed: share of the planned speed, above 0 and at most 1.
         accepted: families of limits that may stay without anybody who enforces them.
+        in_struts: point-to-point moves become straight in the struts, another path than planned.
 
     Raises:
         ProgramError: the text, as read back, is not the planned motion, passes a limit, or relies on one that nobody
@@ -61,7 +73,13 @@ def proven_program(
         CaseError: the case has no machine or no controller.
     """
     program = excitation_program(trajectory, case, header, speed)
-    reading = language.read(language.write(program, case), file, case)
+    if in_struts:
+        program = straight_in_struts(program)
+    try:
+        text = language.write(program, case)
+    except NoStrutMove as error:
+        raise ProgramError(file, 0, 0, f"{error}, or leave out --ptp-struts") from error
+    reading = language.read(text, file, case)
     proof = prove_program(reading, case, language.guarantees(reading, case))
     proof.require_accepted(accepted)
     if language.same is None:
@@ -101,7 +119,9 @@ def _require_same(program: Program, reading: Reading, tolerance: Array) -> None:
 
     Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].
     """
-    written = [b for b in program.blocks if isinstance(b, TimedPath | SplinePath | PointToPoint | Arc)]
+    written = [
+        b for b in program.blocks if isinstance(b, TimedPath | SplinePath | PointToPoint | StrutPointToPoint | Arc)
+    ]
     # The first move of all goes home; it has no counterpart with a known start.
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
     if len(read) != len(written):
@@ -120,15 +140,21 @@ def _require_same(program: Program, reading: Reading, tolerance: Array) -> None:
                 )
             case PointToPoint() | Arc():
                 name = "a move"
-                same = isinstance(stretch, Untimed) and _same_move(block, stretch)
+                same = isinstance(stretch, Untimed) and not stretch.in_struts and _same_move(block, stretch)
+            case StrutPointToPoint():
+                name = "a move straight in the struts"
+                same = isinstance(stretch, Untimed) and stretch.in_struts and _near(block.planned.end, stretch)
         if not same:
             line = stretch.lines[0] if isinstance(stretch, Timed) else stretch.line
             raise ProgramError(reading.file, line, 0, f"{name} reads back differently; report this")
 
 
 def _same_move(block: PointToPoint | Arc, stretch: Untimed) -> bool:
-    near = bool(np.all(np.abs(stretch.end - block.move.end) <= ROUNDING))
-    return near and (stretch.turn is not None) == isinstance(block, Arc)
+    return _near(block.move.end, stretch) and (stretch.turn is not None) == isinstance(block, Arc)
+
+
+def _near(end: Array, stretch: Untimed) -> bool:
+    return bool(np.all(np.abs(stretch.end - end) <= ROUNDING))
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:

@@ -24,6 +24,10 @@ def post(
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
+    ptp_struts: Annotated[
+        bool,
+        typer.Option("--ptp-struts", help="Moves straight in the struts (PTP, #PTP ON): another path than planned."),
+    ] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Program to write.")] = None,
     json: Json = False,
 ) -> None:
@@ -37,13 +41,19 @@ def post(
         else:
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
-    answer = make_program(plan, dialect or "linuxcnc", speed, accept or (), output, quiet=json)
+    answer = make_program(plan, dialect or "linuxcnc", speed, accept or (), output, json, ptp_struts)
     if json:
         print_json(answer)
 
 
 def make_program(
-    plan: Path, dialect_name: str, speed: float, accepted: Collection[str], output: Path | None, quiet: bool
+    plan: Path,
+    dialect_name: str,
+    speed: float,
+    accepted: Collection[str],
+    output: Path | None,
+    quiet: bool,
+    in_struts: bool = False,
 ) -> dict[str, Any]:
     """Writes, prints unless `quiet`; returns the JSON answer."""
     from importlib.metadata import version
@@ -51,12 +61,16 @@ def make_program(
     from cases.errors import HexciteError
     from cases.files import atomic_file, check_file
     from planner.plan import load_plan
-    from postprocessors.dialects import dialect
+    from postprocessors.dialects import DIALECTS, dialect
+    from postprocessors.files import ProgramFile
     from postprocessors.writing import proven_program
 
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
     language = dialect(dialect_name)
+    if in_struts and not language.in_struts:
+        able = ", ".join(d.name for d in DIALECTS.values() if d.in_struts)
+        raise HexciteError(f"{dialect_name} has no moves straight in the struts; leave out --ptp-struts, or use {able}")
     file = output if output is not None else Path(f"{plan.resolve().name}{language.suffix}")
     check_file(file, language.suffixes, [plan, *plan.glob("*")] if plan.is_dir() else [plan])
     saved = load_plan(plan)
@@ -65,11 +79,19 @@ def make_program(
         f"case {saved.case.name}, hash {saved.case.hash}, controller settings {saved.case.controller_hash}",
         f"plan {plan.resolve().name}: {saved.data['family']}, {saved.motion.duration:g} s at speed {speed:g}",
         language.start,
+        *(["point-to-point moves are straight in the struts: another path than planned"] if in_struts else []),
     )
     with status(f"writing and proving {file.name}", quiet):
         written = proven_program(
-            saved.motion, saved.case, language.load(file.suffix.lower()), str(file), header, speed, accepted
+            saved.motion, saved.case, language.load(file.suffix.lower()), str(file), header, speed, accepted, in_struts
         )
+        changed = {}
+        if in_struts:
+            from planner.in_struts import changed_motion
+
+            guarantees = language.load().guarantees(written.reading, saved.case)
+            read = ProgramFile(file, language, written.content, written.reading, guarantees)
+            changed = changed_motion(read, saved.case, saved.data["model"])
     with atomic_file(file) as part:
         part.write_bytes(written.content)
     proof = written.proof
@@ -85,13 +107,26 @@ def make_program(
         "predicted_stretch": forecast.stretch,
         "remarks": list(forecast.remarks),
         "limits": proof.limits.to_json(),
+        **changed,
     }
     if not quiet:
         print(f"program written: {file} ({written.reading.blocks} blocks, {proof.duration:.2f} s, read back)")
         print(f"limits: {proof.verdict}{' (accepted)' if proof.relies_on else ''}")
         for remark in forecast.remarks:
             print(remark)
+        if in_struts:
+            print(_sentence_of(answer, saved.data.get("d_efficiency")))
     return answer
+
+
+def _sentence_of(answer: dict[str, Any], planned: float | None) -> str:
+    where = f"up to {answer['off_path_mm']:.2g} mm and {answer['off_path_deg']:.2g} deg from the planned path"
+    if answer["d_efficiency"] is None:
+        return f"moves straight in the struts lead {where}"
+    return (
+        f"moves straight in the struts lead {where}; the excitation takes {answer['excitation_s']:.2f} s, D-efficiency "
+        f"{answer['d_efficiency']:.3f} (planned {planned:.3f})"
+    )
 
 
 def check(

@@ -99,6 +99,8 @@ class _Interpreter:
         if name in MODAL:
             if name in ("G93", "G94"):
                 self.feed = None  # changing the kind of feed deletes it
+            if name == "PTP":
+                self._into_struts(word)
             self.modal[GROUP_OF[name]] = name
         elif name in self.words or name in ("F", "PL=", "I", "J", "K"):
             largest = LARGEST_FEED if name == "F" else LARGEST
@@ -120,6 +122,14 @@ class _Interpreter:
             self.transformed = False
         else:
             self._refuse(name, word)
+
+    def _into_struts(self, word: Word) -> None:
+        if self.settings.ptp is None:
+            self.fail(word, "PTP is straight in the struts, whose drives are not known; add controller.sinumerik.ptp")
+        if not self.transformed:
+            self.fail(
+                word, f"PTP without transformation is no move of the platform; write {self.settings.transformation}"
+            )
 
     def _refuse(self, name: str, word: Word) -> NoReturn:
         angles = self.settings.orientation_words
@@ -193,6 +203,8 @@ class _Interpreter:
             return
         first = polynomials[0] if polynomials else seen[named[0]]
         self._require_ready(first)
+        if self.active("PTP") and (polynomials or self.active("POLY", "G2", "G3", "COMPCAD")):
+            self.fail(first, "PTP makes straight moves alone; write CP before")
         if polynomials or self.active("POLY"):
             self._polynomial(seen, polynomials, named, first)
         elif self.active("G2", "G3"):
@@ -236,6 +248,9 @@ class _Interpreter:
             if other is not None or not self.active("G1"):
                 self.fail(other or first, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
         end = self._end_of(seen, first)
+        if self.active("PTP"):
+            self._strut_line(seen, first, end)
+            return
         timing, value = self._timing(seen, end, first)
         exact = self.active("G60")
         if timing is Timing.DURATION and exact and not np.isnan(self.pose).any():
@@ -246,6 +261,21 @@ class _Interpreter:
             self._require_standing(first)
         self._flush_trigger(before_motion=True)
         self.events.append(Move(self.line, end * SCALE, timing, value, exact, self._linear(end)))
+        self.pose = end
+
+    def _strut_line(self, seen: dict[str, Word], first: Word, end: Array) -> None:
+        """F under G94 would count axes that differ from machine to machine; a time does not."""
+        if not self.active("G60"):
+            self.fail(first, "a move under PTP is blended into the next (G64), its path is not known; write G60")
+        rapid = self.active("G0")
+        if not rapid and not (self.active("G93") and "F" in seen):
+            self.fail(first, "what F counts under PTP differs from machine to machine; write G93 and F = 60 / seconds")
+        timing, value = self._timing(seen, end, first)
+        self._require_standing(first)
+        self._flush_trigger(before_motion=True)
+        share = math.nan if rapid else 1.0 / value
+        kind = timing if rapid else Timing.FEED
+        self.events.append(Move(self.line, end * SCALE, kind, share, True, self._linear(end), in_struts=True))
         self.pose = end
 
     def _require_standing(self, first: Word) -> None:

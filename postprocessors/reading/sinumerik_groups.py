@@ -27,10 +27,10 @@ GROUPS: tuple[tuple[str, ...], ...] = (
 GROUP_OF = {word: k for k, group in enumerate(GROUPS) for word in group}
 
 # Words that a proven program may hold; those that change nothing it relies on need no more than this.
-NEUTRAL = {"G40", "FFWON", "FFWOF", "DYNNORM", "DYNPOS", "CP", "MSG", "N"}
+NEUTRAL = {"G40", "FFWON", "FFWOF", "DYNNORM", "DYNPOS", "MSG", "N"}
 MODAL = {
     *("G0", "G1", "G2", "G3", "POLY", "G17", "G18", "G19", "G90", "G710", "G93", "G94", "G60", "G64", "G642"),
-    *("G500", "COMPOF", "COMPCAD", "SOFT", "ORIWKS", "ORIRPY", "ORIAXES"),
+    *("G500", "COMPOF", "COMPCAD", "SOFT", "ORIWKS", "ORIRPY", "ORIAXES", "PTP", "CP"),
 }
 
 REMEDY = {
@@ -52,8 +52,9 @@ REMEDY = {
     "ORIMKS": "relative to the machine, not the workpiece; write ORIWKS",
     "ORIVECT": "a turn on a great circle, not along the angles; write ORIAXES",
     "ORIPLANE": "a turn on a great circle, not along the angles; write ORIAXES",
-    "PTP": "straight in the machine's axes, so that its path is not known here; remove it",
-    "PTPG0": "straight in the machine's axes, so that its path is not known here; remove it",
+    "PTPG0": "straight in the machine's axes in rapid moves alone; write PTP",
+    "STAT=": "a choice among assemblies, of which a hexapod has one; remove it",
+    "TU=": "a choice among turns, of which struts have none; remove it",
     "RTLIOF": "ignored while a transformation is active; remove it",
     "ASPLINE": "a spline whose time law nobody states; write POLY",
     "BSPLINE": "a spline whose time law nobody states; write POLY",

@@ -55,6 +55,7 @@ class _Interpreter:
         self.akima = self.contour = False
         self.points = self.messages = 0
         self.flowing = False  # whether the last block did not stop at its end
+        self.in_struts = False  # #PTP ON
         self.stopped = False  # whether an exact stop has ended the points of a curve
 
     def fail(self, word: Word | None, problem: str) -> NoReturn:
@@ -137,7 +138,15 @@ class _Interpreter:
         arguments = word.arguments or ()
         if self.curve and name not in ("#SPLINE OFF", "#HSC OFF"):
             self.fail(word, f"{name} within a path of points; end it first")
+        if self.in_struts and name not in ("#PTP OFF", "#MSG", "#MSG SYN", "#TIME"):
+            self.fail(word, f"{name} under #PTP ON; write #PTP OFF before")
         match name:
+            case "#PTP ON":
+                self._equal(word, (), "alone")
+                self._into_struts(word)
+            case "#PTP OFF":
+                self._equal(word, (), "alone")
+                self.in_struts = False
             case "#SLOPE":
                 self._equal(word, (f"TYPE={s.slope}",), f"[TYPE={s.slope}]")
                 self.slope = True
@@ -196,7 +205,18 @@ class _Interpreter:
             if not 0.0 < found[name] <= limit:
                 self.fail(word, f"{name}={found[name]:g} is not above 0 and at most {limit:g}, the case's; correct it")
 
+    def _into_struts(self, word: Word) -> None:
+        if self.settings.ptp is None:
+            self.fail(word, "#PTP ON is straight in the struts, whose drives are not known; add controller.twincat.ptp")
+        if not self.transformed:
+            self.fail(word, "#PTP ON without transformation (error 21527); write #TRAFO ON before")
+        if self.flowing:
+            self.fail(word, "#PTP ON while the machine moves on; write G60 in the block before")
+        self.in_struts = True
+
     def _open(self, kind: str, word: Word) -> None:
+        if self.in_struts:
+            self.fail(word, f"{word.name} under #PTP ON; write #PTP OFF before")
         if self.curve:
             self.fail(word, f"{word.name} while another curve is open; end it first")
         if np.isnan(self.pose).any():
@@ -277,6 +297,9 @@ class _Interpreter:
             if name in seen:
                 self.fail(seen[name], f"{name} without G02 or G03; remove it")
         end = self._end_of(seen, first)
+        if self.in_struts:
+            self._strut_line(seen, first, end, exact)
+            return
         timing, value = self._timing(seen, end, first)
         if timing is Timing.DURATION:
             self._point(first, exact)
@@ -288,6 +311,19 @@ class _Interpreter:
         elif not exact:
             self.fail(first, "whether the machine stops after this move is not known; write G60 in its block")
         self.events.append(Move(self.line, end * self.scale, timing, value, exact, self._linear(end)))
+        self.pose = end
+
+    def _strut_line(self, seen: dict[str, Word], first: Word, end: Array, exact: bool) -> None:
+        """F under G94 would count axes that differ from machine to machine; a time does not."""
+        if not exact:
+            self.fail(first, "whether the machine stops after this move is not known; write G60 in its block")
+        rapid = self.active("G0")
+        if not rapid and not (self.active("G93") and "F" in seen):
+            self.fail(first, "what F counts under #PTP ON differs from machine to machine; write G93 and F in seconds")
+        timing, value = self._timing(seen, end, first)
+        share = math.nan if rapid else 1.0 / value
+        kind = timing if rapid else Timing.FEED
+        self.events.append(Move(self.line, end * self.scale, kind, share, exact, self._linear(end), in_struts=True))
         self.pose = end
 
     def _point(self, first: Word, exact: bool) -> None:
@@ -330,6 +366,8 @@ class _Interpreter:
             self.fail(first, "an arc needs a plane, relative centres and a feed per minute; write G17 G162 G94 and F")
         if self.feed_axes != ("X", "Y", "Z"):
             self.fail(first, "F counts X, Y, Z in this move only after #FGROUP [X,Y,Z]; add it before")
+        if self.in_struts:
+            self.fail(first, "an arc under #PTP ON; write #PTP OFF before")
         if self.curve or not exact:
             self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
         end = self._end_of(seen, first)
@@ -346,6 +384,8 @@ class _Interpreter:
     def _end(self, word: Word | None) -> None:
         if self.curve:
             self.fail(word, "a path of points is still open at the end; close it")
+        if self.in_struts:
+            self.fail(word, "#PTP ON is still on at the end; write #PTP OFF before")
         if self.transformed:
             self.fail(word, "the transformation is still on; write #TRAFO OFF before")
         self.ended = True

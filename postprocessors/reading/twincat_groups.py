@@ -43,7 +43,6 @@ REMEDY = {
     "G53": "the default; remove it",
     "M17": "the end of a subprogram; write M30",
     "M29": "the end of a subprogram; write M30",
-    "#PTP ON": "straight in the machine's axes, so that its path is not known here; remove it",
     "#SPLINE TYPE BSPLINE": "a curve near its points, not through them; write #SPLINE TYPE AKIMA",
     "#COMMENT BEGIN": "a comment over several lines; write ; in each",
     **{f"G{n}": "a subroutine call here, not a cycle; remove it" for n in range(80, 90)},

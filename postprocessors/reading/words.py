@@ -24,7 +24,7 @@ class Timing(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """A straight move in the six coordinates.
+    """A straight move in the six coordinates, or in the six struts.
 
     Args:
         line: of the program, counted from 1.
@@ -33,6 +33,7 @@ class Move:
         value: see `Timing`.
         exact_stop: whether the controller comes to rest at the end.
         linear: whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles.
+        in_struts: straight in the struts (point to point), not in the coordinates; a feed is a share of the way [1/s].
     """
 
     line: int
@@ -41,6 +42,7 @@ class Move:
     value: float
     exact_stop: bool
     linear: bool
+    in_struts: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -89,7 +89,7 @@ TWINCAT_WRONG: dict[str, tuple[int, str]] = {
     "#KIN ID[5]": (1, "cannot change while the transformation is on"),
     "#SLOPE [TYPE=STEP]": (1, "not what the case says"),
     "#SLOPE DEFAULT": (1, "not a command of an excitation"),
-    "#PTP ON": (1, "straight in the machine's axes"),
+    "#PTP ON\n#SPLINE TYPE AKIMA": (1, "under #PTP ON; write #PTP OFF before"),
     "#TRAFO OFF\nG01 G60 X1 F10": (9, "a move before #TRAFO ON"),
     "#WAIT": (1, "not a command of an excitation"),
     "#": (1, "cannot read the command"),

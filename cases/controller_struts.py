@@ -1,0 +1,14 @@
+"""How the drives of the struts are set up for point-to-point moves, which controllers make straight in the struts."""
+
+from cases.parts import Part, Positive
+
+
+class PointToPointDrives(Part):
+    """What each strut does at most in a point-to-point move; the same for all six.
+
+    These are machine data of the axes, on SINUMERIK those of the dynamic mode in which the program runs.
+    """
+
+    strut_velocity_m_s: Positive
+    strut_acceleration_m_s2: Positive
+    strut_jerk_m_s3: Positive
