@@ -21,6 +21,7 @@ from identification.estimator import independent_poses, require_alive
 from identification.estimators import Method, Problem, gauss_markov_of, method, robust_of
 from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
 from identification.fit import Fit
+from identification.formats.stream import Averaged
 from identification.identifiability import Identifiability, analyse
 from identification.model import MASS, Model, identification_model
 from identification.noise_sources import noise_sources
@@ -249,11 +250,35 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     if isinstance(moving.run, PeriodicRun):
         notes, told = [*notes, *moving.run.notes], moving.run.told
         warnings += moving.run.doubts(moving.fit, moving.w)
+    if recording.averaged is not None:
+        notes, told = [*notes, _about_averages(recording.averaged, moving)], told | _averages(recording.averaged)
     evaluation = Evaluation(
         moving.run.samples, moving.residuals, moving.delay, noise, notes=tuple(notes), conditioning=conditioning,
         told=told,
     )  # fmt: skip
     return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
+
+
+def _averages(averaged: Averaged) -> dict[str, Any]:
+    """What result files say of forces that were averaged."""
+    return {
+        "averaged": {
+            "ratio": averaged.ratio,
+            "interval_s": averaged.interval,
+            "sample_noise": averaged.noise.tolist(),
+            "expected_noise": averaged.expected.tolist(),
+        }
+    }
+
+
+def _about_averages(averaged: Averaged, moving: Moving) -> str:
+    """What people are told of them: the noise that is left beside that which white samples would leave."""
+    expected = float(np.sqrt(np.trace(moving.w @ np.diag(averaged.expected**2)) / 6.0))
+    return (
+        f"forces: {averaged.ratio:.4g} samples averaged for each of the motion ({averaged.interval * 1e3:.4g} ms, "
+        f"centred: no group delay); noise of a sample {float(np.median(averaged.noise)):.3g} N; were it white, s0 "
+        f"would be {expected:.3g}, it is {moving.fit.s0:.3g}"
+    )
 
 
 def run_of(

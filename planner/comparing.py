@@ -21,6 +21,7 @@ from identification.hexapod import Hexapod
 from identification.identify import default_model
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, sample
+from identification.rates import on_one_clock
 from identification.recording import Recording, files_of, read_recording
 from identification.reference import reference_scaling
 from identification.saved import load_result
@@ -150,7 +151,7 @@ def _criteria(information: Array, model: Model) -> dict[str, float]:
 def _run(path: Path) -> Entry:
     about = read_json(path / "recording.json", "hexcite run")
     case = load_case(str(about.get("case_file")))
-    recording = read_recording(path, case)
+    recording = on_one_clock(read_recording(path, case), case)
     model = identification_model(case, default_model(recording))
     scaling = reference_scaling(case, model)
     matrices, way, samples = _matrices(recording, case, model)

@@ -1,7 +1,7 @@
 """A recorded run in SI units: streams of channels that share a clock, and the run that they make up."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +60,25 @@ class Stream:
         return uniform_step(self.source, self.t, self.lines)
 
 
+class Averaged(NamedTuple):
+    """Forces that were averaged over the motion's sampling interval.
+
+    Args:
+        ratio: samples of the forces in an interval.
+        interval: of the motion [s].
+        noise: of a sample, from the differences of neighbours, shape (6,) [N, or N and N m].
+    """
+
+    ratio: float
+    interval: float
+    noise: Array
+
+    @property
+    def expected(self) -> Array:
+        """Noise of an average below the motion's Nyquist frequency if that of the samples is white, shape (6,)."""
+        return np.asarray(self.noise / np.sqrt(self.ratio))
+
+
 @dataclass(frozen=True, slots=True)
 class Recording:
     """A run: the samples of the forces, with all channels of their clock, and streams of other clocks.
@@ -79,6 +98,7 @@ class Recording:
         others: what was sampled by other clocks, on the same time axis.
         lines: where the rows stand in the file.
         weights: of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
+        averaged: how forces were averaged that were sampled faster than the motion.
     """
 
     source: str
@@ -93,6 +113,7 @@ class Recording:
     others: tuple[Stream, ...] = ()
     lines: Lines = _BELOW_A_HEADER
     weights: Array | None = None
+    averaged: Averaged | None = None
 
     @property
     def step(self) -> float:

@@ -21,15 +21,17 @@ class Lines:
         first: number of the line of the first row, counted from 1.
         skipped: numbers of lines behind it that hold no row, ascending.
         word: what the file's rows are called.
+        every: of the file's rows only each so-manyth is one of the samples.
     """
 
     first: int = 2
     skipped: tuple[int, ...] = ()
     word: str = "line"
+    every: int = 1
 
     def place(self, row: int) -> str:
         """Place of a row, counted from 0, as a message names it."""
-        line = self.first + row
+        line = self.first + row * self.every
         for skipped in self.skipped:
             if skipped > line:
                 break

@@ -26,6 +26,7 @@ def force(
     """Compute external force and moment over a recording."""
     from cases.files import atomic_file, check_file
     from identification.force import external_force
+    from identification.rates import on_one_clock
     from identification.recording import read_recording
     from identification.saved import load_result
     from planner.cli.identify import case_of
@@ -33,7 +34,7 @@ def force(
     loaded = case_of(recording, case)
     file = output if output is not None else Path(f"{recording.resolve().stem}-force.csv")
     check_file(file, [".csv"], [recording, *recording.glob("*")] if recording.is_dir() else [recording])
-    found = external_force(read_recording(recording, loaded), loaded, load_result(parameters))
+    found = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, load_result(parameters))
     with atomic_file(file) as part:
         _write(part, found)
     answer: dict[str, Any] = {
@@ -75,13 +76,14 @@ def tare(
     """Identify the sensor offsets anew from a short standstill; leave all other parameters."""
     from cases.files import RESULT, atomic_folder, json_text
     from identification.force import tare as new_offsets
+    from identification.rates import on_one_clock
     from identification.recording import read_recording
     from identification.saved import load_result, with_tare
     from planner.cli.identify import case_of
 
     loaded = case_of(recording, case)
     saved = load_result(parameters)
-    found = new_offsets(read_recording(recording, loaded), loaded, saved)
+    found = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
     folder = output if output is not None else Path(f"{parameters.resolve().stem}-tared")
     content = with_tare(parameters, saved, loaded, found.values, found.covariance, str(recording))
     with atomic_folder(folder, RESULT) as part:

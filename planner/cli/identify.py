@@ -157,6 +157,7 @@ def make_result(
     from identification.identify import identify as estimate_parameters
     from identification.model import identification_model
     from identification.provenance import provenance
+    from identification.rates import on_one_clock
     from identification.recording import files_of, read_run
     from identification.residuals import residuals_of
     from identification.streaming import identify_long, is_long
@@ -174,7 +175,7 @@ def make_result(
         if len(paths) == 1 and wish == Wish(wish.model) and is_long(paths[0]) and not knows_poses(paths[0], still):
             estimate, recording = identify_long(paths[0], loaded, wish.model)
         else:
-            recording, standing = standing_of(read_run(paths, loaded), loaded, paths[0], still)
+            recording, standing = standing_of(on_one_clock(read_run(paths, loaded), loaded), loaded, paths[0], still)
             number = default_model(recording) if wish.model is None else wish.model
             how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
             estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
@@ -266,10 +267,11 @@ def method_of(wish: Wish, model: Any, case: Any) -> Any:
 def verify_result(path: Path, case: Any, result: Path, quiet: bool) -> dict[str, Any]:
     """How well the parameters predict another run: what is left of force and moment, and of each channel."""
     from identification.force import external_force
+    from identification.rates import on_one_clock
     from identification.recording import read_recording
     from identification.saved import load_result
 
-    found = external_force(read_recording(path, case), case, load_result(result), whole=False)
+    found = external_force(on_one_clock(read_recording(path, case), case), case, load_result(result), whole=False)
     deviation = found.wrench.std(axis=0)
     answer = {
         "recording": str(path),

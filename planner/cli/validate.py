@@ -128,6 +128,7 @@ def _disturbances(case: "Case", settings: Settings, undisturbed: bool) -> Any:
 def _recorded(case: "Case", recordings: Path) -> list[Any]:
     """Steps of a real machine's recordings, a folder a method."""
     from cases.errors import HexciteError
+    from identification.rates import on_one_clock
     from identification.recording import read_recording
     from planner.cli.identify import Still, standing_of
     from planner.validation import recorded_steps
@@ -135,7 +136,7 @@ def _recorded(case: "Case", recordings: Path) -> list[Any]:
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
     if not folders:
         raise HexciteError(f"{recordings}: holds no folder of runs; name the folder that holds one for each method")
-    read = lambda file: standing_of(read_recording(file, case), case, file, Still())[0]  # noqa: E731
+    read = lambda file: standing_of(on_one_clock(read_recording(file, case), case), case, file, Still())[0]  # noqa: E731
     return [step for folder in folders for step in recorded_steps(case, folder, read)]
 
 

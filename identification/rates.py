@@ -1,0 +1,184 @@
+"""Forces and struts of different rates brought to one clock.
+
+Forces that are sampled faster than the motion are averaged over the motion's sampling interval (section 7 of the
+paper), centred on its instants, so that the average has no group delay. The average of the straight lines between
+samples is taken, so that rates need no common multiple; what averaging and straight lines take from a signal's
+curvature is given back to second order: the force then is that of the instant, as the motion is. Struts that are
+sampled faster than the forces are read from the cubic spline through them at the instants of the forces.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from cases.errors import RecordingError
+from cases.schema import Case
+from identification.formats.stream import Averaged, Recording, Stream
+from identification.hexapod import Hexapod
+
+Array = NDArray[np.float64]
+
+OVERSAMPLED = 1.5  # samples of the forces in a motion's interval, from which they are averaged
+GAP = 1.6  # usual steps of the forces without a sample, which an average would hide
+HELD_CHANGES = 50  # that tell that struts are held
+HELD = 0.98  # of the changes, that keep the rhythm
+FULL_RANGE = 0.999
+
+
+def on_one_clock(recording: Recording, case: Case) -> Recording:
+    """The run with forces and struts at the same instants.
+
+    Args:
+        recording: any; without a clock or a machine, or with one rate, it is returned as it is.
+        case: with the machine whose struts were recorded, and the range of the sensors.
+
+    Raises:
+        RecordingError: the forces have gaps, which an average would hide.
+    """
+    if case.machine is None or recording.t is None:
+        return recording
+    motion = _motion(recording, case)
+    if motion is None or motion.t is None or motion.struts is None or len(motion.t) < 2 or len(recording.t) < 2:
+        return recording
+    interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
+    if interval < OVERSAMPLED * step:
+        return _at_the_forces(recording, motion, case)
+    return _at_the_motion(recording, motion, interval, step, case)
+
+
+def _motion(recording: Recording, case: Case) -> Stream | None:
+    """The struts with their own clock; None where they have that of the forces."""
+    if recording.struts is not None:
+        return _released(recording)
+    found = recording.stream_with("struts") or recording.stream_with("poses")
+    if found is None or found.poses is None or found.struts is not None:
+        return found
+    return replace(found, struts=Hexapod.of(case).strut_lengths(found.poses))
+
+
+def _released(recording: Recording) -> Stream | None:
+    """The samples of struts that a file holds until the next one comes; None where every row has its own."""
+    assert recording.struts is not None
+    assert recording.t is not None
+    changes = np.flatnonzero(np.any(np.diff(recording.struts, axis=0) != 0.0, axis=1)) + 1
+    if len(changes) < HELD_CHANGES:
+        return None
+    ratio = int(np.median(np.diff(changes)))
+    phase = int(np.bincount(changes % ratio).argmax())
+    if ratio < 2 or np.mean(changes % ratio == phase) < HELD or np.mean(np.diff(changes) == ratio) < HELD / 2:
+        return None
+    rows = slice(phase, None, ratio)
+    trigger = None if recording.trigger is None else recording.trigger[rows]
+    velocities = None if recording.strut_velocities is None else recording.strut_velocities[rows]
+    lines = recording.lines
+    return Stream(
+        recording.source, recording.t[rows], recording.struts[rows], trigger=trigger, strut_velocities=velocities,
+        lines=replace(lines, first=lines.first + phase, every=ratio),
+    )  # fmt: skip
+
+
+def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
+    assert motion.t is not None
+    assert recording.t is not None
+    t, forces = recording.t, recording.forces
+    steps = np.diff(t)
+    if steps.max() > max(GAP, 0.5 * interval / step) * step:
+        row = int(np.argmax(steps)) + 1
+        raise RecordingError(
+            f"{recording.source}, {recording.lines.place(row)}, t_s: step of {steps[row - 1] * 1e3:.4g} ms where the "
+            f"forces have {step * 1e3:.4g} ms; an average would hide it: export the run without gaps"
+        )
+    half = interval / 2.0
+    # A sample more on either side for the curvature.
+    inside = np.flatnonzero((motion.t - half >= t[0]) & (motion.t + half <= t[-1]))
+    if len(inside) < 3:
+        raise RecordingError(f"{recording.source}: its forces cover less than 3 samples of the motion; record together")
+    means = interval_means(t, forces, motion.t[inside], interval)
+    curvature = means[2:] - 2.0 * means[1:-1] + means[:-2]
+    means = means[1:-1] - (1.0 / 24.0 + (step / interval) ** 2 / 12.0) * curvature
+    inside = inside[1:-1]
+    means = _at_full_range(means, t, forces, motion.t[inside], half, case)
+    trigger = motion.trigger
+    if trigger is None:
+        other = recording.stream_with("trigger")
+        if other is not None and other.trigger is not None and other.t is not None:
+            trigger = other.trigger[np.maximum(np.searchsorted(other.t, motion.t, side="right") - 1, 0)]
+    noise = np.median(np.abs(forces[2:] - 2.0 * forces[1:-1] + forces[:-2]), axis=0) / 0.6745 / np.sqrt(6.0)
+    assert motion.struts is not None
+    return Recording(
+        motion.source, motion.t[inside], motion.struts[inside], None, means,
+        None if trigger is None else trigger[inside],
+        None if motion.strut_velocities is None else motion.strut_velocities[inside],
+        lines=replace(motion.lines, first=motion.lines.first + int(inside[0]) * motion.lines.every),
+        averaged=Averaged(interval / step, interval, noise),
+    )  # fmt: skip
+
+
+def interval_means(t: Array, values: Array, centres: Array, interval: float) -> Array:
+    """Means over intervals of the straight lines between samples.
+
+    Args:
+        t: increasing, shape (n,) [s].
+        values: shape (n, channels).
+        centres: of the intervals, which lie inside t, shape (m,) [s].
+        interval: their length [s].
+
+    Returns:
+        Shape (m, channels).
+    """
+    mean = values.mean(axis=0)  # keeps rounding small against what changes
+    steps = np.diff(t)[:, None]
+    away = values - mean
+    total = np.vstack([np.zeros((1, values.shape[1])), np.cumsum(steps * (away[1:] + away[:-1]) / 2.0, axis=0)])
+
+    def integral(at: Array) -> Array:
+        k = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+        late = (at - t[k])[:, None]
+        return np.asarray(total[k] + late * away[k] + late**2 / 2.0 * (away[k + 1] - away[k]) / steps[k])
+
+    return np.asarray((integral(centres + interval / 2.0) - integral(centres - interval / 2.0)) / interval + mean)
+
+
+def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: float, case: Case) -> Array:
+    """Averages over samples at the end of the sensor's range are at its end too, so that they are found there."""
+    most = case.sensors.range_N
+    if most is None:
+        return means
+    newtons = 6 if case.sensor_frame.bars is not None else 3
+    first, end = np.searchsorted(t, centres - half), np.searchsorted(t, centres + half)
+    for k in range(newtons):
+        clipped = np.r_[0, np.cumsum(np.abs(forces[:, k]) >= FULL_RANGE * most)]
+        rows = clipped[end] > clipped[first]
+        means[rows, k] = np.copysign(most, means[rows, k])
+    return means
+
+
+def _at_the_forces(recording: Recording, motion: Stream, case: Case) -> Recording:
+    """Struts as fast as the forces or faster, on a clock of their own."""
+    if recording.struts is not None:
+        return recording
+    assert motion.t is not None
+    assert motion.struts is not None
+    assert recording.t is not None
+    steps = np.diff(motion.t)
+    usual = float(np.median(steps))
+    if steps.max() > GAP * usual:
+        row = int(np.argmax(steps)) + 1
+        raise RecordingError(
+            f"{motion.source}, {motion.lines.place(row)}, t_s: step of {steps[row - 1] * 1e3:.4g} ms where the struts "
+            f"have {usual * 1e3:.4g} ms; export the run without gaps"
+        )
+    inside = np.flatnonzero((recording.t >= motion.t[0]) & (recording.t <= motion.t[-1]))
+    if not len(inside):
+        return recording
+    t = recording.t[inside]
+    trigger = recording.trigger
+    if trigger is None and motion.trigger is not None:
+        trigger = motion.trigger[np.maximum(np.searchsorted(motion.t, recording.t, side="right") - 1, 0)]
+    return replace(
+        recording, t=t, struts=CubicSpline(motion.t, motion.struts)(t), forces=recording.forces[inside],
+        trigger=None if trigger is None else trigger[inside], rotations=None, poses=None, specific_forces=None,
+        strut_velocities=None, others=(), lines=replace(recording.lines, first=recording.lines.first + int(inside[0])),
+    )  # fmt: skip
