@@ -44,17 +44,24 @@ class Quantity:
     ) -> "Quantity":
         """Two-sided limits: the share is the distance from their middle over half their width."""
         middle, half = (low + high) / 2, (high - low) / 2
-        ratio = np.nan_to_num(np.abs(values - middle) / half, nan=np.inf)
+        ratio = np.abs(values - middle) / half
+        ratio[np.isnan(ratio)] = np.inf
         return cls(name, unit, labels, values, np.where(values >= middle, high, low), ratio, scale)
 
 
 def limited_quantities(
-    motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits, in_box: bool
+    motion: Motion,
+    rotation: tuple[Array, Array, Array],
+    machine: Machine,
+    workspace: Workspace,
+    limits: MotionLimits,
+    in_box: bool,
 ) -> Iterable[Quantity]:
     """Everything that a case limits, at each instant of a motion.
 
     Args:
         motion: sampled.
+        rotation: that of `rotation_motion`.
         machine: its geometry and home.
         workspace: what it can reach.
         limits: of moving excitations.
@@ -71,7 +78,7 @@ def limited_quantities(
     yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -v, v, scale)
     yield from _by_kind("acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one)
     yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", motion.jerks, -j, j, one)
-    yield from _of_the_struts(motion, machine, workspace, limits)
+    yield from _of_the_struts(motion, rotation, machine, workspace, limits)
 
 
 def _by_kind(
@@ -94,17 +101,17 @@ def _by_kind(
 def _axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) -> tuple[Array, Array, Array]:
     """A rotation about one axis and its first and second time derivative, shapes (n, 3, 3)."""
     i, j = (axis + 1) % 3, (axis + 2) % 3
-    generator = np.zeros((3, 3))
-    generator[j, i], generator[i, j] = 1.0, -1.0
     c, s = np.cos(angle), np.sin(angle)
-    turn = np.zeros((len(angle), 3, 3))
+    turn, first, second = (np.zeros((len(angle), 3, 3)) for _ in range(3))
     turn[:, axis, axis] = 1.0
     turn[:, i, i] = turn[:, j, j] = c
     turn[:, j, i], turn[:, i, j] = s, -s
-    first = turn @ generator
-    second = first @ generator
-    rate_, acceleration_ = rate[:, None, None], acceleration[:, None, None]
-    return turn, first * rate_, second * rate_**2 + first * acceleration_
+    first[:, i, i] = first[:, j, j] = -s * rate  # (c)' = -s a', (s)' = c a'
+    first[:, j, i], first[:, i, j] = c * rate, -c * rate
+    second[:, i, i] = second[:, j, j] = -s * acceleration - c * rate**2
+    second[:, j, i] = c * acceleration - s * rate**2
+    second[:, i, j] = -second[:, j, i]
+    return turn, first, second
 
 
 def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
@@ -120,9 +127,11 @@ def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
     return turn, first, second
 
 
-def _strut_vectors(motion: Motion, machine: Machine) -> tuple[Array, Array, Array, Array]:
+def _strut_vectors(
+    motion: Motion, rotation: tuple[Array, Array, Array], machine: Machine
+) -> tuple[Array, Array, Array, Array]:
     """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
-    turn, first, second = rotation_motion(motion)
+    turn, first, second = rotation
     points = machine.platform.points.T
     strut = motion.pose[:, None, :3] + (turn @ points).transpose(0, 2, 1) - machine.base.points
     velocity = motion.rates[:, None, :3] + (first @ points).transpose(0, 2, 1)
@@ -132,7 +141,7 @@ def _strut_vectors(motion: Motion, machine: Machine) -> tuple[Array, Array, Arra
 
 def strut_motion(motion: Motion, machine: Machine) -> tuple[Array, Array, Array]:
     """Strut lengths [m], velocities and accelerations of a motion, each of shape (n, 6)."""
-    return _along(*_strut_vectors(motion, machine)[:3])
+    return _along(*_strut_vectors(motion, rotation_motion(motion), machine)[:3])
 
 
 def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
@@ -143,8 +152,14 @@ def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, A
     return length, along, (second - along**2) / length
 
 
-def _of_the_struts(motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits) -> Iterable[Quantity]:
-    strut, velocity, acceleration, normal = _strut_vectors(motion, machine)
+def _of_the_struts(
+    motion: Motion,
+    rotation: tuple[Array, Array, Array],
+    machine: Machine,
+    workspace: Workspace,
+    limits: MotionLimits,
+) -> Iterable[Quantity]:
+    strut, velocity, acceleration, normal = _strut_vectors(motion, rotation, machine)
     yield from _keep_out(motion, strut + machine.base.points, workspace)
     length, along, second = _along(strut, velocity, acceleration)
     six = np.ones(6)
@@ -192,7 +207,7 @@ def _determinant(direction: Array, arms: Array) -> Array:
 def _singularity(motion: Motion, strut: Array, direction: Array, machine: Machine) -> Quantity:
     """1 - det(J^-1) / det(J^-1 at home): 0 at home, 1 in a singularity, above 1 behind one."""
     standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
-    at_home, _, _, _ = _strut_vectors(standing, machine)
+    at_home, _, _, _ = _strut_vectors(standing, rotation_motion(standing), machine)
     home_direction = at_home / np.linalg.norm(at_home, axis=2)[:, :, None]
     reference = _determinant(home_direction, at_home + machine.base.points - machine.home.vector[:3])[0]
     arms = strut + machine.base.points - motion.pose[:, None, :3]

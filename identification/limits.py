@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limited import Quantity, limited_quantities
+from identification.limited import Quantity, limited_quantities, rotation_motion
 from identification.motion import Trajectory
-from identification.overload import sensor_loads
+from identification.overload import Loads, sensor_loads
 
 Array = NDArray[np.float64]
 
@@ -147,12 +147,14 @@ def _evaluated(
 ) -> Iterator[tuple[tuple[Quantity, ...], Array]]:
     """What is limited, in chunks of instants."""
     machine, workspace, limits = case.need_machine("the proof of limits")
+    loads = Loads.of(case)
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
         with np.errstate(invalid="ignore"):  # what is no number counts as passed, and is reported so
             motion = trajectory.at(t)
-            kinematic = limited_quantities(motion, machine, workspace, limits.motion, in_box)
-            yield (*kinematic, *sensor_loads(motion, case)), t
+            rotation = rotation_motion(motion)
+            kinematic = limited_quantities(motion, rotation, machine, workspace, limits.motion, in_box)
+            yield (*kinematic, *sensor_loads(rotation, motion.accelerations[:, :3], loads)), t
 
 
 def worst_of(reports: Iterable[LimitReport]) -> LimitReport:

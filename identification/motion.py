@@ -1,11 +1,13 @@
 """Motion of the platform: sampled (`Motion`), continuous in time (`Trajectory`), and through timed points."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import BSpline, make_interp_spline
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 Array = NDArray[np.float64]
 
@@ -72,11 +74,13 @@ class TimedPoints:
 
     times: Array
     poses: Array
-    spline: BSpline
+    spline: "BSpline"
 
     @classmethod
     def through(cls, times: ArrayLike, poses: ArrayLike) -> "TimedPoints":
         """Interpolates; see the class."""
+        from scipy.interpolate import make_interp_spline  # half a second that programs of moves can do without
+
         t, p = np.asarray(times, dtype=float), np.asarray(poses, dtype=float)
         if len(t) < 2 or np.any(np.diff(t) <= 0.0) or t[0] != 0.0 or p.shape != (len(t), 6):
             raise ValueError("timed points need at least two poses at times that increase from 0")
@@ -117,8 +121,10 @@ def _piecewise_cubic(times: Array, poses: Array) -> bool:
     return bool(np.mean(same.all(axis=1)) >= OFTEN)
 
 
-def _cubic_at_rest(times: Array, poses: Array) -> BSpline | None:
+def _cubic_at_rest(times: Array, poses: Array) -> "BSpline | None":
     """The cubic spline with rates zero at both ends; None where it has accelerations there."""
+    from scipy.interpolate import make_interp_spline
+
     spline = make_interp_spline(times, poses, k=3, bc_type=([(1, np.zeros(6))], [(1, np.zeros(6))]))
     accelerations = np.abs(spline(times, nu=2))
     rounding = 4.0 * RESOLUTION / np.diff(times).min() ** 2

@@ -4,6 +4,7 @@ Written for the proof of limits, from the definitions, without the regressor tha
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,11 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.frame import structure_matrix
-from identification.limited import Quantity, rotation_motion
-from identification.motion import Motion
+from identification.limited import Quantity
 
 Array = NDArray[np.float64]
 
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # of components of an angular velocity
 SHARE = 0.8  # of the sensors' range; the rest is for process forces, offsets and the platform's deformation
 
 
@@ -43,16 +44,94 @@ def sensor_forces(turn: Array, first: Array, second: Array, acceleration: Array,
     return np.asarray(np.linalg.solve(structure_matrix(case.sensor_frame)[None], wrench)[:, :, 0])
 
 
-def sensor_loads(motion: Motion, case: Case) -> Iterable[Quantity]:
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """Forces of the sensors with every body that a case expects, as constants in the axes of the platform.
+
+    f = b (p'' - g) + d alpha + omega Q omega: (17) for a rigid body, whose constants are found by probing
+    `sensor_forces` at R = 1. One channel is one sensor with one of the bodies.
+
+    Args:
+        linear: b, shape (channels, 3).
+        angular: d, shape (channels, 3).
+        spin: Q as coefficients of wx^2, wy^2, wz^2, wx wy, wx wz, wy wz, shape (channels, 6).
+        gravity: shape (3,) [m/s^2].
+        limit: of each force [N].
+        labels: of the channels.
+    """
+
+    linear: Array
+    angular: Array
+    spin: Array
+    gravity: Array
+    limit: float
+    labels: tuple[str, ...]
+
+    @classmethod
+    def of(cls, case: Case) -> "Loads | None":
+        """The constants of a case; None where it names no range or no nominal body."""
+        if case.sensors.range_N is None or not case.bodies:
+            return None
+        axes, none = np.eye(3), np.zeros((6, 3))
+        pairs = np.array([axes[i] if i == j else axes[i] + axes[j] for i, j in PAIRS])
+        push, turn, spin = (
+            np.vstack([axes, none, none[:3]]),
+            np.vstack([none[:3], axes, none]),
+            np.vstack([none, pairs]),
+        )
+        first = _cross_matrices(spin)
+        second = _cross_matrices(turn) + first @ first
+        unturned = np.tile(axes, (len(push), 1, 1))
+        found = np.vstack(
+            [sensor_forces(unturned, first, second, push + case.gravity, body, case).T for body in case.bodies]
+        )
+        quadratic = found[:, 6:].copy()
+        for column, (i, j) in enumerate(PAIRS):
+            if i != j:
+                quadratic[:, column] -= found[:, 6 + i] + found[:, 6 + j]
+        labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
+        limit = SHARE * case.sensors.range_N
+        return cls(found[:, :3], found[:, 3:6], quadratic, np.asarray(case.gravity), limit, labels)
+
+    def forces(self, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:
+        """Forces, shape (n, channels) [N].
+
+        Args:
+            rotation: R and its first and second time derivative, shapes (n, 3, 3).
+            acceleration: of the origin of {P}, shape (n, 3) [m/s^2].
+        """
+        turn, first, second = rotation
+        back = turn.transpose(0, 2, 1)
+        spin, change = back @ first, back @ second  # S(omega), and S(alpha) + S(omega)^2
+        state = np.empty((len(turn), 12))
+        state[:, :3] = ((acceleration - self.gravity)[:, None, :] @ turn)[:, 0]
+        for k, (i, j) in enumerate(((2, 1), (0, 2), (1, 0))):
+            state[:, 3 + k] = (change[:, i, j] - change[:, j, i]) / 2
+        omega = spin[:, (2, 0, 1), (1, 2, 0)]
+        for k, (i, j) in enumerate(PAIRS, start=6):
+            state[:, k] = omega[:, i] * omega[:, j]
+        return np.asarray(state @ np.hstack([self.linear, self.angular, self.spin]).T)
+
+
+def _cross_matrices(vectors: Array) -> Array:
+    matrices = np.zeros((len(vectors), 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        matrices[:, j, i], matrices[:, i, j] = vectors[:, k], -vectors[:, k]
+    return matrices
+
+
+def sensor_loads(rotation: tuple[Array, Array, Array], acceleration: Array, loads: Loads | None) -> Iterable[Quantity]:
     """Predicted sensor forces with every body that the case expects, against 80 % of the sensors' range.
 
     Nothing where the case names no range or no nominal body.
+
+    Args:
+        rotation: R and its first and second time derivative, shapes (n, 3, 3).
+        acceleration: of the origin of {P}, shape (n, 3) [m/s^2].
+        loads: of the case.
     """
-    if case.sensors.range_N is None or not case.bodies:
+    if loads is None:
         return
-    rotation = rotation_motion(motion)
-    acceleration = motion.accelerations[:, :3]
-    values = np.concatenate([sensor_forces(*rotation, acceleration, body, case) for body in case.bodies], axis=1)
-    labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
-    limit = np.full(values.shape[1], SHARE * case.sensors.range_N)
-    yield Quantity.between("sensor force", "N", labels, values, -limit, limit, 1.0)
+    values = loads.forces(rotation, acceleration)
+    limit = np.full(values.shape[1], loads.limit)
+    yield Quantity.between("sensor force", "N", loads.labels, values, -limit, limit, 1.0)

@@ -16,13 +16,12 @@ from identification.circle import CircularMove
 from identification.limited import rotation_motion
 from identification.limits import LimitCheck, Status
 from identification.motion import Array, Motion, Trajectory
-from identification.overload import SHARE, sensor_forces, sensor_loads
+from identification.overload import PAIRS, Loads
 from identification.profile import StraightMove
 from identification.strut_move import StrutMove
 
 SAMPLES = 64  # of a move: forces change with the pose alone, by less than a hundredth from one to the next
 PATH_SAMPLES = 1000  # of a timed path
-_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 class Steady(NamedTuple):
@@ -51,46 +50,36 @@ class ForceBounds:
     """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits.
 
     Args:
-        case: with gravity, sensors and bodies.
+        loads: the constants.
         limits: of rates and accelerations, which the controller keeps.
-        linear: b, shape (channels, 3).
-        angular: d, shape (channels, 3).
-        spin: Q, symmetric, shape (channels, 3, 3).
     """
 
-    case: Case
+    loads: Loads
     limits: MotionLimits
-    linear: Array
-    angular: Array
-    spin: Array
 
     @classmethod
     def of(cls, case: Case) -> "ForceBounds | None":
         """Bounds for a case; None where it names no range or no nominal body."""
-        if case.sensors.range_N is None or not case.bodies:
-            return None
-        still = np.zeros((6, 3))
-        axes = np.eye(3)
-        pairs = np.array([axes[i] if i == j else axes[i] + axes[j] for i, j in _PAIRS])
-        push = np.vstack([axes, np.zeros((9, 3))])
-        turn = np.vstack([np.zeros((3, 3)), axes, still])
-        spin = np.vstack([still, pairs])
-        found = np.vstack([_probe(push, turn, spin, case, k).T for k in range(len(case.bodies))])
-        quadratic = np.zeros((len(found), 3, 3))
-        for column, (i, j) in enumerate(_PAIRS, start=6):
-            both = found[:, column] if i == j else (found[:, column] - found[:, 6 + i] - found[:, 6 + j]) / 2
-            quadratic[:, i, j] = quadratic[:, j, i] = both
-        limits = case.need_machine("the check of a program")[2].motion
-        return cls(case, limits, found[:, :3], found[:, 3:6], quadratic)
+        loads = Loads.of(case)
+        return None if loads is None else cls(loads, case.need_machine("the check of a program")[2].motion)
+
+    @property
+    def _spin(self) -> Array:
+        """Q as symmetric matrices, shape (channels, 3, 3)."""
+        matrices = np.zeros((len(self.loads.spin), 3, 3))
+        for column, (i, j) in enumerate(PAIRS):
+            both = self.loads.spin[:, column] / (1 if i == j else 2)
+            matrices[:, i, j] = matrices[:, j, i] = both
+        return matrices
 
     def anywhere(self, clock: float) -> LimitCheck:
         """In whatever pose the motion is."""
         rate, acceleration = self.limits.rate, self.limits.acceleration
         omega = rate[3:].sum()  # |omega| <= |roll'| + |pitch'| + |yaw'|
         alpha = acceleration[3:].sum() + rate[3] * rate[4] + rate[3] * rate[5] + rate[4] * rate[5]
-        pull = np.linalg.norm(acceleration[:3]) + np.linalg.norm(self.case.gravity)
-        most = np.linalg.norm(self.linear, axis=1) * pull + np.linalg.norm(self.angular, axis=1) * alpha
-        most += np.abs(np.linalg.eigvalsh(self.spin)).max(axis=1) * omega**2
+        pull = np.linalg.norm(acceleration[:3]) + np.linalg.norm(self.loads.gravity)
+        most = np.linalg.norm(self.loads.linear, axis=1) * pull + np.linalg.norm(self.loads.angular, axis=1) * alpha
+        most += np.abs(np.linalg.eigvalsh(self._spin)).max(axis=1) * omega**2
         return self._check(most[None], np.array([clock]))
 
     def on(self, path: Trajectory, clock: float) -> LimitCheck:
@@ -101,14 +90,14 @@ class ForceBounds:
         turn = rotation_motion(Motion(t, pose.copy(), none, none, none))[0]
         rate, acceleration = self.limits.rate[3:], self.limits.acceleration
         axes = _rate_axes(pose[:, 3:])
-        along = np.einsum("ci,nij->ncj", self.angular, axes)
-        most = np.abs(np.einsum("nij,ci,j->nc", turn.transpose(0, 2, 1), self.linear, self.case.gravity))
-        most += np.abs(np.einsum("nki,ci->nck", turn, self.linear)) @ acceleration[:3]
+        along = np.einsum("ci,nij->ncj", self.loads.angular, axes)
+        most = np.abs(np.einsum("nij,ci,j->nc", turn.transpose(0, 2, 1), self.loads.linear, self.loads.gravity))
+        most += np.abs(np.einsum("nki,ci->nck", turn, self.loads.linear)) @ acceleration[:3]
         most += np.abs(along) @ acceleration[3:]
-        spin = np.einsum("nik,cij,njl->nckl", axes, self.spin, axes)
+        spin = np.einsum("nik,cij,njl->nckl", axes, self._spin, axes)
         crossed = _crossed_axes(pose[:, 3:])
-        for i, j in _PAIRS:
-            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + crossed[i, j] @ self.angular.T
+        for i, j in PAIRS:
+            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + crossed[i, j] @ self.loads.angular.T
             most += np.abs(share) * rate[i] * rate[j]
         return self._check(most, t + clock)
 
@@ -125,7 +114,7 @@ class ForceBounds:
         none = np.zeros_like(way.pose)
         pose, tangent, bend = way.pose.copy(), way.rates.copy(), way.accelerations.copy()
         standing, turning, starting = (
-            self._loads(Motion(way.t, pose, *values, none))
+            self._forces(Motion(way.t, pose, *values, none))
             for values in ((none, none), (tangent, bend), (none, tangent))
         )
         speed, acceleration = _fastest(move, tangent, bend, self.limits)
@@ -133,32 +122,15 @@ class ForceBounds:
         most = np.maximum(np.abs(standing), np.abs(standing + square * (turning - standing)))
         return self._check(most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
 
-    def _loads(self, motion: Motion) -> Array:
-        (quantity,) = sensor_loads(motion, self.case)
-        return quantity.values
+    def _forces(self, motion: Motion) -> Array:
+        return self.loads.forces(rotation_motion(motion), motion.accelerations[:, :3])
 
     def _check(self, most: Array, times: Array) -> LimitCheck:
-        assert self.case.sensors.range_N is not None
-        limit = SHARE * self.case.sensors.range_N
         row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most)), most.shape))
-        name = f"sensor force (sensor {channel % 6 + 1}, {channel // 6} payloads, at most)"
-        worst = float(most[row, channel])
-        return LimitCheck(name, worst, limit, "N", worst / limit, float(times[row]), Status.PROVEN)
-
-
-def _probe(push: Array, turn: Array, spin: Array, case: Case, body: int) -> Array:
-    """Forces without gravity at R = 1 for accelerations, angular accelerations and velocities, shape (n, 6)."""
-    first = _cross_matrices(spin)
-    second = _cross_matrices(turn) + first @ first
-    unturned = np.tile(np.eye(3), (len(push), 1, 1))
-    return sensor_forces(unturned, first, second, push + case.gravity, case.bodies[body], case)
-
-
-def _cross_matrices(vectors: Array) -> Array:
-    matrices = np.zeros((len(vectors), 3, 3))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        matrices[:, j, i], matrices[:, i, j] = vectors[:, k], -vectors[:, k]
-    return matrices
+        name, limit, worst = self.loads.labels[channel], self.loads.limit, float(most[row, channel])
+        return LimitCheck(
+            f"sensor force ({name}, at most)", worst, limit, "N", worst / limit, float(times[row]), Status.PROVEN
+        )
 
 
 def _rate_axes(angles: Array) -> Array:

@@ -9,10 +9,10 @@ from identification.motion import Trajectory
 
 Array = NDArray[np.float64]
 
-FINE, ROUGH = 100, 10
-"""Most instants in a block: a block is a polynomial of degree 5, so that ten show it but for some per cent."""
+FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0
+"""Most instants in a block, and a second: a few show a polynomial of degree 5 but for some per cent."""
 
-NEAR_LIMIT, WORST_BLOCKS = 0.8, 50
+NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
 """Looked at finely are blocks that use this share of any limit, and as many that use most of each."""
 
 
@@ -30,21 +30,21 @@ def telling_instants(motion: Trajectory, times: Array, case: Case) -> Array:
     Raises:
         CaseError: the case has no machine.
     """
-    rough, starts = _grid(times, ROUGH)
+    rough, starts = _grid(times, ROUGH, ROUGH_RATE)
     shares = np.maximum.reduceat(shares_at(motion, case, rough), starts, axis=0)
     blocks = np.asarray((shares >= NEAR_LIMIT).any(axis=1))
     blocks[np.argsort(shares, axis=0)[-WORST_BLOCKS:]] = True
-    fine, starts = _grid(times, FINE)
+    fine, starts = _grid(times, FINE, PROOF_RATE)
     counts = np.diff(np.append(starts, len(fine) - 1))
     chosen = np.append(np.repeat(blocks, counts), True)
     chosen[np.append(starts[1:], len(fine) - 1)[blocks]] = True  # both ends of a block belong to it
     return np.asarray(fine[chosen])
 
 
-def _grid(times: Array, most: int) -> tuple[Array, NDArray[np.int64]]:
-    """Instants at 10 kHz, but at most `most` a block, and the index of the first of each block."""
+def _grid(times: Array, most: int, rate: float) -> tuple[Array, NDArray[np.int64]]:
+    """Instants at a rate [1/s], but at most `most` a block, and the index of the first of each block."""
     steps = np.diff(times)
-    counts = np.clip(np.ceil(steps * PROOF_RATE - 1e-9), 1, most).astype(np.int64)
+    counts = np.clip(np.ceil(steps * rate - 1e-9), 1, most).astype(np.int64)
     starts = np.cumsum(counts) - counts
     share = (np.arange(counts.sum()) - np.repeat(starts, counts)) / np.repeat(counts, counts)
     return np.append(np.repeat(times[:-1], counts) + share * np.repeat(steps, counts), times[-1]), starts

@@ -13,7 +13,7 @@ from identification.limited import rotation_motion
 from identification.limits import prove
 from identification.model import identification_model
 from identification.motion import Standstill
-from identification.overload import sensor_forces
+from identification.overload import Loads, sensor_forces
 from identification.parameters import body_parameters
 from tests.helpers import HOME, Harmonic
 from tests.postprocessors.changed_case import changed
@@ -28,6 +28,13 @@ def test_newton_euler_and_the_regressor_say_the_same(hexapod_case: Case):
         expected = matrices @ np.array([known.get(name, 0.0) for name in model.names])
         found = sensor_forces(*rotation_motion(motion), motion.accelerations[:, :3], body, hexapod_case)
         assert found == pytest.approx(expected, rel=1e-9, abs=1e-6)
+
+
+def test_forces_of_all_bodies_at_once_are_those_of_each(hexapod_case: Case):
+    motion = Harmonic(seed=7).at(np.linspace(0.1, 2.9, 40))
+    rotation, acceleration = rotation_motion(motion), motion.accelerations[:, :3]
+    each = [sensor_forces(*rotation, acceleration, body, hexapod_case) for body in hexapod_case.bodies]
+    assert Loads.of(hexapod_case).forces(rotation, acceleration) == pytest.approx(np.hstack(each), rel=1e-9, abs=1e-6)
 
 
 def test_the_reference_payloads_are_those_of_table_7(hexapod_case: Case):

@@ -5,8 +5,9 @@ import pytest
 
 from cases.loading import load_case
 from identification.circle import CircularMove, Plane
+from identification.limited import rotation_motion
 from identification.motion import Motion
-from identification.overload import sensor_loads
+from identification.overload import sensor_forces
 from identification.profile import StraightMove, fastest_profile
 from postprocessors.forces import ForceBounds, Steady
 from tests.helpers import HOME, Harmonic
@@ -19,9 +20,11 @@ FAR = HOME + np.r_[0.15, -0.1, 0.05, 0.3, -0.2, 0.3]
 
 
 def forces(pose, rates, accelerations) -> np.ndarray:
+    """Newton and Euler for each body."""
     none = np.zeros_like(pose)
     motion = Motion(np.zeros(len(pose)), pose.copy(), rates.copy(), accelerations.copy(), none)
-    return np.abs(next(iter(sensor_loads(motion, CASE))).values)
+    turned = (*rotation_motion(motion), motion.accelerations[:, :3])
+    return np.abs(np.hstack([sensor_forces(*turned, body, CASE) for body in CASE.bodies]))
 
 
 def corners(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
