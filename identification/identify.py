@@ -23,6 +23,7 @@ from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
 from identification.fit import Fit
 from identification.formats.stream import Averaged
 from identification.identifiability import Identifiability, analyse
+from identification.long_contact import least_trimmed_squares
 from identification.model import MASS, Model, identification_model
 from identification.noise_sources import noise_sources
 from identification.periodic import PeriodicRun, periodic_run
@@ -40,6 +41,7 @@ SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a s
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
 SEARCHES = 4  # for contacts; each finds what the one before hid
 SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
+CALMER = 0.7  # of the residuals, that leaving a long contact out must at least take
 MOST_TOUCHED = 0.25  # of the samples in contact; more is no identification run
 LEAST_SERIES = 50  # samples that tell an autocorrelation
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
@@ -228,6 +230,15 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         require_free(float(rows.mean()), [_told(recording, contact) for contact in contacts])
         assert isinstance(run, Run)
         moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value)
+    if isinstance(run, Run) and isinstance(moving.run, Run) and _systematic(moving):
+        longer = _long_contacts(run, moving)
+        rows = touched(run.t, longer)
+        freed = (
+            fit_with_delay(run.without(rows), how, problem, moving.delay.value) if 0.0 < rows.mean() < 1.0 else moving
+        )
+        if _spread(freed) < CALMER * _spread(moving) and not _systematic(freed):
+            require_free(float(rows.mean()), [_told(recording, contact) for contact in longer])
+            moving, contacts = freed, longer
     warnings = [*found.warnings, *run.warnings]
     warnings += [f"{_told(recording, contact)}; left out" for contact in contacts]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
@@ -308,6 +319,22 @@ def run_of(
     if recording.struts is None:
         return wrist_run(recording, case, model, MOST_DELAY, biases)
     return moving_run(recording, case, model, found=found)
+
+
+def _long_contacts(run: Run, moving: Moving) -> tuple[Contact, ...]:
+    """Contacts of up to half a run, by what the half of the samples that agree best says of all."""
+    matrices = run.regressors(moving.delay.value)
+    half = least_trimmed_squares(matrices, run.forces, moving.w, run.filter.step * run.filter.stride)
+    if half is None:
+        return ()
+    left = half.residuals
+    return find_contacts(run.t, left, run.model.structure, run.forces - left, left[half.explained])
+
+
+def _spread(moving: Moving) -> float:
+    """Rms of the weighted residuals."""
+    left = moving.fit.residuals
+    return float(np.sqrt(np.mean(np.einsum("ni,ij,nj->n", left, moving.w, left))))
 
 
 def require_free(share: float, contacts: Sequence[str]) -> None:

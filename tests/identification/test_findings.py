@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import identification.identify as module
 from cases.errors import HexciteError, IdentificationError, RecordingError
@@ -84,9 +85,27 @@ def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatc
     one_line(caught.value)
 
 
-def test_a_contact_of_half_the_run_hides_in_the_estimate_but_not_in_its_residuals() -> None:
-    warnings = identify(pushed(run(), 0.5, np.array([0.0, 0.0, 20.0]), duration=1.2), CASE).warnings
+@pytest.mark.parametrize(("seed", "start", "duration"), [(0, 0.5, 1.2), (1, 0.3, 0.9), (2, 1.6, 1.2)])
+def test_a_contact_of_up_to_half_the_run_is_located_although_the_fit_follows_it(
+    seed: int, start: float, duration: float
+) -> None:
+    with pytest.raises(IdentificationError, match="an identification run must be free") as caught:
+        identify(pushed(run(seed), start, np.array([12.0, 0.0, 16.0]), duration), CASE)
+    found = re.search(r"lines (\d+) to (\d+): external contact from ([\d.]+) to ([\d.]+) s", one_line(caught.value))
+    assert found is not None
+    first, last, begin, end = (float(v) for v in found.groups())
+    assert abs(begin - start) < 0.05
+    assert abs(end - start - duration) < 0.05
+    assert abs((first - 2) * 1e-3 - begin) < 2e-3
+    assert abs((last - 2) * 1e-3 - end) < 2e-3
+
+
+def test_noise_with_memory_is_no_contact() -> None:
+    """It is told for what it is: residuals that follow each other."""
+    noise = lfilter([0.3], [1.0, -0.98], np.random.default_rng(0).normal(size=(len(run().t) + 500, 6)), axis=0)[500:]
+    warnings = identify(replace(run(), forces=run().forces + noise), CASE).warnings
     assert any("residuals follow each other" in w for w in warnings)
+    assert not any("contact from" in w for w in warnings)
 
 
 @pytest.mark.parametrize(("a", "b"), [(0, 1), (0, 3), (1, 4), (2, 5)])
