@@ -70,9 +70,10 @@ def _concentrated(matrices: Array, right: Array, rows: Rows, kept: int, width: i
     """Fits and keeps what fits best, in turns: the trimmed sum, the values and the samples."""
     unknowns = matrices.shape[2]
     objective = np.inf
-    values = np.zeros(unknowns)
+    values: Array = np.zeros(unknowns)
     for _ in range(ROUNDS):
-        values = np.linalg.lstsq(matrices[rows].reshape(-1, unknowns), right[rows].ravel(), rcond=None)[0]
+        stacked = matrices[rows].reshape(-1, unknowns)
+        values = np.asarray(np.linalg.lstsq(stacked, right[rows].ravel(), rcond=None)[0], dtype=np.float64)
         left = np.sum((right - matrices @ values) ** 2, axis=1)
         smooth = uniform_filter1d(left, width, mode="nearest")
         rows = np.asarray(smooth <= np.partition(smooth, kept - 1)[kept - 1], dtype=bool)
