@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
 from cases.controller_promises import Promises
 from cases.controller_struts import PointToPointDrives
@@ -39,6 +39,8 @@ class Sinumerik(Part):
     """Names of the axes behind them, for FGROUP( ) and PO[ ]."""
     path: Literal["poly", "lines"]
     """Motions that are no straight moves: polynomial blocks (POLY), or dense G1 with the compressor COMPCAD."""
+    moves: Literal["feed", "poly"] = "feed"
+    """Point-to-point moves: G1 at a feed under the controller's own time law, or POLY blocks that hold the plan's."""
     poly_degree: Literal[3, 5]
     poly_axes: Annotated[int, Field(strict=True, ge=1, le=9)]
     """How many axes one POLY block may hold; fewer than six cannot carry a hexapod's motion."""
@@ -59,6 +61,12 @@ class Sinumerik(Part):
     controller_keeps: Promises
     ptp: PointToPointDrives | None = None
     """Drives in moves under `PTP`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
+
+    @model_validator(mode="after")
+    def _polynomials_at_all(self) -> "Sinumerik":
+        if self.moves == "poly" and self.path != "poly":
+            raise ValueError("moves = 'poly' needs path = 'poly'; set both, or moves = 'feed'")
+        return self
 
     @property
     def poly_block(self) -> float:

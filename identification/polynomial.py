@@ -1,13 +1,17 @@
 """A motion of polynomial pieces, each with its duration: what splines are made of."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from identification.motion import Motion
+from identification.profile import Profile, StraightMove
 
 Array = NDArray[np.float64]
+
+SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,3 +91,32 @@ class PolynomialMotion:
                 values[order] = values[order] * local + coefficient[which]
             table = table[1:] * np.arange(1, len(table))[:, None, None]
         return Motion(time, *values)
+
+
+def polynomials_of(moves: Sequence[StraightMove]) -> PolynomialMotion:
+    """Moves of seven segments one after the other as what they are: a cubic polynomial a segment.
+
+    Args:
+        moves: each begins where the one before it ends.
+
+    Raises:
+        ValueError: a move of another law, or one that begins elsewhere.
+    """
+    return PolynomialMotion(tuple(piece for move in moves for piece in _segments(move)))
+
+
+def _segments(move: StraightMove) -> Iterator[Piece]:
+    law = move.profile
+    if not isinstance(law, Profile):
+        raise ValueError("a move has no law of seven segments")
+    j, h, c = law.jerk_time, law.hold_time, law.cruise_time
+    durations = np.array([j, h, j, c, j, h, j])
+    starts = np.cumsum(durations) - durations
+    s, v, a, _ = law.at(starts)
+    jerk = law.at(starts + durations / 2)[3]
+    way = move.end - move.start
+    for k in np.flatnonzero(durations > SHORTEST_SEGMENT):
+        shares = np.array([s[k], v[k], a[k] / 2, jerk[k] / 6])
+        coefficients = shares[:, None] * way
+        coefficients[0] += move.start
+        yield Piece(coefficients, float(durations[k]))

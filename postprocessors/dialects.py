@@ -17,6 +17,10 @@ def _in_time(reading: Reading, case: Case) -> Forecast:
     return Forecast()
 
 
+def _as_it_is(program: Program, case: Case) -> Program:
+    return program
+
+
 @dataclass(frozen=True, slots=True)
 class Language:
     """What a dialect can do.
@@ -27,6 +31,7 @@ class Language:
             line and column at anything that it does not understand.
         guarantees: what the controller answers for when it runs a program that was read.
         forecast: what it will make of the program's time; by default that it keeps it.
+        prepare: program and case -> the program in the blocks that this dialect is set up to use.
         tolerance: how far its paths may be off the plan beside rounding, shape (6,) [m, rad].
         same: raises ProgramError where a reading is not the program; None where blocks read back one by one.
     """
@@ -37,6 +42,7 @@ class Language:
     tolerance: Callable[[Case], Array] = lambda case: np.zeros(6)
     same: Callable[[Program, Reading, Case], None] | None = None
     forecast: Callable[[Reading, Case], Forecast] = _in_time
+    prepare: Callable[[Program, Case], Program] = _as_it_is
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +89,7 @@ def _sinumerik(suffix: str = "") -> Language:
     from postprocessors.block_law import sinumerik_forecast
     from postprocessors.promises import sinumerik_guarantees, sinumerik_tolerance
     from postprocessors.reading.sinumerik import read_sinumerik
-    from postprocessors.sinumerik import write_sinumerik
+    from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
 
     return Language(
         write_sinumerik,
@@ -91,6 +97,7 @@ def _sinumerik(suffix: str = "") -> Language:
         sinumerik_guarantees,
         tolerance=sinumerik_tolerance,
         forecast=sinumerik_forecast,
+        prepare=prepare_sinumerik,
     )
 
 

@@ -1,6 +1,7 @@
 """The neutral program: what a controller shall do, block by block, before any dialect."""
 
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,7 +10,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.circle import CircularMove
 from identification.motion import Joined, Measurement, Motion, Standstill, Trajectory
-from identification.polynomial import PolynomialMotion
+from identification.polynomial import PolynomialMotion, polynomials_of
 from identification.profile import StraightMove
 
 Array = NDArray[np.float64]
@@ -178,6 +179,18 @@ def straight_in_struts(program: Program) -> Program:
             "the plan has no point-to-point moves that could be straight in the struts; leave out --ptp-struts"
         )
     return replace(program, blocks=blocks)
+
+
+def moves_as_polynomials(program: Program) -> Program:
+    """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces."""
+    blocks: list[Block] = []
+    for together, group in groupby(program.blocks, lambda b: isinstance(b, PointToPoint)):
+        found = list(group)
+        if together:
+            moves = [b.move for b in found if isinstance(b, PointToPoint)]
+            found = [SplinePath("moves", polynomials_of(moves))]
+        blocks += found
+    return replace(program, blocks=tuple(blocks))
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,7 @@ from postprocessors.program import (
     TimedPath,
     ToHome,
     Trigger,
+    moves_as_polynomials,
     timed_path,
 )
 from postprocessors.promises import sinumerik_guarantees
@@ -175,6 +176,12 @@ class _Writer:
         for pose, step in zip(path.poses[1:], np.diff(path.times), strict=True):
             lines.append(f"G1 {self.pose(pose)} F{number(MINUTE / step, FEED_DECIMALS)}")
         return [*lines, "COMPOF", "G94 G60"]
+
+
+def prepare_sinumerik(program: Program, case: Case) -> Program:
+    """Point-to-point moves as the case wants them: at a feed, or as polynomials."""
+    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
+    return moves_as_polynomials(program) if settings.moves == "poly" else program
 
 
 def write_sinumerik(program: Program, case: Case) -> bytes:

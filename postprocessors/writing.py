@@ -75,6 +75,7 @@ def proven_program(
     program = excitation_program(trajectory, case, header, speed)
     if in_struts:
         program = straight_in_struts(program)
+    program = language.prepare(program, case)
     try:
         text = language.write(program, case)
     except NoStrutMove as error:

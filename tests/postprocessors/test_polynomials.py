@@ -1,21 +1,26 @@
 """POLY pieces: exact where the motion is made of polynomials, within a tolerance where not; two laws of time."""
 
+import re
+
 import numpy as np
 import pytest
 
 from cases.errors import CaseError
-from identification.motion import Joined
-from identification.polynomial import Piece, PolynomialMotion
+from identification.motion import Joined, Standstill
+from identification.polynomial import Piece, PolynomialMotion, polynomials_of
 from identification.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.polynomials import TooCoarse, even_deviation, knots, path_speed_deviation, pieces
-from postprocessors.program import Program, SplinePath, TimedPath, ToHome
+from postprocessors.program import Program, SplinePath, TimedPath, ToHome, excitation_program
 from postprocessors.stretches import Timed, stretches
+from postprocessors.writing import proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, text_of
 from tests.postprocessors.programs import HOME
 
 TIGHT = (1e-9, 1e-9)
+LIMITS = [0.9 * v for v in (CASE.limits.motion.rate, CASE.limits.motion.acceleration, CASE.limits.motion.jerk)]
+FAR = HOME + np.r_[0.05, -0.03, 0.02, 0.1, -0.05, 0.1]
 
 
 def spline(degree: int, seed: int = 0) -> PolynomialMotion:
@@ -126,3 +131,34 @@ def test_post_says_how_far_the_controllers_law_may_stray_from_the_plan():
     assert f"strays up to {off.position * 1e3:.2g} mm" in remark
     assert f"off the plan by {off.position * 1e3:.2g} mm" in text
     assert SINUMERIK.language.forecast(SINUMERIK.read(SINUMERIK.text("G1 X1 F3000")), CASE).remarks == ()
+
+
+def test_moves_of_seven_segments_become_cubic_pieces_of_the_same_law():
+    moves = [StraightMove.fastest(HOME, FAR, *LIMITS), StraightMove.fastest(FAR, HOME, *LIMITS)]
+    t = np.linspace(0.0, sum(m.duration for m in moves), 3001)[1:-1] + 1e-6
+    motion, exact = polynomials_of(moves).at(t), Joined(tuple(moves)).at(t)
+    for name in ("pose", "rates", "accelerations", "jerks"):
+        assert np.abs(getattr(motion, name) - getattr(exact, name)).max() < 1e-6 * np.abs(getattr(exact, name)).max()
+
+
+def test_moves_are_written_as_polynomials_where_the_case_says_so():
+    """Path and time law are the plan's as far as p passes evenly; how far they are off otherwise is stated."""
+    case = changed(CASE, controller__sinumerik__moves="poly")
+    moves = (StraightMove.fastest(HOME, FAR, *LIMITS), StraightMove.fastest(FAR, HOME, *LIMITS))
+    excitation = Joined((*moves, Standstill(HOME, 0.2), moves[0]))
+    written = proven_program(excitation, case, SINUMERIK.language, "p", ())
+    assert written.proof.verdict == "proven"
+    text = written.content.decode()
+    assert text.count("\nG1 ") == 1  # to home
+    said = re.findall(r"; off the plan by (\S+) mm, (\S+) deg at most if (.*)", text)
+    assert [law[:12] for *_, law in said] == ["the polynomi", "the path spe"] * (len(said) // 2)
+    assert float(said[0][0]) < 1e-6
+    assert 0.01 < float(said[1][0]) < 1.0
+    assert "strays up to" in SINUMERIK.language.forecast(written.reading, case).remarks[0]
+    first, second = (s.points for s in stretches(written.reading) if isinstance(s, Timed) and s.trigger)
+    t = np.linspace(0.0, first.duration, 500)
+    assert np.abs(first.at(t).pose - Joined(moves).at(t).pose).max() < 1e-8
+    assert second.duration == pytest.approx(moves[0].duration, rel=1e-7)
+    assert "POLY" not in text_of(SINUMERIK, excitation_program(Joined(moves), CASE, ()))
+    with pytest.raises(ValueError, match="moves = 'poly' needs path = 'poly'"):
+        changed(case, controller__sinumerik__path="lines")
