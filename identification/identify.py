@@ -14,6 +14,7 @@ from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from identification.accelerated import accelerated, compared
 from identification.biases import OFFSET_NAMES, Biases, accelerometer_bias, gain, widened
 from identification.conditioning import USUAL, Conditioning
 from identification.contact import Contact, find_contacts, touched
@@ -86,7 +87,7 @@ def identify(
             require_alive(recording.forces)
         if recording.t is None or case.setup == "1a":
             if conditioning != USUAL:
-                raise RecordingError("is no moving run; --period and --harmonics are for moving runs")
+                raise RecordingError("is no moving run; --period and --accelerated are for moving runs")
             return _from_standstills(recording, case, model, how)
         return _from_motion(recording, case, model, how, conditioning)
     except IdentificationError as error:
@@ -209,7 +210,9 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     problem = Problem.of(model, case, how)
     held: Delay | None = None
     notes: list[str] = []
-    run = run_of(recording, case, model, conditioning, found, how.biases)
+    run = run_of(recording, case, model, replace(conditioning, accelerated=None), found, how.biases)
+    if conditioning.accelerated is not None and not isinstance(run, Run):
+        raise RecordingError("--accelerated goes by the accelerations of struts, behind the low-pass; leave it out")
     if isinstance(run, WristRun):
         band = delay_band(recording)
         wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band)
@@ -239,6 +242,11 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         if _spread(freed) < CALMER * _spread(moving) and not _systematic(freed):
             require_free(float(rows.mean()), [_told(recording, contact) for contact in longer])
             moving, contacts = freed, longer
+    whole, section = moving, None
+    if conditioning.accelerated is not None:
+        assert isinstance(moving.run, Run)
+        section = accelerated(moving.run, conditioning.accelerated)
+        moving = fit_with_delay(section.run, how, problem, moving.delay.value)
     warnings = [*found.warnings, *run.warnings]
     warnings += [f"{_told(recording, contact)}; left out" for contact in contacts]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
@@ -267,7 +275,12 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         moving.run.samples, moving.residuals, moving.delay, noise, notes=tuple(notes), conditioning=conditioning,
         told=told,
     )  # fmt: skip
-    return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
+    chosen = estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
+    if section is None:
+        return chosen
+    evaluation = Evaluation(whole.run.samples, whole.residuals, whole.delay)
+    note, more = compared(section, chosen, estimate_of(model, whole.fit, "", case, evaluation, how, ()))
+    return replace(chosen, notes=(*chosen.notes, note), told={**chosen.told, **more})
 
 
 def _averages(averaged: Averaged) -> dict[str, Any]:
@@ -318,7 +331,8 @@ def run_of(
         return periodic_run(recording, case, model, conditioning.periodic, found)
     if recording.struts is None:
         return wrist_run(recording, case, model, MOST_DELAY, biases)
-    return moving_run(recording, case, model, found=found)
+    run = moving_run(recording, case, model, found=found)
+    return run if conditioning.accelerated is None else accelerated(run, conditioning.accelerated).run
 
 
 def _long_contacts(run: Run, moving: Moving) -> tuple[Contact, ...]:

@@ -69,6 +69,13 @@ def identify(
     harmonics: Annotated[
         int | None, typer.Option(help="Of that series; by default as many as stand out of the struts' noise.")
     ] = None,
+    accelerated: Annotated[
+        str | None,
+        typer.Option(
+            help="Evaluate the samples of highest strut acceleration only: a share of them, 30%, or those above a "
+            "threshold, 3m/s^2; the standard deviations are compared with those of all samples."
+        ),
+    ] = None,
     verify: Annotated[
         Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
     ] = None,
@@ -85,7 +92,7 @@ def identify(
     wanted = Wish(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
         tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
-        read_conditioning(period, harmonics),
+        read_conditioning(period, harmonics, accelerated),
     )  # fmt: skip
     answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills))
     if verify is not None:
