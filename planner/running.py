@@ -37,6 +37,7 @@ from postprocessors.stretches import Stretch, Timed, Untimed, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
 SLOWER = 4.0  # speed-up of a second session
+NOTICEABLE = 0.01  # of a run
 
 
 class Rating(NamedTuple):
@@ -184,6 +185,9 @@ def _on_linuxcnc(read: ProgramFile, case: Case) -> ExecutedRun:
         why = "the same at a fifth of the speed" if agree else "this computer was too busy, the slower run counts"
         remark = f"{late.sentence()}; {why}" if agree or again is None else f"{again.sentence()}; {why}"
         log = slower
+    if log.left_out > NOTICEABLE * len(log.lines):
+        surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
+        remark = f"{remark}; {surplus}" if remark else surplus
     execution = StrutExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
     excited = moving_windows(log.trigger, log.strut_lengths, log.period)
     return ExecutedRun(log.controller, execution, excited, real=True, remark=remark)

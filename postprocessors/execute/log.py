@@ -20,6 +20,7 @@ class ControllerLog:
         trigger: the recording output, shape (n,).
         lines: the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the
             controller reports it so (LinuxCNC), shape (n,).
+        left_out: cycles of standstill that are not in it, because only the computer's clock made them.
 
     Raises:
         ValueError: a shape is wrong, a value is not finite, or the log is empty.
@@ -31,6 +32,7 @@ class ControllerLog:
     poses: Array
     trigger: NDArray[np.bool_]
     lines: NDArray[np.int64]
+    left_out: int = 0
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.period) and self.period > 0.0):

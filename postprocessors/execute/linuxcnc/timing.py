@@ -9,7 +9,10 @@ stops between them, and the log is true but not what LinuxCNC does in real time.
 """
 
 import re
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +31,10 @@ BLOCK = 1e-3
 """Shortest block that a session is given [s on the wall]. Down to half of it motion is the same at every speed-up, also
 with four other busy processes on two cores; at a quarter of it blocks run out now and then."""
 
+FEWEST_CYCLES = 10
+"""That a standstill keeps: switches take LinuxCNC some cycles in real time too."""
+
+_SWITCH = re.compile(r"M(?P<code>6[45])P0*")
 _DWELL = re.compile(r"G4 P(?P<seconds>[0-9]+(\.[0-9]+)?)\s*")
 _ANY_DWELL = re.compile(r"G0*4(\.0*)?(?![0-9.])")
 _FEED_MODE = re.compile(r"G(9[345])(?![0-9.])")
@@ -115,15 +122,7 @@ def dwell_problem(
     Returns:
         None, or what is wrong, beginning with the line.
     """
-    moving = np.flatnonzero(log.lines)
-    executed = log.lines[moving]
-    standstills: dict[int, list[int]] = {}  # dwells that the same motion follows
-    for number in durations:
-        standstills.setdefault(int(np.searchsorted(executed, number)), []).append(number)
-    for following, numbers in standstills.items():
-        start = window[0] if following == 0 else int(moving[following - 1]) + 1
-        # The first cycle of a motion still shows the line before it.
-        end = window[1] if following == len(moving) else int(moving[following]) - 1
+    for numbers, start, end, _, _ in _standstills(log, durations, window):
         taken = (end - start) * log.period
         planned = sum(durations[number] for number in numbers)
         allowed = planned + len(numbers) * (reserve + LATENCY) * speedup
@@ -133,3 +132,87 @@ def dwell_problem(
                 f"computer is too busy, run again with a speed-up below {speedup:g}"
             )
     return None
+
+
+class _Standstill(NamedTuple):
+    """Dwells without a motion between them.
+
+    Args:
+        numbers: of their lines.
+        start: first row of the log during which they stood.
+        end: one past the last.
+        before: line of the motion before, 0 where there is none.
+        after: line of the motion after, or one past all lines that are executed.
+    """
+
+    numbers: list[int]
+    start: int
+    end: int
+    before: int
+    after: float
+
+
+def _standstills(log: ControllerLog, durations: dict[int, float], window: tuple[int, int]) -> Iterator[_Standstill]:
+    moving = np.flatnonzero(log.lines)
+    executed = log.lines[moving]
+    together: dict[int, list[int]] = {}  # dwells that the same motion follows
+    for number in durations:
+        together.setdefault(int(np.searchsorted(executed, number)), []).append(number)
+    for k, numbers in together.items():
+        start, before = (int(moving[k - 1]) + 1, int(executed[k - 1])) if k > 0 else (window[0], 0)
+        # The first cycle of a motion still shows the line before it.
+        end, after = (int(moving[k]) - 1, float(executed[k])) if k < len(moving) else (window[1], np.inf)
+        yield _Standstill(numbers, start, end, before, after)
+
+
+def without_surplus(
+    log: ControllerLog, lines: list[str], durations: dict[int, float], window: tuple[int, int]
+) -> ControllerLog:
+    """The log without the cycles by which dwells lasted longer only because the wall clock timed them.
+
+    Left out are cycles in the middle of a standstill, during which nothing changed, so that each dwell is as long as
+    programmed. Where the trigger switches between dwells (M64, M65), each is shortened by itself; where the log does
+    not show the switches that the program asks for, nothing is left out.
+
+    Args:
+        log: of a run whose dwells are proven.
+        lines: of the program.
+        durations: line number and duration [s] of each dwell.
+        window: rows between which the program ran: first, and one past the last.
+    """
+    keep = np.ones(len(log.lines), dtype=bool)
+    switches = {
+        n: found["code"] == "64" for n, line in enumerate(map(words, lines), 1) if (found := _SWITCH.fullmatch(line))
+    }
+    for still in _standstills(log, durations, window):
+        edges = still.start + 1 + np.flatnonzero(np.diff(log.trigger[still.start : still.end].astype(int)))
+        planned = _between_switches(still, durations, switches, bool(log.trigger[still.start]))
+        if len(planned) == len(edges) + 2 and planned[-1] == 0.0:
+            planned.pop()  # the last switch comes with the motion
+        if len(planned) != len(edges) + 1:
+            continue
+        bounds = [still.start, *(int(edge) for edge in edges), still.end]
+        for first, last, seconds in zip(bounds, bounds[1:], planned, strict=False):
+            cycles = max(round(seconds / log.period), FEWEST_CYCLES)
+            middle = first + cycles // 2
+            surplus = slice(middle, middle + last - first - cycles)
+            if surplus.stop <= middle:
+                continue
+            if not np.ptp(log.strut_lengths[middle - 1 : surplus.stop + 1], axis=0).any():
+                keep[surplus] = False
+    columns = {name: getattr(log, name)[keep] for name in ("strut_lengths", "poses", "trigger", "lines")}
+    return replace(log, **columns, left_out=int(np.count_nonzero(~keep)))
+
+
+def _between_switches(
+    still: _Standstill, durations: dict[int, float], switches: dict[int, bool], on: bool
+) -> list[float]:
+    """Programmed time before, between and after the switches that change the trigger in a standstill [s]."""
+    planned = [0.0]
+    for number in sorted([*still.numbers, *(n for n in switches if still.before < n < still.after)]):
+        if number in durations:
+            planned[-1] += durations[number]
+        elif switches[number] != on:
+            on = switches[number]
+            planned.append(0.0)
+    return planned

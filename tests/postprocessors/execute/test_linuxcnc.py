@@ -144,7 +144,7 @@ def test_dwells_take_their_time_in_the_controllers_clock(executed: ControllerLog
     for before, after, planned in ((4, 8, 0.25), (9, 13, 0.2)):
         start = int(np.flatnonzero(executed.lines == before)[-1]) + 1
         end = int(np.argmax(executed.lines == after)) - 1  # the first cycle of a motion shows the line before it
-        assert (end - start) * executed.period >= planned
+        assert (end - start) * executed.period == pytest.approx(planned, abs=1e-9)
         np.testing.assert_array_equal(np.ptp(executed.poses[start:end], axis=0), 0.0)
 
 
@@ -468,6 +468,40 @@ def test_dwells_next_to_no_motion_are_proven_within_the_run() -> None:
     assert timing.dwell_problem(log, {1: 0.1, 3: 0.1}, 20.0, 0.002, (40, 265)) is None
     assert "line 1: " in str(timing.dwell_problem(log, {1: 0.1, 3: 0.1}, 20.0, 0.002, (60, 265)))
     assert "line 3: " in str(timing.dwell_problem(log, {1: 0.1, 3: 0.1}, 20.0, 0.002, (40, 245)))
+
+
+def standing(phases: list[tuple[int, bool]]) -> ControllerLog:
+    """Motion in line 1, phases of standstill with the trigger as stated, motion in line 9."""
+    count = sum(n for n, _ in phases)
+    lines = np.array([1] * 5 + [0] * (count + 1) + [9] * 5)
+    trigger = np.array([False] * 5 + [on for n, on in phases for _ in range(n)] + [False] * 6)
+    struts = np.ones((len(lines), 6))
+    struts[:5] += 0.01 * np.arange(5)[:, None]
+    return ControllerLog("none", 1e-3, struts, np.zeros((len(lines), 6)), trigger, lines)
+
+
+POSE = ["G1 X1", "G4 P0.1", "M64 P0 (on)", "G4 P0.2", "M65 P0", "", "G4 P0.05", "", "G1 X2"]
+POSE_DWELLS = {2: 0.1, 4: 0.2, 7: 0.05}
+
+
+def test_dwells_are_as_long_in_the_log_as_programmed_each_with_its_trigger() -> None:
+    log = standing([(130, False), (204, True), (90, False)])
+    found = timing.without_surplus(log, POSE, POSE_DWELLS, (0, len(log.lines)))
+    np.testing.assert_array_equal(np.flatnonzero(found.trigger), 5 + 100 + np.arange(200))
+    assert np.count_nonzero(found.lines == 0) == 350 + 1
+    assert found.left_out == 30 + 4 + 40 == len(log.lines) - len(found.lines)
+    np.testing.assert_array_equal(found.strut_lengths[:6], log.strut_lengths[:6])
+
+
+def test_what_the_log_does_not_show_as_programmed_stays() -> None:
+    for phases in ([(130, False)], [(130, False), (204, True), (90, False), (10, True)]):
+        log = standing(phases)
+        assert timing.without_surplus(log, POSE, POSE_DWELLS, (0, len(log.lines))).left_out == 0
+    moved = standing([(130, False), (204, True), (90, False)])
+    struts = moved.strut_lengths.copy()
+    struts[5 + 60] += 1e-6
+    creeping = ControllerLog("none", 1e-3, struts, moved.poses, moved.trigger, moved.lines)
+    assert timing.without_surplus(creeping, POSE, POSE_DWELLS, (0, len(moved.lines))).left_out == 4 + 40
 
 
 # Errors without LinuxCNC
