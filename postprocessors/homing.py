@@ -20,8 +20,8 @@ _AT_MOST = "from anywhere, at most"
 def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]:
     """Limits of a move from an unknown pose.
 
-    The feed must not be above the case's safe feed, for nobody can look for obstacles on a way that is not known. A, B
-    and C turn as fast as they must, and only the controller limits them.
+    The feed must not be above the case's safe feed (a rapid is), for nobody can look for obstacles on a way that is not
+    known. A, B and C turn as fast as they must, and only the controller limits them.
 
     Args:
         part: the move.
@@ -33,19 +33,17 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
             yield check
     limits = by.limits
     rate = limits.rate.copy()
-    if part.feed is None:
-        yield _largest("velocity", rate[:3], rate[:3], "mm/s", clock, by)
-    else:
-        safe = min(by.case.need_controller("the check of a program").safe_feed, float(rate[:3].min()))
-        yield LimitCheck("feed to home", part.feed / MM, safe / MM, "mm/s", part.feed / safe, clock, Status.PROVEN)
-        rate[:3] = np.minimum(rate[:3], part.feed)
+    safe = min(by.case.need_controller("the check of a program").safe_feed, float(rate[:3].min()))
+    feed = float(rate[:3].max()) if part.feed is None else part.feed
+    yield LimitCheck("feed to home", feed / MM, safe / MM, "mm/s", feed / safe, clock, Status.PROVEN)
+    rate[:3] = np.minimum(rate[:3], feed)
     yield _largest("angular velocity", rate[3:], limits.rate[3:], "deg/s", clock, by)
     peaks = _peak_accelerations(rate, by)
     yield _largest("acceleration", peaks, limits.acceleration, "m/s^2 or rad/s^2", clock, by)
     cycle = by.guarantees.jerk_time
     jerks = 2.0 * peaks / cycle if cycle > 0.0 else limits.jerk  # an acceleration that reverses within a cycle
     yield _largest("jerk", jerks, limits.jerk, "m/s^3 or rad/s^3", clock, by)
-    yield from _of_struts(part, rate, peaks, by, clock)
+    yield from _of_struts(feed, rate, peaks, by, clock)
     if by.forces is not None:
         bound = by.forces.anywhere(clock)
         kept = by.forces_kept(lambda forces: bound, WAY_HOME)
@@ -60,13 +58,13 @@ def _peak_accelerations(rate: Array, by: Answering) -> Array:
     return np.array([np.abs(law.at(np.linspace(0.0, law.duration, 1001))[2]).max() for law in laws])
 
 
-def _of_struts(part: Untimed, rate: Array, peaks: Array, by: Answering, clock: float) -> Iterable[LimitCheck]:
+def _of_struts(feed: float, rate: Array, peaks: Array, by: Answering, clock: float) -> Iterable[LimitCheck]:
     """Bounds wherever the machine stands: |omega| <= |roll'| + |pitch'| + |yaw'|, and l'' <= |s''| + |s'|^2 / l."""
     machine, workspace, limits = by.case.need_machine("the check of a program")
     motion = limits.motion
     arm = float(np.linalg.norm(machine.platform.points, axis=1).max())
     omega = float(rate[3:].sum())
-    speed = (float(np.linalg.norm(rate[:3])) if part.feed is None else part.feed) + arm * omega
+    speed = feed + arm * omega
     kept = speed <= motion.strut_velocity_m_s and "velocity" in by.guarantees.enforced
     yield _row("strut velocity", speed, motion.strut_velocity_m_s, "m/s", clock, by, Status.ENFORCED if kept else None)
     turning = float(peaks[3:].sum()) + omega**2

@@ -45,8 +45,15 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
         yield "the machine must stand at home when it starts"
     if away := _away(_end_of(moves[-1]), home):
         yield f"it does not end at home, {away}"
+    if reading.unsaid:
+        yield (
+            f"{', '.join(reading.unsaid)} missing before the first move: offsets that another program left would shift "
+            "every pose"
+        )
     switches = [event for event in reading.events if isinstance(event, Switch)]
-    if switches and switches[-1].on:
+    if not any(event.on for event in switches):
+        yield "the trigger is never switched on: a recording would not know what to evaluate"
+    elif switches[-1].on:
         yield f"line {switches[-1].line}: the trigger is never switched off again"
 
 

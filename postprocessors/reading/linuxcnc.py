@@ -48,6 +48,7 @@ _GROUPS = (
 )
 # Words that change nothing that a hexapod program here relies on: no compensation, offset, cycle; relative centres.
 _NEUTRAL = {"G40", "G49", "G54", "G80", "G91.1", "G92.1"}
+_OFFSETS_OFF = ("G49", "G54", "G92.1")  # neither the interpreter's start nor M2 switches all of them off
 _PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 _CENTRES = "IJK"
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
@@ -86,6 +87,8 @@ class _Interpreter:
         self.feed: float | None = None
         self.motion: str | None = None
         self.plane: Plane | None = None
+        self.said: set[str] = set()
+        self.moved = False
 
     def error(self, line: int, word: _Word | None, problem: str) -> ProgramError:
         return ProgramError(self.file, line, word.column if word else 0, problem)
@@ -110,6 +113,8 @@ class _Interpreter:
         for word in codes:
             self._code(line, word, seen)
         written = {w.code for w in codes}
+        if not self.moved:
+            self.said |= written
         for letter, owners in (("P", {"G4", "G64", *_SWITCHES}), ("Q", {"G64"})):
             if letter in seen and not written & owners:
                 raise self.error(line, seen[letter], f"{letter} without {' or '.join(sorted(owners))}; remove it")
@@ -179,6 +184,7 @@ class _Interpreter:
             raise self.error(line, None, "a move before G21 and G90; units and coordinates are not known, add them")
         if self.motion is None:
             raise self.error(line, None, "axis words without G0 or G1; add G1")
+        self.moved = True
         end = self.pose.copy()
         for k, letter in enumerate(_AXES):
             if letter in seen:
@@ -313,4 +319,5 @@ def read_linuxcnc(text: str, file: str) -> Reading:
             blocks += 1
     if not interpreter.ended:
         raise ProgramError(file, 0, 0, "no M2 at the end; the file is truncated or not a LinuxCNC program")
-    return Reading(file, tuple(interpreter.events), blocks)
+    unsaid = tuple(word for word in _OFFSETS_OFF if word not in interpreter.said)
+    return Reading(file, tuple(interpreter.events), blocks, unsaid)

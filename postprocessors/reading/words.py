@@ -154,8 +154,10 @@ class Reading:
         file: its name, for messages.
         events: in order.
         blocks: number of lines that hold words.
+        unsaid: words that are missing before its first move, without which what another program left shifts its poses.
     """
 
     file: str
     events: tuple[Event, ...]
     blocks: int
+    unsaid: tuple[str, ...] = ()
