@@ -48,6 +48,23 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
+class Answer:
+    """A claim that figures bear out or not."""
+
+    holds: bool
+    claim: str
+    figures: str
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """Claims with their answers, one below the other."""
+
+    answers: tuple[Answer, ...]
+    kind: str = "answers"
+
+
+@dataclass(frozen=True, slots=True)
 class Table:
     """A table; the first `left` columns hold words, the others numbers."""
 
@@ -101,7 +118,7 @@ class Machine:
         return Markup(to_json_plotly(self.scene))
 
 
-Item = Tiles | Note | Table | Plot | Machine
+Item = Tiles | Note | Answers | Table | Plot | Machine
 
 
 @dataclass(frozen=True, slots=True)

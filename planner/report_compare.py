@@ -37,7 +37,7 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
         row = [f"{name} [{shown}]"]
         for t in told:
             row.append("-" if t is None or t.value is None else f"{t.value * scale:.6g}")
-            row.append("-" if t is None else f"{t.std * scale:.2g}")
+            row.append("-" if t is None else f"{t.std * scale:#.2g}")
         rows.append(row)
     return rows
 
@@ -52,7 +52,7 @@ def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
         row = [f"{name} [{shown} √s]"]
         for entry, t in zip(entries, told, strict=True):
             known = t is not None and entry.duration is not None
-            row.append(f"{t.std * scale * np.sqrt(entry.duration):.2g}" if known and t and entry.duration else "-")
+            row.append(f"{t.std * scale * np.sqrt(entry.duration):#.2g}" if known and t and entry.duration else "-")
         rows.append(row)
     return rows
 
@@ -82,7 +82,7 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
         Section(
             "Parameters side by side (Table 6)",
             (
-                _std_plot(entries),
+                _std_plot(groups),
                 Table(wide, tuple(map(tuple, parameter_rows(entries)))),
                 Note(
                     "std of plans and runs: predicted from the information alone, with white noise as the case states."
@@ -124,34 +124,40 @@ def _scaling_note() -> Note:
     )
 
 
-def _std_plot(entries: Sequence[Entry]) -> Plot:
+def _coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
+    """Entries with colours: what belongs together has one."""
+    return [(entry, (*COLOURS, GREY)[k % 7]) for k, group in enumerate(groups) for entry in group]
+
+
+def _std_plot(groups: Sequence[Sequence[Entry]]) -> Plot:
     figure = go.Figure()
-    for k, entry in enumerate(entries):
+    for entry, colour in _coloured(groups):
         names = list(entry.parameters)
-        marker = {
-            "size": 9,
-            "color": (*COLOURS, GREY)[k % 7],
-            "symbol": ("circle-open", "diamond", "circle")[entry.level - 1],
-        }
+        symbol = ("circle-open", "diamond", "circle")[entry.level - 1]
+        marker = {"size": 9, "color": colour, "symbol": symbol}
         y = [entry.parameters[n].std for n in names]
         figure.add_scatter(x=[plain(n) for n in names], y=y, name=plain(entry.name), mode="markers", marker=marker)
     figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title_text="std [SI]", type="log")
+    figure.update_yaxes(title_text="std [SI]", type="log", dtick=1)
     note = (
-        "Standard deviations: open circles predicted by a plan, diamonds for the motion as executed, dots identified."
+        "Standard deviations: open circles predicted by a plan, diamonds for the motion as executed, dots identified; "
+        "a plan, its run and its result have one colour."
     )
     return Plot("std", figure.update_layout(height=420), note)
 
 
-def compare_figure(entries: Sequence[Entry]) -> Figure:
+def compare_figure(groups: Sequence[Sequence[Entry]]) -> Figure:
     """Standard deviations side by side, for papers."""
     figure = Figure(figsize=(11, 4.5), layout="constrained")
     ax = figure.subplots()
+    entries = [e for g in groups for e in g]
     names = list(dict.fromkeys(n for e in entries for n in e.parameters))
-    for k, entry in enumerate(entries):
+    for k, (entry, colour) in enumerate(_coloured(groups)):
         x = [names.index(n) + 0.1 * (k - len(entries) / 2) for n in entry.parameters]
         y = [t.std for t in entry.parameters.values()]
-        ax.plot(x, y, "osD"[k % 3], color=(*COLOURS, GREY)[k % 7], label=f"{entry.name} ({entry.level.name.lower()})")
+        hollow = "none" if entry.level == 1 else colour
+        label = f"{entry.name} ({entry.level.name.lower()})"
+        ax.plot(x, y, ("o", "D", "o")[entry.level - 1], color=colour, markerfacecolor=hollow, label=label)
     ax.set_xticks(range(len(names)), names, rotation=60)
     ax.set_yscale("log")
     ax.set_ylabel("standard deviation [SI]")

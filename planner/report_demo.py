@@ -94,8 +94,10 @@ def _truth(rows: list[dict[str, Any]], estimate: Estimate) -> tuple[Item, ...]:
     table = []
     for row in rows:
         scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
-        numbers = (f"{row['truth'] * scale:.6g}", f"{row['estimate'] * scale:.6g}", f"{row['std'] * scale:.2g}")
-        table.append((row["name"], *numbers, f"{row['error'] * scale:+.2g}", f"{row['error'] / row['std']:+.2f}", unit))
+        numbers = (f"{row['truth'] * scale:.6g}", f"{row['estimate'] * scale:.6g}", f"{row['std'] * scale:#.2g}")
+        table.append(
+            (row["name"], *numbers, f"{row['error'] * scale:+#.2g}", f"{row['error'] / row['std']:+.2f}", unit)
+        )
     inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in rows)
     words = f"{inside} of {len(rows)} truths lie in the 95 % interval of their estimate."
     if estimate.delay is not None:

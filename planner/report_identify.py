@@ -66,7 +66,7 @@ def _headline(estimate: Estimate) -> Tiles:
 def _with_error(estimate: Estimate, name: str, scale: float, unit: str) -> str:
     value = estimate.physical[name]
     std = max(value.std, value.std_robust)
-    return f"{value.value * scale:.6g} ± {std * scale:.2g} {unit}"
+    return f"{value.value * scale:.6g} ± {std * scale:#.2g} {unit}"
 
 
 def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
@@ -77,7 +77,7 @@ def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
         low, high = p.interval(estimate.freedom)
         values = (p.value * scale, low * scale, high * scale)
         value, low_text, high_text = (f"{v:.6g}" for v in values)
-        rows.append((name, value, f"{p.std * scale:.2g}", f"{p.std_robust * scale:.2g}", low_text, high_text, unit))
+        rows.append((name, value, f"{p.std * scale:#.2g}", f"{p.std_robust * scale:#.2g}", low_text, high_text, unit))
     items: list[Item] = [
         parameters_plot({name: value._asdict() for name, value in estimate.physical.items()}),
         Table(PARAMETER_COLUMNS, tuple(rows)),

@@ -48,7 +48,7 @@ def _deviations(plan: PosePlan) -> tuple[Item, ...]:
     rows = []
     for p in physical_form(identification_model(plan.case, plan.request.model)).parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
-        rows.append((p.name, f"{plan.predicted_std[p.name] * scale:.3g}", unit))
+        rows.append((p.name, f"{plan.predicted_std[p.name] * scale:#.3g}", unit))
     note = Note(f"Predicted for averaged forces that scatter by {plan.noise:.3g} N, independently from pose to pose.")
     return (Table(("parameter", "predicted std", "unit"), tuple(rows)), note)
 
@@ -61,6 +61,6 @@ def _places(plan: PosePlan) -> Plot:
     ):
         marker = {"size": size, "color": colour}
         figure.add_scatter(x=poses[:, 0] * 1e3, y=poses[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
-    figure.update_xaxes(title_text="x [mm]")
-    figure.update_yaxes(title_text="y [mm]", scaleanchor="x")
+    figure.update_xaxes(title_text="x [mm]", constrain="domain")
+    figure.update_yaxes(title_text="y [mm]", scaleanchor="x", constrain="domain")
     return Plot("places", figure.update_layout(height=460), "Seen from above; several orientations share a place.")

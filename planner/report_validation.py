@@ -1,5 +1,6 @@
 """The page of a validation: Table 7, what the methods cost and give, and why a value is off."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -8,7 +9,7 @@ from matplotlib.figure import Figure
 
 from cases.schema import Case
 from identification.result import Estimate
-from planner.report import Item, Note, Page, Plot, Section, Table, plain, rows_of
+from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.report_figures import COLOURS, GREY
 from planner.validation import COMPARED, SHOWN, Step
 from planner.validation_causes import SUSPICIOUS
@@ -61,7 +62,7 @@ def validation_page(
     payloads = case.payloads
     assert payloads is not None
     warnings = tuple(f"{method} was not run: {why}" for method, why in failed.items())
-    warnings += tuple(f"{s.method}, {s.load:.0f} kg: {w}" for s in steps for w in s.estimate.warnings)
+    warnings += tuple(_warnings(steps))
     tables: list[Item] = []
     for method in _methods(steps):
         own = [s for s in steps if s.method == method]
@@ -97,9 +98,23 @@ def validation_page(
     )
 
 
-def _findings(verdict: Sequence[Finding]) -> Table:
-    rows = tuple(("yes" if f.holds else "NO", f.claim, f.figures) for f in verdict)
-    return Table(("", "claim", "figures"), rows, left=3)
+def _findings(verdict: Sequence[Finding]) -> Answers:
+    return Answers(tuple(Answer(f.holds, f.claim, f.figures) for f in verdict))
+
+
+def _warnings(steps: Sequence[Step]) -> list[str]:
+    """Each warning once, with the runs that it was given for: those that differ by numbers alone count as one."""
+    given: dict[str, list[tuple[str, str]]] = {}
+    for step in steps:
+        for warning in step.estimate.warnings:
+            run = f"{step.method} {step.load:.0f} kg"
+            given.setdefault(re.sub(r"[0-9.]+", "#", warning), []).append((run, warning))
+    sentences = []
+    for runs in given.values():
+        first, warning = runs[0]
+        others = ", ".join(run for run, _ in runs[1:])
+        sentences.append(f"{first}: {warning}" + (f" (likewise: {others})" if others else ""))
+    return sentences
 
 
 def _deviation_note() -> Note:
@@ -130,7 +145,7 @@ def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], 
             x=[plain(n) for n in names], y=values, name=plain(step.method), mode="markers", marker=marker
         )
     figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title_text=f"std [SI]{suffix}", type="log")
+    figure.update_yaxes(title_text=f"std [SI]{suffix}", type="log", dtick=1)
     note = (
         "Reported standard deviations without payload, at each method's own residuals."
         if not suffix
@@ -143,12 +158,12 @@ def _std_table(steps: Sequence[Step]) -> Table:
     bare = [s for s in steps if s.weights == 0]
     names = list(dict.fromkeys(n for s in bare for n in s.estimate.physical))
     rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
-    rows.append(("s0", *(f"{s.s0:.3g} N" for s in bare)))
+    rows.append(("s0", *(f"{s.s0:#.3g} N" for s in bare)))
     for name in names:
         scale, unit = SCALES.get(name, (1.0, ""))
         found = [s.estimate.physical.get(name) for s in bare]
         unit = unit or next(v.unit for v in found if v is not None)
-        rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:.3g}" for v in found)))
+        rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:#.3g}" for v in found)))
     return Table(("without payload", *(s.method for s in bare)), tuple(rows))
 
 
@@ -199,7 +214,7 @@ def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
         scale, unit = SCALES.get(name, (1.0, ""))
         found = [e.physical.get(name) for e in columns.values()]
         unit = unit or next(v.unit for v in found if v is not None)
-        told = ("-" if v is None else f"{v.value * scale:.5g} ± {v.reported * scale:.2g}" for v in found)
+        told = ("-" if v is None else f"{v.value * scale:.5g} ± {v.reported * scale:#.2g}" for v in found)
         rows.append((f"{name} [{unit}]", *told))
     truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
     note = (

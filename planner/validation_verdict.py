@@ -112,7 +112,7 @@ def _inside(steps: Sequence[Step]) -> Finding:
         worst = max(off, key=lambda found: abs(found[2]))
         words += f"; the worst is {worst[1]} of {worst[0].method} at {worst[0].load:.0f} kg with {worst[2]:+.1f}"
     if causes:
-        words += "; causes of the others: " + ", ".join(f"{c} {n} times" for c, n in causes.items())
+        words += "; causes of the others: " + ", ".join(f"{c} ({n})" for c, n in causes.items())
     return Finding(
         f"mass, centre of gravity and inertia lie within {SUSPICIOUS:g} reported standard deviations of the truth",
         not off,

@@ -47,7 +47,7 @@ def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, 
         with atomic_folder(output, COMPARISON) as part:
             (part / "comparison.json").write_text(json_text(answer), encoding="utf-8")
             (part / "report.html").write_text(render(compare_page(found, advice)), encoding="utf-8")
-            save_figure(compare_figure(entries), part / "plots", "standard_deviations")
+            save_figure(compare_figure(found), part / "plots", "standard_deviations")
     answer = {"report": str(output / "report.html")} | answer
     if not quiet:
         _show(answer, found)

@@ -7,14 +7,17 @@ const colour = (name) => getComputedStyle(document.documentElement).getPropertyV
 
 function template() {
   const ink = colour("--ink"), line = colour("--line"), clear = "rgba(0,0,0,0)";
-  const axis = { gridcolor: line, zerolinecolor: line, linecolor: line, automargin: true, title: { standoff: 8 } };
+  const axis = {
+    gridcolor: line, zerolinecolor: line, linecolor: line, automargin: true, title: { standoff: 8 },
+    exponentformat: "power", minexponent: 4,
+  };
   const space = { gridcolor: line, zerolinecolor: line, showbackground: false, color: ink };
   return {
     layout: {
       paper_bgcolor: clear, plot_bgcolor: clear, colorway: PALETTE,
       font: { color: ink, family: "system-ui, sans-serif", size: 13 },
       xaxis: axis, yaxis: axis, scene: { xaxis: space, yaxis: space, zaxis: space },
-      margin: { l: 10, r: 10, t: 30, b: 10 },
+      margin: { l: 10, r: 10, t: 30, b: 18 },
       legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, bgcolor: clear },
       modebar: { bgcolor: clear, color: colour("--soft"), activecolor: ink },
       hoverlabel: { bgcolor: colour("--raised"), font: { color: ink } },
@@ -86,7 +89,7 @@ function machine(div, scene) {
   const layout = {
     height: 520, uirevision: "keep", margin: { l: 0, r: 0, t: 30, b: 0 },
     scene: {
-      aspectmode: "data", camera: { eye: { x: 1.3, y: -1.5, z: 0.7 } },
+      aspectmode: "data", camera: { eye: { x: 1.2, y: -1.4, z: 0.65 }, center: { x: 0, y: 0, z: -0.1 } },
       xaxis: axis("x [mm]", scene.range[0]), yaxis: axis("y [mm]", scene.range[1]), zaxis: axis("z [mm]", scene.range[2]),
     },
   };

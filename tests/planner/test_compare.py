@@ -10,6 +10,7 @@ from playwright.sync_api import Browser
 
 from cases.schema import Case
 from planner.comparing import Entry, Level, Told, groups, read_entry, recommend
+from planner.report_compare import _coloured
 from tests.planner.browser import opened
 from tests.planner.command_line import call, refused
 
@@ -99,6 +100,14 @@ def test_the_command_compares_and_writes_a_page(chain: Chain, shared: Path, tmp_
     with opened(browser, Path(answer["report"]), 400) as tab:
         assert (tab.errors, tab.requests) == ([], [])
         assert "smallest" in tab.page.locator(".note").first.inner_text()
+
+
+def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):
+    found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
+    other = replace(found[0][0], name="another", path=None)
+    colours = [colour for _, colour in _coloured([*found, [other]])]
+    assert len(set(colours[:3])) == 1
+    assert colours[3] != colours[0]
 
 
 def test_units_stand_in_the_tables(chain: Chain, shared: Path, tmp_path: Path):
