@@ -15,6 +15,7 @@ from cases.units import DEG, MM
 from identification.limits import LimitReport
 from identification.motion import Motion, Trajectory, sample
 from planner.bound import Bound
+from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.saved import motion_entries, motion_of_entries
 from planner.noise import ExpectedNoise
@@ -98,6 +99,10 @@ class Plan:
             order = max(2, self.motion.order - needless)
             if order < self.motion.order:
                 notes.append(f"the highest {needless} harmonics are negligible: --order {order} would do")
+        tried = {(s.family.order, s.family.period) for s in self.starts if isinstance(s.family, FourierFamily)}
+        if len(tried) > 1:
+            own = f"order {self.settings['order']} with period {self.settings['period_s']:g} s"
+            notes.append(f"{own} is the best of {len(tried)} choices of order and period")
         if all(s.converged is False for s in self.starts) and self.starts:
             notes.append("no start converged within its iterations; more --starts or another --solver may find more")
         if self.family != self.request.family:

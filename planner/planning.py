@@ -15,6 +15,7 @@ from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
 from planner.bound import box_bound, known_tight_bound
+from planner.choices import choices
 from planner.families.family import Family, box_middle
 from planner.families.fourier import COARSE, FourierFamily
 from planner.families.manual import manual_motion, sequence_file
@@ -22,7 +23,7 @@ from planner.families.ptp import FEWEST, MOST, PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.interruption import Interrupted
 from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.parallel import Listener, Runner, run_all
+from planner.parallel import Listener, Outcome, Runner, run_all
 from planner.plan import Plan
 from planner.problem import mean_information
 from planner.readiness import require_plannable
@@ -34,6 +35,7 @@ Array = NDArray[np.float64]
 SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
 CLOSED = 1e-9  # [m, rad] between start and end
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
+KEPT = 3  # of several orders and periods, the best are looked at from all starts
 
 ANNEALING = 150  # proposals for each pair of moves; 40 moves then take as long as the solver takes after them
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
@@ -98,6 +100,34 @@ def _refine(request: Request, case: Case, start: Start) -> Task:
     )
 
 
+def rounds(request: Request, case: Case) -> int:
+    """How many starts a search goes through at most, both stages."""
+    count = len(choices(request, case))
+    explored = request.starts if count == 1 else count + min(count, KEPT) * (request.starts - 1)
+    return explored + min(REFINED, explored)
+
+
+def _explored(request: Request, case: Case, listener: Listener, run: Runner) -> Outcome:
+    """All starts; of several choices each is looked at once, and the other starts go to the best of them."""
+    seeds = seeds_of(request.seed, request.starts)
+    among = choices(request, case)
+    if len(among) == 1:
+        return run([_explore(among[0], case, seed) for seed in seeds], listener)
+    look = run([_explore(choice, case, seeds[0]) for choice in among], listener)
+    best = sorted((r for r in look.results if isinstance(r, Start)), key=lambda s: -s.score)[:KEPT]
+    kept = [start.family.settings for start in best]
+    more = [
+        _explore(choice, case, seed)
+        for choice in among
+        if first_family(choice, case).settings in kept
+        for seed in seeds[1:]
+    ]
+    if look.interrupted or not more:
+        return look
+    rest = run(more, listener)
+    return Outcome([*look.results, *rest.results], rest.interrupted)
+
+
 def search(request: Request, case: Case, listener: Listener, run: Runner = run_all) -> Found:
     """Explores from all starts, refines the best, proves the winner.
 
@@ -105,7 +135,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner = run_a
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
-    first = run([_explore(request, case, seed) for seed in seeds_of(request.seed, request.starts)], listener)
+    first = _explored(request, case, listener, run)
     results, interrupted = list(first.results), first.interrupted
     best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)[:REFINED]
     if best and not interrupted:

@@ -4,6 +4,7 @@ from cases.errors import HexciteError
 from cases.manual import load_poses, load_sequence
 from cases.schema import Case
 from identification.model import identification_model
+from planner.choices import choices
 from planner.families.manual import sequence_file
 from planner.families.ptp import SHORTEST_PHASE
 from planner.request import Request
@@ -31,7 +32,8 @@ def require_plannable(request: Request, case: Case) -> None:
         else:
             load_sequence(file)
     elif request.family == "fourier":
-        _require_heard(request, case)
+        for choice in choices(request, case):
+            _require_heard(choice, case)
     else:
         _require_long_moves(request, case)
     require_rest(case)

@@ -31,6 +31,8 @@ class Request:
         duration: of the excitation [s].
         order: N of (34), family fourier.
         period: [s], family fourier; the duration is a whole number of it.
+        free_order: family fourier: `order` is open, the best is searched for.
+        free_period: family fourier: `period` is open, likewise; the duration is a whole number of what is found.
         centred: family fourier: x0 is the middle of the box.
         moves: family ptp.
         knots: family spline, intervals between knots; None for ten a second.
@@ -49,6 +51,8 @@ class Request:
     duration: float = 12.0
     order: int = 5
     period: float = 3.0
+    free_order: bool = False
+    free_period: bool = False
     centred: bool = False
     moves: int = 40
     knots: int | None = None
@@ -82,7 +86,7 @@ class Request:
 
     def allowed_duration(self, duration: float) -> float:
         """The next longer duration that the family can have [s]."""
-        if self.family == "fourier":
+        if self.family == "fourier" and not self.free_period:
             return max(self._fewest_periods, int(np.ceil(duration / self.period - 1e-9))) * self.period
         return max(duration, FEWEST * SHORTEST_MOVE, FEWEST_INTERVALS / KNOTS_A_SECOND)
 
@@ -98,6 +102,10 @@ class Request:
     def _fourier(self) -> None:
         if not 1 <= self.order <= 7:
             raise HexciteError(f"order {self.order} is outside 1 to 7; above 7 only jerk grows: choose 3 to 7")
+        if self.free_period:
+            if not self.duration > 0.0:
+                raise HexciteError(f"duration {self.duration:g} s is not positive; choose about 12 s")
+            return
         if not self.period > 0.0 or not np.isfinite(self.period):
             raise HexciteError(f"period {self.period:g} s is not positive; choose about 3 s")
         repeats = self.duration / self.period

@@ -20,6 +20,7 @@ MOVING = ("fourier", "ptp", "spline")  # families that are optimised
 BELONGS = {
     "duration": MOVING, "solver": MOVING, "starts": MOVING, "seed": MOVING, "target": MOVING,
     "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",),
+    "free_order": ("fourier",), "free_period": ("fourier",),
     "moves": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
 }  # fmt: skip
 
@@ -33,6 +34,10 @@ def plan(
     duration: Annotated[float, typer.Option(help="Whole duration in s; for fourier a multiple of the period.")] = 12.0,
     order: Annotated[int, typer.Option(help="fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
     period: Annotated[float, typer.Option(help="fourier: period in s.")] = 3.0,
+    free_order: Annotated[bool, typer.Option("--free-order", help="fourier: search the best order, 2 to 7.")] = False,
+    free_period: Annotated[
+        bool, typer.Option("--free-period", help="fourier: search the best period of which --duration is a multiple.")
+    ] = False,
     centred: Annotated[bool, typer.Option(help="fourier: keep x0 in the middle of the box.")] = False,
     moves: Annotated[int, typer.Option(help="ptp: point-to-point moves, 8 to 64.")] = 40,
     knots: Annotated[int | None, typer.Option(help="spline: intervals, 20 to 150; by default ten a second.")] = None,
@@ -70,6 +75,8 @@ def plan(
         duration=duration,
         order=order,
         period=period,
+        free_order=free_order,
+        free_period=free_period,
         centred=centred,
         moves=moves,
         knots=knots,
@@ -88,16 +95,18 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
     """An option that would do nothing is a misunderstanding.
 
     Raises:
-        HexciteError: an option was given that belongs to another family.
+        HexciteError: an option was given that belongs to another family, or fixes what another one leaves free.
     """
     from cases.errors import HexciteError
 
     for option in given:
         if family not in BELONGS[option]:
             raise HexciteError(
-                f"--{option} does nothing with --family {family}; leave it out, or choose --family "
+                f"--{option.replace('_', '-')} does nothing with --family {family}; leave it out, or choose --family "
                 f"{', '.join(BELONGS[option])}"
             )
+        if option.startswith("free_") and (fixed := option.removeprefix("free_")) in given:
+            raise HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 
 def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str, Any]:
@@ -126,7 +135,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
             + f"model {request.model}",
             flush=True,
         )
-    steps = 0 if request.family == "manual" else request.starts + min(planning.REFINED, request.starts)
+    steps = 0 if request.family == "manual" else planning.rounds(request, loaded)
     with progress("optimising" if steps else "timing", steps, quiet) as count:
 
         def done(start: Start | Failed) -> None:
