@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 LEAST_TRAVEL = 1e-4  # [m] of the struts; below, the pose counts as constant
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 MOVING = 1e-3  # [m/s] strut speed from which the machine counts as moving, where there is no trigger
+SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below what the filter lets pass
 MOST_BRIDGED = 3  # bad samples in a row that a straight line replaces; the filter makes nothing of the difference
 
@@ -59,6 +60,7 @@ class Run:
         rows: samples that are evaluated, counted after the filter's margin, shape (n,).
         samples: recorded samples of the window that they stand for.
         warnings: sentences about the window.
+        smoothing: whether it is estimated by how much more the forces are smoothed than the motion.
     """
 
     recording: Recording
@@ -68,6 +70,7 @@ class Run:
     rows: NDArray[np.int64]
     samples: int
     warnings: tuple[str, ...] = ()
+    smoothing: bool = False
 
     @property
     def t(self) -> Array:
@@ -125,11 +128,28 @@ class Run:
     @property
     def nuisances(self) -> tuple[str, ...]:
         """Names of what is estimated beside the model."""
-        return ("delay",)
+        return ("smoothing", "delay") if self.smoothing else ("delay",)
 
     def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
-        """Their columns, shape (n, 6, 1)."""
-        return self.effect_of_delay(delay, matrices, values)[:, :, None]
+        """Their columns, shape (n, 6, nuisances)."""
+        late = self.effect_of_delay(delay, matrices, values)
+        if not self.smoothing:
+            return late[:, :, None]
+        return np.stack([self.effect_of_smoothing(delay, matrices, values), late], axis=2)
+
+    def effect_of_smoothing(self, delay: float, matrices: Array, values: Array) -> Array:
+        """Second derivative of the expected forces A u with respect to time, shape (n, 6) [N/s^2, N m/s^2].
+
+        Args:
+            delay: where [s].
+            matrices: A there, shape (n, 6, u).
+            values: u, shape (u,).
+        """
+        room = MOST_DELAY - SMOOTHING_STEP  # where the filter still reaches to both sides
+        middle = float(np.clip(delay, -room, room))
+        here = matrices if middle == delay else self.regressors(middle)
+        around = self.regressors(middle + SMOOTHING_STEP) + self.regressors(middle - SMOOTHING_STEP)
+        return np.asarray((around - 2.0 * here) @ values / SMOOTHING_STEP**2)
 
     @property
     def noise_correlation(self) -> float:

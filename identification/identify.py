@@ -31,6 +31,7 @@ from identification.periodic import PeriodicRun, periodic_run
 from identification.plausibility import Scan, places, scan
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
+from identification.smoothing import smoothed, smoothing_of
 from identification.swapped import other_wiring
 from identification.wrist import WristRun, delay_band, wrist_run
 
@@ -247,6 +248,14 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         assert isinstance(moving.run, Run)
         section = accelerated(moving.run, conditioning.accelerated)
         moving = fit_with_delay(section.run, how, problem, moving.delay.value)
+    told: dict[str, Any] = {}
+    if isinstance(moving.run, Run) and not how.priors:
+        rich = smoothed(moving.run, moving.fit, how.selection(model).basis, moving.w, moving.delay.value)
+        if rich.smoothing:
+            moving = fit_with_delay(rich, how, problem, moving.delay.value)
+            smoothing = smoothing_of(rich, moving.fit)
+            told["smoothing_s2"] = smoothing._asdict()
+            notes += smoothing.notes
     warnings = [*found.warnings, *run.warnings]
     warnings += [f"{_told(recording, contact)}; left out" for contact in contacts]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
@@ -265,7 +274,6 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     if how.biases is not None:
         free = fit_with_delay(moving.run, how.without_biases, problem, moving.delay.value, held)
         warnings += _drift(how.biases, model, free.fit)
-    told: dict[str, Any] = {}
     if isinstance(moving.run, PeriodicRun):
         notes, told = [*notes, *moving.run.notes], moving.run.told
         warnings += moving.run.doubts(moving.fit, moving.w)
@@ -448,7 +456,13 @@ def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.
     if held is not None:
         return Moving(run, fit, held, residuals, whitening)
     value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < DELAY_TOLERANCE else 0.0)
-    return Moving(run, fit, Delay(value, float(np.sqrt(fit.covariance_robust[-1, -1]))), residuals, whitening)
+    return Moving(
+        run,
+        fit,
+        Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))),
+        residuals,
+        whitening,
+    )
 
 
 def _with_uncertain_motion(

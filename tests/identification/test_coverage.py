@@ -1,7 +1,10 @@
 """Error bars are honest: over many runs as many of them hold the truth as they promise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from cases.loading import load_case
 from identification.executed import PoseExecution
@@ -32,6 +35,21 @@ def coverage(seeds: int) -> float:
 
 def test_of_30_runs_about_95_percent_of_the_intervals_hold_the_truth() -> None:
     assert 0.90 <= coverage(30) <= 0.99
+
+
+@pytest.mark.parametrize("colour", [0.0, 20.0])
+def test_the_delay_is_as_sure_as_it_says_also_under_noise_with_memory(colour: float) -> None:
+    """White, and behind a 20 Hz filter of first order, which makes the white formula four times too sure."""
+    execution, window = PoseExecution(Hexapod.of(CASE), MOTION), np.array([[0.1, 1.9]])
+    clean = simulate_recording(simulated(CASE, force_noise_N=0.0), execution, window, 0)
+    keep = np.exp(-2 * np.pi * colour / 1000.0) if colour else 0.0
+    errors = []
+    for seed in range(20):
+        drawn = np.random.default_rng(seed).normal(size=(len(clean.forces) + 1000, 6))
+        noise = np.sqrt(1 - keep**2) * lfilter([1.0], [1.0, -keep], drawn, axis=0)[1000:]
+        delay = identify(replace(clean, forces=clean.forces + noise), CASE).delay
+        errors.append(delay.value / delay.std)
+    assert 0.65 < np.sqrt(np.mean(np.square(errors))) < 1.4  # 20 runs tell it to 16 %
 
 
 @pytest.mark.slow

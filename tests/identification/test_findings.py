@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 import identification.identify as module
 from cases.errors import HexciteError, IdentificationError, RecordingError
 from cases.loading import load_case
-from identification.executed import PoseExecution, StrutExecution
+from identification.executed import PoseExecution
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
@@ -20,6 +20,7 @@ from identification.plausibility import scan
 from identification.recording import Recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line, simulated
+from tests.identification.leaping import moves_without_jerk_limit
 from tests.identification.moving_run import MODEL
 
 CASE = load_case("hexapod")
@@ -175,21 +176,6 @@ def test_an_acceleration_that_steps_is_no_glitch() -> None:
             forces[row:] += np.array([200.0, -150.0, 100.0, 80.0, -60.0, 120.0]) * (1 if row < 1000 else -1)
 
     assert scan(with_forces(steps, run(0)), CASE).warnings == ()
-
-
-def moves_without_jerk_limit(seed: int) -> StrutExecution:
-    """Point-to-point moves as LinuxCNC times them: accelerations step, and where moves meet leap for a single cycle."""
-    draw, step = np.random.default_rng(seed), 1e-3
-    accelerations = [np.zeros((300, 6))]
-    for _ in range(8):
-        half = np.tile(draw.uniform(-1.0, 1.0, 6) * [4.0, 4.0, 2.0, 6.0, 6.0, 6.0], (60, 1))
-        leap = draw.choice([-1.0, 1.0], 6) * [0.7, 0.7, 0.4, 1.0, 1.0, 1.0]
-        accelerations += [half, half[:1] + leap, half, -half, -half[:1] - leap, -half]
-        accelerations += [-half, -half[:1] - leap, -half, half, half[:1] + leap, half]
-    accelerations.append(np.zeros((300, 6)))
-    way = np.cumsum(np.cumsum(np.vstack(accelerations), axis=0), axis=0) * step**2
-    hexapod = Hexapod.of(CASE)
-    return StrutExecution.of_log(hexapod, step, hexapod.strut_lengths(CASE.machine.home.vector + way))
 
 
 @pytest.mark.parametrize("seed", range(4))
