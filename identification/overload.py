@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.sensors import RigidBody
 from identification.frame import structure_matrix
-from identification.limited import Quantity
+from identification.limited import Quantity, rotation_motion
+from identification.motion import Motion
 
 Array = NDArray[np.float64]
 
@@ -135,3 +136,15 @@ def sensor_loads(rotation: tuple[Array, Array, Array], acceleration: Array, load
     values = loads.forces(rotation, acceleration)
     limit = np.full(values.shape[1], loads.limit)
     yield Quantity.between("sensor force", "N", loads.labels, values, -limit, limit, 1.0)
+
+
+def load_shares(motion: Motion, case: Case) -> Array:
+    """Largest share of that limit which a motion uses with each number of payloads, shape (bodies,).
+
+    Empty where nothing is limited.
+    """
+    loads = Loads.of(case)
+    if loads is None:
+        return np.zeros(0)
+    forces = loads.forces(rotation_motion(motion), motion.accelerations[:, :3])
+    return np.asarray(np.abs(forces).max(axis=0).reshape(-1, 6).max(axis=1) / loads.limit)

@@ -165,13 +165,18 @@ class Plan:
 
 
 def save_plan(plan: Plan, folder: Path) -> None:
-    """Writes a plan folder: plan.json, motion.csv, plots/."""
+    """Writes a plan folder: plan.json, motion.csv, report.html, plots/."""
+    from planner.beside_manual import beside_manual
     from planner.plots import save_figure, trajectory_figure
+    from planner.report import render
+    from planner.report_plan import plan_page
 
     motion = sample(plan.motion, SAMPLE_RATE)
     with atomic_folder(folder, PLAN) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
         (part / "motion.csv").write_text(motion_csv(motion), encoding="utf-8")
+        page = plan_page(plan, beside_manual(plan) if plan.family != "manual" else "it is the motion itself")
+        (part / "report.html").write_text(render(page), encoding="utf-8")
         save_figure(trajectory_figure(motion, plan.case), part / "plots", "trajectory")
 
 

@@ -5,7 +5,7 @@ where they are named.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -50,12 +50,19 @@ class Problem:
         information: lower triangle of the mean of H A^T A H over the motion, an expression in the unknowns.
         state_limits: shares of the non-linear limits of one state, and their derivatives.
         size: number of parameters.
+        loads: numbers of payloads with which sensor forces are among these limits.
     """
 
     sampling: Sampling
     information: ca.MX
     state_limits: StateLimits
     size: int
+    loads: tuple[int, ...] = ()
+
+    def with_loads(self, case: Case, loads: tuple[int, ...]) -> "Problem":
+        """The same with the sensor forces of more loads among its limits, behind all others."""
+        loads = (*self.loads, *(load for load in loads if load not in self.loads))
+        return self if loads == self.loads else replace(self, state_limits=state_limits(case, loads), loads=loads)
 
     @property
     def unknowns(self) -> ca.MX:

@@ -16,6 +16,7 @@ from planner.report import Item, Note, Page, Plot, Section, Table, Tile, Tiles, 
 from planner.report_figures import COLOURS, errors_plot, limits_plot, motion_plots
 from planner.report_identify import identifiability_items, residual_items, run_inputs
 from planner.report_machine import moving_machine
+from planner.report_plan import starts_items
 from planner.running import Outcome
 
 DRAWN_RATE = 200.0  # [1/s]
@@ -64,7 +65,7 @@ def demo_page(
             Section("What the controller made of it", _executed(answer, outcome)),
             Section("Forces and residuals", residual_items(case, residuals)),
             Section("What the run determines", identifiability_items(found)),
-            Section("How the plan was found", _starts(plan)),
+            Section("How the plan was found", starts_items(plan)),
         ),
     )
 
@@ -137,19 +138,3 @@ def _executed(answer: dict[str, Any], outcome: Outcome) -> tuple[Item, ...]:
     figure.update_yaxes(title_text="acceleration [m/s²]")
     note = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
     return (Plot("executed", figure.update_layout(height=380), note),)
-
-
-def _starts(plan: dict[str, Any]) -> tuple[Item, ...]:
-    columns = ("seed", "stage", "log det at start", "log det at end", "iterations", "time", "solver")
-    rows = tuple(
-        (str(s["seed"]), s["stage"], _logdet(s["start_logdet"]), f"{s['logdet']:.3f}", str(s["iterations"]),
-         f"{s['seconds']:.1f} s", s["solver"].replace("_", " ").lower())
-        for s in plan["starts"]
-    )  # fmt: skip
-    bound = plan["bound"]
-    words = f"Log det of the mean information in reference scaling; bound {bound['logdet']:.3f} ({bound['method']})."
-    return (Table(columns, rows, left=2), Note(words))
-
-
-def _logdet(value: float | None) -> str:
-    return "singular" if value is None else f"{value:.3f}"

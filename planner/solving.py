@@ -16,7 +16,8 @@ from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
 from identification.limits import TOLERANCE, LimitCheck, LimitReport, prove
 from identification.model import Model, identification_model
-from identification.motion import Standstill
+from identification.motion import Standstill, Trajectory
+from identification.overload import load_shares
 from identification.reference import reference_scaling
 from planner.annealing import annealed_start
 from planner.families.family import Family, box_middle
@@ -227,7 +228,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     iterations = 0
     for halvings in SHARPNESS if fine and task.criterion in "KN" else (0,):
         letter = task.criterion if fine else "D"
-        reached = _optimise(problem, found, task, letter, halvings, watch)
+        reached = _optimise(problem, family, found, task, letter, halvings, watch)
         iterations += reached.iterations
         inside, _ = keep_limits(task.case, family, reached.unknowns, QUICK_RATE)
         after = rate(model, scaling, family, inside, task.criterion)
@@ -246,8 +247,25 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     )  # fmt: skip
 
 
-def _optimise(problem: Problem, unknowns: Array, task: Task, letter: str, halvings: int, watch: Watch) -> Reached:
-    """Solves, again with more of the non-linear limits as long as one is passed."""
+def closest_load(case: Case, motion: Trajectory) -> tuple[int, ...]:
+    """The number of payloads with which a motion uses most of what the sensors may carry, where that is close to all.
+
+    One at a time: where the worst load is held, lighter ones rarely come close.
+    """
+    count = max(2, int(np.ceil(motion.duration * QUICK_RATE)))
+    shares = load_shares(motion.at(np.linspace(0.0, motion.duration, count)), case)
+    return (int(shares.argmax()),) if len(shares) and shares.max() > NEAR else ()
+
+
+def _optimise(
+    problem: Problem, family: Family, unknowns: Array, task: Task, letter: str, halvings: int, watch: Watch
+) -> Reached:
+    """Solves, again with more of the non-linear limits as long as one is passed.
+
+    Sensor forces enter with the load that comes closest to their limit, if it comes close.
+    """
+    if task.stage.fine:
+        problem = problem.with_loads(task.case, closest_load(task.case, family.motion(unknowns)))
     active = problem.held_from_the_start()
     if task.stage.fine:
         active |= problem.limit_shares(unknowns) > NEAR
@@ -272,10 +290,13 @@ def _optimise(problem: Problem, unknowns: Array, task: Task, letter: str, halvin
         iterations += reached.iterations
         if np.isfinite(reached.unknowns).all():
             unknowns = np.clip(reached.unknowns, sampling.lower, sampling.upper)
+        if task.stage.fine:
+            problem = problem.with_loads(task.case, closest_load(task.case, family.motion(unknowns)))
         shares = problem.limit_shares(unknowns)
         if shares.max() <= 1.0 + PASSED or stopped:
             break
-        active |= shares > NEAR
+        more = len(shares) - len(active)  # rows of further loads
+        active = np.vstack([active, np.zeros((more, active.shape[1]), dtype=bool)]) | (shares > NEAR)
     return Reached(unknowns, reached.status, reached.converged, iterations)
 
 

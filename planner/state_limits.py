@@ -1,4 +1,6 @@
-"""Limits that are non-linear in the pose coordinates, as CasADi expressions in units of themselves: struts and joints.
+"""Limits that are non-linear in the pose coordinates, as CasADi expressions: struts, joints, boxes, sensor forces.
+
+Each in units of itself.
 
 They are kept where every component lies between -1 and 1. `identification.limits` proves them by other means.
 """
@@ -11,8 +13,12 @@ import numpy as np
 from cases.schema import Case
 from cases.units import DEG
 from identification.hexapod import Hexapod
+from identification.model import identification_model
+from identification.overload import SHARE
+from identification.parameters import body_parameters
 from identification.pose import rotation
 
+RIGID_BODY = 6  # the smallest model with mass, first moments and inertia
 STRUT_VELOCITY, STRUT_ACCELERATION = slice(6, 12), slice(12, 18)  # components of the shares
 
 
@@ -20,7 +26,8 @@ class StateLimits(NamedTuple):
     """Functions of (pose, rates, accelerations) of one state.
 
     Args:
-        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 7 of each keep-out box.
+        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 7 of each keep-out box, 6 of each
+            load on the sensors.
         jacobian: their derivatives by all 18 components of the state.
     """
 
@@ -28,12 +35,16 @@ class StateLimits(NamedTuple):
     jacobian: ca.Function
 
 
-def state_limits(case: Case) -> StateLimits:
+def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
     """The non-linear limits of a case.
+
+    Args:
+        case: machine, limits and sensors.
+        loads: numbers of payloads with which predicted sensor forces are limited, in this order.
 
     Boxes that are kept out of enter with the platform's origin and joints: a p-norm of the way from the middle of the
     box in half widths, divided by its excess at a corner, is at most the largest component, so that the rounded box
-    holds the true one. Sensor forces are left to the proof and to drawing back.
+    holds the true one.
 
     Joint angles enter by their cosine, which is smooth at zero: (1 - cos angle) / (1 - cos limit).
     """
@@ -54,6 +65,7 @@ def state_limits(case: Case) -> StateLimits:
         (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
         1 - ca.det(jacobian) / at_home,
         *_keep_out(case, hexapod, pose),
+        *_sensor_forces(case, loads, pose, rates, accelerations),
     )
     state = [pose, rates, accelerations]
     jacobian = ca.densify(ca.jacobian(shares, ca.vertcat(*state)))
@@ -78,4 +90,20 @@ def _keep_out(case: Case, hexapod: Hexapod, pose: ca.SX) -> list[ca.SX]:
             # The p-norm exceeds the largest component by 3^(1/p) at a corner: divided by that it never does.
             norm = ca.sum1(((point - middle) / half) ** SHARPNESS) ** (1 / SHARPNESS) / 3 ** (1 / SHARPNESS)
             shares.append(1 / norm)
+    return shares
+
+
+def _sensor_forces(case: Case, loads: tuple[int, ...], pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[ca.SX]:
+    """Shares of 80 % of the sensors' range: (18) with the columns of a rigid body alone, offsets and errors apart."""
+    if not loads:
+        return []
+    if case.sensors.range_N is None:
+        case.missing("sensors.range_N", "a limit of predicted sensor forces")
+    model = identification_model(case, RIGID_BODY)
+    regressor = model.coordinate_regressor.call([pose, rates, accelerations], True, False)[0]
+    shares = []
+    for count in loads:
+        body = body_parameters(case.body(count))
+        u = ca.DM([body.get(name, 0.0) for name in model.names])
+        shares.append(regressor @ u / (SHARE * case.sensors.range_N))
     return shares

@@ -154,7 +154,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
             result = planning.make(request, loaded, case_file, listener)
     with status("writing", quiet):
         save_plan(result, folder)
-    answer = {"plan": str(folder)} | result.to_json()
+    answer = {"plan": str(folder), "report": str(folder / "report.html")} | result.to_json()
     if not quiet:
         _show(answer)
     return answer
@@ -196,4 +196,7 @@ def _show(answer: dict[str, Any]) -> None:
     print(f"predicted standard deviations ({noise}, 1 kHz, {answer['payload']} payloads, weights {answer['weights']}; "
           "SI units unless named): " + ", ".join(std))  # fmt: skip
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
-    print(f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s)")
+    print(
+        f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
+        f"{answer['report']}"
+    )

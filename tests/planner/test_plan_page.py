@@ -1,0 +1,71 @@
+"""The page of `hexcite plan`: what it promises is what plan.json says, beside the case's own hand-made motion."""
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser
+
+from cases.loading import load_case
+from planner.beside_manual import Beside, beside_manual
+from planner.plan import SavedPlan
+from planner.request import Request
+from tests.planner.browser import opened
+
+PLOTS = {
+    "limits", "position-translation", "jerk-rotation", "strut-lengths", "strut-velocities", "strut-accelerations",
+    "sensor-forces", "information", "progress", "correlation", "qr",
+}  # fmt: skip
+FITS = "document.documentElement.scrollWidth <= window.innerWidth"
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (400, "dark")])
+def test_a_plan_has_its_page(width: int, scheme: str, planned: dict[str, Any], browser: Browser):
+    with opened(browser, Path(planned["report"]), width, scheme) as tab:
+        assert tab.page.evaluate(FITS)
+        shown = set(tab.page.evaluate("[...document.querySelectorAll('.plot')].map(e => e.id)"))
+        assert {f"plot-{name}" for name in PLOTS} <= shown
+        assert "0.00 of 12.00 s" in tab.page.locator("#instant").inner_text()
+        tiles = tab.page.locator(".tiles").first.inner_text()
+        assert f"{planned['d_efficiency']:.3f}" in tiles
+        assert (tab.errors, tab.requests) == ([], [])
+
+
+def test_its_deviations_are_the_plans_and_the_hand_made_motions(planned: dict[str, Any], browser: Browser, cache: Path):
+    plan = SimpleNamespace(
+        case=load_case("hexapod"),
+        case_file="hexapod",
+        request=Request("hexapod"),
+        assumed_noise=planned["assumed_noise_N"],
+    )
+    manual = beside_manual(plan)
+    assert isinstance(manual, Beside)
+    other = manual.at_equal_time(planned["duration_s"])
+    with opened(browser, Path(planned["report"])) as tab:
+        rows = tab.page.locator("table").first.locator("tr:has(td)").all_inner_texts()
+    assert len(rows) == len(planned["predicted_std"]) == 20
+    for row, (name, std) in zip(rows, planned["predicted_std"].items(), strict=True):
+        scale = 1e3 if name in ("xC", "yC", "zC") else 1.0
+        words = re.split(r"\s+", row.strip())
+        assert words[0] == name
+        assert words[1] == f"{std * scale:.3g}"
+        assert words[2] == f"{other[name] * scale:.3g}"
+        assert float(words[3]) == pytest.approx(other[name] / std, abs=6e-3)
+
+
+def test_twice_the_time_is_worth_the_root_of_two():
+    manual = Beside(12.0, {"m": 0.2})
+    assert manual.at_equal_time(24.0)["m"] == pytest.approx(0.2 / 2**0.5)
+    assert manual.at_equal_time(12.0) == manual.std
+
+
+def test_a_case_without_a_hand_made_motion_says_so(saved_plan: SavedPlan, hexapod_file: Path):
+    plan = SimpleNamespace(
+        case=saved_plan.case, case_file=str(hexapod_file), request=Request("hexapod"), assumed_noise=1.0
+    )
+    words = beside_manual(plan)
+    assert isinstance(words, str)
+    assert "no hand-made motion" in words
+    assert "manual.toml" in words
