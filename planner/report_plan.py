@@ -106,7 +106,10 @@ def _headline(plan: Plan) -> Tiles:
 
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
-    note = f"Predicted for white force noise of {plan.assumed_noise:g} N at 1 kHz."
+    shaken = " and noise of the accelerations as the case states it" if plan.noise.shaken else ""
+    note = (
+        f"Predicted for white force noise of {plan.noise.sensors:g} N{shaken} at 1 kHz, weights {plan.noise.weights}."
+    )
     columns = ["parameter", "predicted std"]
     other = None
     if plan.family != "manual":

@@ -12,7 +12,8 @@ from identification.criteria import CRITERIA, singular_values
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
-from planner.planning import predicted_std
+from planner.noise import expected_noise
+from planner.planning import predicted_std_of
 from planner.poses.plan import predicted_std as predicted_std_of_poses
 from planner.poses.regressors import pose_regressors, total_information
 from planner.problem import mean_information
@@ -73,9 +74,10 @@ def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iter
     )
     efficiency = float(np.exp((logdet - float(data["bound"]["logdet"])) / len(mu)))
     yield from _unlike("d_efficiency", data["d_efficiency"], efficiency)
-    noise, payload = float(data["assumed_noise_N"]), _whole(data, "payload")
-    expected = predicted_std(case, model, scaling, information, motion.duration, noise, payload)
-    yield from _unlike_deviations(data, expected)
+    payload = _whole(data, "payload")
+    noise = expected_noise(case, model, payload)
+    yield from _unlike("assumed_noise_N", data["assumed_noise_N"], noise.sensors)
+    yield from _unlike_deviations(data, predicted_std_of(case, model, scaling, motion, noise, payload))
 
 
 def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:

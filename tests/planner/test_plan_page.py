@@ -9,8 +9,9 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.loading import load_case
+from identification.model import identification_model
 from planner.beside_manual import Beside, beside_manual
-from planner.plan import SavedPlan
+from planner.noise import expected_noise
 from planner.request import Request
 from tests.planner.browser import opened
 
@@ -34,12 +35,9 @@ def test_a_plan_has_its_page(width: int, scheme: str, planned: dict[str, Any], b
 
 
 def test_its_deviations_are_the_plans_and_the_hand_made_motions(planned: dict[str, Any], browser: Browser, cache: Path):
-    plan = SimpleNamespace(
-        case=load_case("hexapod"),
-        case_file="hexapod",
-        request=Request("hexapod"),
-        assumed_noise=planned["assumed_noise_N"],
-    )
+    case = load_case("hexapod")
+    noise = expected_noise(case, identification_model(case, 9), 0)
+    plan = SimpleNamespace(case=case, case_file="hexapod", request=Request("hexapod"), noise=noise)
     manual = beside_manual(plan)
     assert isinstance(manual, Beside)
     other = manual.at_equal_time(planned["duration_s"])
@@ -61,10 +59,8 @@ def test_twice_the_time_is_worth_the_root_of_two():
     assert manual.at_equal_time(12.0) == manual.std
 
 
-def test_a_case_without_a_hand_made_motion_says_so(saved_plan: SavedPlan, hexapod_file: Path):
-    plan = SimpleNamespace(
-        case=saved_plan.case, case_file=str(hexapod_file), request=Request("hexapod"), assumed_noise=1.0
-    )
+def test_a_case_without_a_hand_made_motion_says_so(hexapod_file: Path):
+    plan = SimpleNamespace(case=load_case("hexapod"), case_file=str(hexapod_file), request=Request("hexapod"))
     words = beside_manual(plan)
     assert isinstance(words, str)
     assert "no hand-made motion" in words
