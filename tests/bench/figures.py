@@ -26,6 +26,7 @@ from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.solvers import criteria_rows, paper_study
 from tests.bench.study import study_rows
+from tests.bench.validation import validation_rows
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 SEEDS = 100
@@ -104,6 +105,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         rows += identification_figures(Path(name))
     rows += exported()
+    with tempfile.TemporaryDirectory() as name:
+        rows += validation_rows(Path(name), command)
     rows += study_rows()
     rows += pose_figures()
     rows += limits_of_information()
