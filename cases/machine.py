@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import model_validator
 
 from cases.geometry import WORST_CONDITION, condition_of_lines
-from cases.parts import Array, Number, Part, Positive, PositiveVector, Range, SixPoints, Vector, frozen
+from cases.parts import Array, NonNegative, Number, Part, Positive, PositiveVector, Range, SixPoints, Vector, frozen
 from cases.units import DEG, MM
 
 
@@ -91,7 +91,7 @@ class Machine(Part):
 
 
 class KeepOut(Part):
-    """A box in {B} that neither the origin nor a joint of the platform may enter: a table, a rack, a neighbour."""
+    """A box in {B} that neither the platform's origin, nor its joints, nor a strut may enter: a table, a neighbour."""
 
     name: str
     x_mm: Range
@@ -114,6 +114,8 @@ class Workspace(Part):
     base_joint_angle_deg: Positive
     platform_joint_angle_deg: Positive
     keep_out: tuple[KeepOut, ...] = ()
+    strut_radius_mm: NonNegative = 0.0
+    """Of the struts where they pass the boxes of `keep_out`; 0 takes them for lines from joint to joint."""
 
     @cached_property
     def plane(self) -> Array:

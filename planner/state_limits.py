@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from cases.schema import Case
-from cases.units import DEG
+from cases.units import DEG, MM
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.overload import SHARE
@@ -26,7 +26,7 @@ class StateLimits(NamedTuple):
     """Functions of (pose, rates, accelerations) of one state.
 
     Args:
-        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 7 of each keep-out box, 6 of each
+        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 25 of each keep-out box, 6 of each
             load on the sensors.
         jacobian: their derivatives by all 18 components of the state.
     """
@@ -42,7 +42,8 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
         case: machine, limits and sensors.
         loads: numbers of payloads with which predicted sensor forces are limited, in this order.
 
-    Boxes that are kept out of enter with the platform's origin and joints: a p-norm of the way from the middle of the
+    Boxes that are kept out of enter with the platform's origin, its joints and points of the struts (all that is
+    between these is left to the proof and to drawing back): a p-norm of the way from the middle of the
     box in half widths, divided by its excess at a corner, is at most the largest component, so that the rounded box
     holds the true one.
 
@@ -75,6 +76,7 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
     )
 
 
+ALONG_STRUTS = (0.25, 0.5, 0.75)  # shares of a strut's length from the base
 SHARPNESS = 12  # exponent of the norm that stands for the largest of three components
 
 
@@ -82,11 +84,16 @@ def _keep_out(case: Case, hexapod: Hexapod, pose: ca.SX) -> list[ca.SX]:
     """Shares: 1 on the rounded surface of a box, 0 far away."""
     _, workspace, _ = case.need_machine("planning")
     arms = rotation(pose[3:]) @ ca.DM(hexapod.platform.T)
-    points = [pose[:3], *(pose[:3] + arms[:, k] for k in range(6))]
+    joints = [pose[:3] + arms[:, k] for k in range(6)]
+    base = ca.DM(hexapod.base.T)
+    along = [base[:, k] + share * (joint - base[:, k]) for k, joint in enumerate(joints) for share in ALONG_STRUTS]
+    around = workspace.strut_radius_mm * MM
+    points = [(pose[:3], 0.0), *((joint, 0.0) for joint in joints), *((point, around) for point in along)]
     shares = []
     for box in workspace.keep_out:
-        middle, half = ca.DM(box.corners.mean(axis=0)), ca.DM(np.ptp(box.corners, axis=0) / 2)
-        for point in points:
+        middle, size = ca.DM(box.corners.mean(axis=0)), ca.DM(np.ptp(box.corners, axis=0) / 2)
+        for point, radius in points:
+            half = size + radius
             # The p-norm exceeds the largest component by 3^(1/p) at a corner: divided by that it never does.
             norm = ca.sum1(((point - middle) / half) ** SHARPNESS) ** (1 / SHARPNESS) / 3 ** (1 / SHARPNESS)
             shares.append(1 / norm)

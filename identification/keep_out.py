@@ -1,0 +1,48 @@
+"""Distances of points and struts from boxes that nothing may enter."""
+
+from itertools import combinations, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def distance_of_points(points: Array, corners: Array) -> Array:
+    """Distance along the axis that separates point and box most, below 0 inside, shape (..) [m].
+
+    Args:
+        points: shape (.., 3) [m].
+        corners: lower and upper corner of the box, shape (2, 3) [m].
+    """
+    return np.asarray(np.maximum(corners[0] - points, points - corners[1]).max(axis=-1))
+
+
+def distance_of_segments(start: Array, way: Array, corners: Array) -> Array:
+    """The least distance that a point of each segment start + s way, 0 <= s <= 1, has, shape (n, k) [m].
+
+    Exact: along a segment the distance is the largest of six affine functions of s, so that its minimum lies at an end
+    or where two of them meet.
+
+    Args:
+        start: shape (k, 3) [m].
+        way: shape (n, k, 3) [m].
+        corners: lower and upper corner of the box, shape (2, 3) [m].
+    """
+    half = (corners[1] - corners[0]) / 2
+    offset = start - corners.mean(axis=0)
+
+    def at(share: Array) -> Array:
+        return np.asarray((np.abs(offset + share[..., None] * way) - half).max(axis=2))
+
+    least = np.minimum(at(np.zeros(way.shape[:2])), at(np.ones(way.shape[:2])))
+    pairs = [(i, j, a, b) for i, j in combinations(range(3), 2) for a, b in product((1.0, -1.0), repeat=2)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        meetings = [-offset[:, i] / way[:, :, i] for i in range(3)]  # of the two sides of one axis
+        meetings += [
+            (half[i] - half[j] - a * offset[:, i] + b * offset[:, j]) / (a * way[:, :, i] - b * way[:, :, j])
+            for i, j, a, b in pairs
+        ]
+    for share in meetings:  # parallel ones meet nowhere: an end of the segment instead
+        least = np.minimum(least, at(np.clip(np.nan_to_num(share, nan=0.0), 0.0, 1.0)))
+    return np.where(np.isfinite(way).all(axis=2), least, np.nan)
