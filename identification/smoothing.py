@@ -42,7 +42,7 @@ class Smoothing(NamedTuple):
         ]
 
 
-def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
+def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float, share: float = 1.0) -> Run:
     """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere.
 
     It is where the run tells b more closely than sampling can make it; elsewhere leaving it out draws parameters by
@@ -54,6 +54,7 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
         basis: of the free parameters, shape (u, free).
         w: W for one sample, shape (6, 6).
         delay: as estimated [s].
+        share: of a longer run that this one stands for.
     """
     matrices, (size, free) = run.regressors(delay), basis.shape
     expected = matrices @ fit.values[:size]
@@ -68,7 +69,7 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     triangle = np.asarray(np.linalg.qr(rows.reshape(-1, free + 2), mode="r"))
     if np.abs(np.diag(triangle)).min() == 0.0:  # nothing bends, as in a standstill
         return run
-    std = fit.s0 / np.sqrt(run.filter.stride) * float(np.linalg.norm(inverse_root(triangle)[-1]))
+    std = fit.s0 * np.sqrt(share / run.filter.stride) * float(np.linalg.norm(inverse_root(triangle)[-1]))
     return replace(run, smoothing=True) if std < SAMPLED * run.filter.step**2 else run
 
 

@@ -29,6 +29,7 @@ from identification.plausibility import scan
 from identification.recording import files_of
 from identification.result import Delay, Estimate, Evaluation, estimate_of
 from identification.signals import Filter
+from identification.smoothing import smoothed, smoothing_of
 
 Array = NDArray[np.float64]
 
@@ -90,28 +91,38 @@ def _identified(path: Path, case: Case, problem: Problem) -> LongRun:
     usable, bad = mended(head, scan(head, case).bad)
     begin = block_run(usable, bad, model, Hexapod.of(case), low_pass).run
     first = fit_with_delay(begin, GAUSS_MARKOV, problem)
-    names, delay, values, weights = [*model.names, "delay"], first.delay.value, first.fit.values[:-1], first.fit.weights
+    count, basis = len(model.names), np.eye(len(model.names))
+    begin = smoothed(begin, first.fit, basis, first.w, first.delay.value)
+    delay, values, weights, bend = first.delay.value, first.fit.values[:count], first.fit.weights, 0.0
     contacts: tuple[Touch, ...] = ()
     total = _Total(delay, values, weights)
     for number in range(PASSES):
+        names = [*model.names, *begin.nuisances]
         # The first reading has the parameters of its head only, too little to tell a contact by.
-        total = _Total(delay, values, weights, total.kept if number else None, contacts)
+        total = _Total(delay, values, weights, total.kept if number else None, contacts, begin.smoothing, bend)
         for run in blocks.runs(model, low_pass):
             total.add(run)
         if total.looked_at:
             require_free(total.touched / total.looked_at, [_told(t) for t in total.found])
-        found = best_values(total.compressed, names, 1)
+        found = best_values(total.compressed, names, len(begin.nuisances))
         step = float(np.clip(found[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
-        values = found[:-1]
+        values, bend = found[:count], float(found[count]) if begin.smoothing else 0.0
         newer = weights if problem.pooled else total.new_weights(low_pass, problem.alike)
         settled = abs(step) < TOLERANCE and np.all(np.abs(newer / weights - 1.0) < WEIGHTS_SETTLED)
         if number and settled and _alike(total.found, contacts):  # what is left is then what the estimate leaves
             break
         contacts, weights = total.found, newer
+        if not number and not begin.smoothing:  # the whole run may tell what its head did not
+            begin = smoothed(begin, first.fit, basis, first.w, first.delay.value, begin.samples / total.samples)
         delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
     fit = _fit(total, found, names, low_pass)
-    robust = float(np.sqrt(fit.covariance_robust[-1, -1]))
-    about = Evaluation(total.samples, total.kept, Delay(total.delay + float(found[-1]), robust))
+    std = float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))
+    smoothing = smoothing_of(begin, fit) if begin.smoothing else None
+    about = Evaluation(
+        total.samples, total.kept, Delay(total.delay + float(found[-1]), std),
+        notes=() if smoothing is None else tuple(smoothing.notes),
+        told={} if smoothing is None else {"smoothing_s2": smoothing._asdict()},
+    )  # fmt: skip
     warnings = (
         *blocks.warnings[:MOST_WARNINGS],
         *(f"{_told(t)}; left out" for t in total.found[:MOST_WARNINGS]),
@@ -169,6 +180,8 @@ class _Total:
         weights: diagonal of W for one sample, shape (6,).
         usual: what the reading before left, shape (k, 6); by it contacts are told from noise. None: do not look.
         known: contacts that the reading before found.
+        smoothing: whether that of the forces is estimated.
+        bend: what the reading before found of it [s^2].
     """
 
     delay: float
@@ -176,6 +189,8 @@ class _Total:
     weights: Array
     usual: Array | None = None
     known: tuple[Touch, ...] = ()
+    smoothing: bool = False
+    bend: float = 0.0
     triangle: Array | None = None
     rows: int = 0
     samples: int = 0
@@ -194,8 +209,11 @@ class _Total:
         """One block more; what it leaves at earlier values."""
         if not len(run.rows):
             return
+        run = replace(run, smoothing=self.smoothing)
         matrices, forces = run.regressors(self.delay), run.forces
         left = forces - matrices @ self.values
+        if self.bend:
+            left -= self.bend * run.effect_of_smoothing(self.delay, matrices, self.values)
         if self.usual is not None:
             keep = ~self._contacts(run, left)
             self.looked_at, self.touched = self.looked_at + len(keep), self.touched + int(np.sum(~keep))
@@ -203,7 +221,7 @@ class _Total:
                 if not keep.any():
                     return
                 run, matrices, forces, left = run.without(~keep), matrices[keep], forces[keep], left[keep]
-        augmented = np.dstack([matrices, run.effect_of_delay(self.delay, matrices, self.values)])
+        augmented = np.dstack([matrices, run.nuisance_columns(self.delay, matrices, self.values)])
         joined = np.concatenate([augmented, forces[:, :, None]], axis=2) * np.sqrt(self.weights)[:, None]
         flat = joined.reshape(-1, joined.shape[2])
         stacked = flat if self.triangle is None else np.vstack([self.triangle, flat])
@@ -283,7 +301,7 @@ class _Total:
 
 def _fit(total: _Total, found: Array, names: list[str], low_pass: Filter) -> Fit:
     compressed = total.compressed
-    rank, condition = determined(compressed.root, names, compressed.rows, 1)
+    rank, condition = determined(compressed.root, names, compressed.rows, len(names) - len(total.values))
     filtered = Filtered(low_pass.noise_gain, low_pass.stride)
     freedom = degrees_of_freedom(compressed.rows, len(names), filtered)
     s0 = float(np.sqrt(compressed.chi_squared(found) * low_pass.stride / freedom))

@@ -24,6 +24,7 @@ from identification.result import Estimate
 from identification.simulate import simulate_recording
 from identification.streaming import identify_long
 from tests.helpers import Harmonic, one_line
+from tests.identification.leaping import moves_without_jerk_limit
 from tests.planner.command_line import call
 
 CASE = load_case("hexapod")
@@ -215,3 +216,15 @@ def test_long_files_are_evaluated_in_blocks_from_the_command_line(
     long = call(*words, "-o", tmp_path / "long").json()
     assert long["linear"]["values"] == pytest.approx(short["linear"]["values"], rel=1e-5)
     assert long["warnings"] == short["warnings"] == []
+
+
+def test_the_smoothing_of_forces_that_leap_is_that_of_the_whole_run(tmp_path: Path) -> None:
+    """Columns of delay and smoothing belong to slightly other parameters: equal to a thousandth, not to rounding."""
+    execution = moves_without_jerk_limit(0)
+    window = np.array([[0.25, execution.duration - 0.25]])
+    quiet = CASE.model_copy(update={"simulation": CASE.simulation.model_copy(update={"force_noise_N": 0.2})})
+    file = written(tmp_path, simulate_recording(quiet, execution, window, 0))
+    whole, long = identify(read_recording(file, CASE), CASE), identify_long(file, CASE).estimate
+    assert long.told["smoothing_s2"]["value"] == pytest.approx(whole.told["smoothing_s2"]["value"], rel=1e-3)
+    assert long.delay.value == pytest.approx(whole.delay.value, abs=1e-9)
+    assert_same(long, whole, share=5e-3)
