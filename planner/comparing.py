@@ -25,6 +25,7 @@ from identification.rates import on_one_clock
 from identification.recording import Recording, files_of, read_recording
 from identification.reference import reference_scaling
 from identification.saved import load_result
+from planner.fingerprints import plan_hash
 from planner.noise import expected_noise
 from planner.plan import load_plan
 from planner.planning import SAMPLES_PER_SECOND, predicted_std
@@ -72,6 +73,7 @@ class Entry:
         notes: figures of the execution, by name.
         path: positions on the way, shape (n, 3) [m]; None where it is unknown.
         hashes: fingerprints of the recordings that it is or was made of.
+        plan: fingerprint of the plan that it is or followed; None where nothing says.
     """
 
     name: str
@@ -87,6 +89,7 @@ class Entry:
     notes: Mapping[str, float]
     path: Array | None
     hashes: frozenset[str]
+    plan: str | None = None
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer."""
@@ -134,6 +137,7 @@ def _plan(path: Path) -> Entry:
     return Entry(
         str(path), Level.PLANNED, saved.case, model.number, str(saved.data["family"]), saved.motion.duration, samples,
         _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
+        plan_hash(path),
     )  # fmt: skip
 
 
@@ -169,6 +173,7 @@ def _run(path: Path) -> Entry:
         None if duration is None else float(duration), samples, _criteria(information, model),
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
         {n: float(about[n]) for n in figures if about.get(n) is not None}, way, _fingerprints(path),
+        about.get("plan_hash"),
     )  # fmt: skip
 
 
@@ -217,25 +222,31 @@ def _result(path: Path) -> Entry:
     hashes = frozenset(str(i["sha256"]) for i in data.get("inputs", []))
     return Entry(
         str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")), None, samples, criteria, told,
-        float(data["s0_N"]), {}, None, hashes,
+        float(data["s0_N"]), {}, None, hashes, data.get("plan_hash"),
     )  # fmt: skip
 
 
 def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     """Entries that belong together: a result with the run it was made of (by hash), a run with the plan it followed.
 
-    A run follows a plan where neither strays from the other's path. A result takes the measuring time of its run.
+    A run follows the plan whose fingerprint it carries; where it carries none of these, one from whose path neither
+    strays. A result without its run belongs to the plan of that run. A result takes the measuring time of its run.
     """
     found = [[e] for e in entries if e.level is Level.PLANNED]
     for run in (e for e in entries if e.level is Level.EXECUTED):
-        home = next((g for g in found if len(g) == 1 and _follows(run, g[0])), None)
+        plans = [g for g in found if len(g) == 1 and g[0].level is Level.PLANNED]
+        named = [g for g in plans if run.plan is not None and run.plan == g[0].plan]
+        home = next((g for g in named or plans if named or _follows(run, g[0])), None)
         if home is None:
             found.append([run])
         else:
             home.append(run)
     for result in (e for e in entries if e.level is Level.IDENTIFIED):
         home = next((g for g in found if any(e.hashes & result.hashes for e in g)), None)
-        if home is None:
+        alone = [g for g in found if len(g) == 1 and result.plan is not None and g[0].plan == result.plan]
+        if home is None and alone and alone[0][0].level is Level.PLANNED:
+            alone[0].append(result)
+        elif home is None:
             found.append([result])
         else:
             run = next(e for e in home if e.hashes & result.hashes)

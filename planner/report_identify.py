@@ -126,6 +126,6 @@ def about_inputs(recording: Path, provenance: dict[str, Any]) -> tuple[tuple[str
 
 def run_inputs(about: dict[str, Any]) -> tuple[tuple[str, str], ...]:
     """What `recording.json`, or the answer of a run, says about it."""
-    keys = ("controller", "program", "program_hash", "seed", "payload", "simulation_source")
+    keys = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
     simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
     return (("origin", simulated), *((key, str(about[key])) for key in keys if about.get(key) is not None))

@@ -22,6 +22,7 @@ from identification.recording import Recording, write_recording
 from identification.reference import reference_scaling
 from identification.simulate import TRUE_MODEL, simulate_recording
 from planner.bound import Bound, box_bound
+from planner.fingerprints import plan_of_program
 from planner.problem import mean_information
 from planner.standing_run import stood, way_of
 from postprocessors.execute.executed_run import ExecutedRun, moving_windows
@@ -77,6 +78,7 @@ class Outcome:
         program_hash: fingerprint of the program that ran.
         around: what was mounted and what disturbed.
         poses: at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
+        plan_hash: of the plan that the program says it was written from; None where it says nothing.
     """
 
     run: ExecutedRun
@@ -86,6 +88,7 @@ class Outcome:
     program_hash: str
     around: Circumstances
     poses: NDArray[np.float64]
+    plan_hash: str | None = None
 
 
 def best_controller() -> tuple[str, str]:
@@ -120,13 +123,14 @@ def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances
     at_poses = measures_at_poses(parts)
     planned = way_of(parts, case, read.guarantees) if at_poses else planned_excitation(read, case)
     recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
-    fingerprint = hashlib.sha256(read.content).hexdigest()[:16]
+    fingerprint, followed = hashlib.sha256(read.content).hexdigest()[:16], plan_of_program(read.content)
     if at_poses:
         poses = measured_poses(parts)
         went = stood(run, poses, program)
         rating = Rating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
-        return Outcome(run, recording, rating, planned, fingerprint, around, poses)
-    return Outcome(run, recording, _rating(case, planned, run), planned, fingerprint, around, np.zeros((0, 6)))
+        return Outcome(run, recording, rating, planned, fingerprint, around, poses, followed)
+    rating = _rating(case, planned, run)
+    return Outcome(run, recording, rating, planned, fingerprint, around, np.zeros((0, 6)), followed)
 
 
 def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[Stretch, ...], ExecutedRun]:
@@ -228,6 +232,7 @@ def save_recording(
         "controller_hash": case.controller_hash,
         "program": str(program.resolve()),
         "program_hash": outcome.program_hash,
+        "plan_hash": outcome.plan_hash,
         "controller": outcome.run.controller,
         "controller_real": outcome.run.real,
         "simulated": True,

@@ -168,6 +168,7 @@ def make_result(
     from identification.recording import files_of, read_run
     from identification.residuals import residuals_of
     from identification.streaming import identify_long, is_long
+    from planner.fingerprints import plan_of_recording
     from planner.plots import identifiability_figure, residual_figure, save_figure
     from planner.report import render
     from planner.report_identify import about_inputs, identify_page
@@ -187,7 +188,7 @@ def make_result(
             how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
             estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
         found = identifiability(recording, loaded, estimate)
-        content = estimate.to_json() | provenance(files_of(paths))
+        content = estimate.to_json() | provenance(files_of(paths)) | {"plan_hash": plan_of_recording(paths[0])}
         answer = {"result": str(folder), "report": str(folder / "report.html")} | content
         if standing is not None:
             content["standstills"] = answer["standstills"] = standing

@@ -60,6 +60,7 @@ def make_program(
 
     from cases.errors import HexciteError
     from cases.files import atomic_file, check_file
+    from planner.fingerprints import plan_line
     from planner.plan import load_plan
     from postprocessors.dialects import DIALECTS, dialect
     from postprocessors.files import ProgramFile
@@ -78,6 +79,7 @@ def make_program(
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
         f"case {saved.case.name}, hash {saved.case.hash}, controller settings {saved.case.controller_hash}",
         f"plan {plan.resolve().name}: {saved.data['family']}, {saved.motion.duration:g} s at speed {speed:g}",
+        plan_line(plan),
         language.start,
         *(["point-to-point moves are straight in the struts: another path than planned"] if in_struts else []),
     )

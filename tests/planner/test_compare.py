@@ -1,5 +1,6 @@
 """`hexcite compare`: what belongs together is found by what it is, and the advice follows the figures."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,11 @@ from playwright.sync_api import Browser
 
 from cases.schema import Case
 from planner.comparing import Entry, Level, Told, groups, read_entry, recommend
+from planner.fingerprints import plan_hash, plan_of_program
 from planner.report_compare import _coloured
+from postprocessors.dialects import DIALECTS
 from tests.planner.browser import opened
-from tests.planner.command_line import call, refused
+from tests.planner.command_line import ACCEPT, call, refused
 
 Chain = dict[str, dict[str, Any]]
 
@@ -71,6 +74,28 @@ def test_a_chain_is_one_excitation(chain: Chain, shared: Path):
         assert result.criteria[letter] == pytest.approx(run.criteria[letter], rel=0.02, abs=0.5)
     for name, told in plan.parameters.items():
         assert run.parameters[name].std == pytest.approx(told.std, rel=0.05)
+
+
+def test_a_run_knows_its_plan_by_hash_wherever_the_folders_are(chain: Chain, shared: Path, tmp_path: Path):
+    """Two plans of one path: only one of them is the one that the program was written from."""
+    twin = shutil.copytree(shared / "plan", tmp_path / "a-twin")
+    text = (twin / "plan.json").read_text()
+    (twin / "plan.json").write_text(text.replace('"notes": []', '"notes": ["planned again"]') + " ")
+    moved = [shutil.copytree(shared / n, tmp_path / f"moved-{n}") for n in ("plan", "recording", "result")]
+    entries = [read_entry(path) for path in (twin, *moved)]
+    plan, run, result = (Path(entry.name).name for entry in entries[1:])
+    assert entries[2].plan == entries[1].plan == plan_hash(shared / "plan") != entries[0].plan
+    found = [[Path(e.name).name for e in g] for g in groups(entries)]
+    assert found == [["a-twin"], [plan, run, result]]
+    without_run = [[Path(e.name).name for e in g] for g in groups([entries[0], entries[1], entries[3]])]
+    assert without_run == [["a-twin"], [plan, result]]
+
+
+@pytest.mark.parametrize("dialect", ["linuxcnc", "sinumerik", "twincat", "setpoints"])
+def test_programs_of_every_dialect_carry_the_plans_hash(dialect: str, chain: Chain, shared: Path, tmp_path: Path):
+    file = tmp_path / ("p" + DIALECTS[dialect].suffix)
+    call("post", shared / "plan", "--dialect", dialect, "-o", file, *ACCEPT)
+    assert plan_of_program(file.read_bytes()) == plan_hash(shared / "plan")
 
 
 def test_criteria_of_a_plan_are_those_that_it_was_chosen_by(chain: Chain, shared: Path):
