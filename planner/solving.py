@@ -29,6 +29,7 @@ from planner.solvers import SOLVERS, Program, Reached, Watch
 Array = NDArray[np.float64]
 
 LIMIT_ROUNDS = 5  # rounds of adding the non-linear limits that came close
+AGAIN = 3  # later rounds have one in so many of the first one's iterations: they begin where it has ended
 NEAR = 0.9  # share of a non-linear limit from which it counts as close
 PASSED = 1e-3  # share by which a limit may be passed within a round's result: the final drawing back takes it
 MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion
@@ -44,7 +45,7 @@ class Stage(NamedTuple):
 
     Args:
         name: for the report.
-        iterations: of the solver, at most, in each round.
+        iterations: of the solver, at most, in the first round.
         fine: whether the family is refined and non-linear limits are rows too; else only the final drawing back keeps
             them, and A, K and N begin from the D-optimal motion.
         annealing: proposals of the annealing that finds starts of point-to-point motions, for each pair of moves: what
@@ -277,7 +278,7 @@ def _optimise(
         stopped = watch(objective)
         return stopped
 
-    for _ in range(LIMIT_ROUNDS if task.stage.fine else 1):
+    for after in range(LIMIT_ROUNDS if task.stage.fine else 1):
         sampling = problem.sampling
         program = Program(
             problem.unknowns,
@@ -286,7 +287,8 @@ def _optimise(
             sampling.lower,
             sampling.upper,
         )
-        reached = SOLVERS[task.solver](program, unknowns, task.stage.iterations, told)
+        most = task.stage.iterations if after == 0 else max(1, task.stage.iterations // AGAIN)
+        reached = SOLVERS[task.solver](program, unknowns, most, told)
         iterations += reached.iterations
         if np.isfinite(reached.unknowns).all():
             unknowns = np.clip(reached.unknowns, sampling.lower, sampling.upper)

@@ -15,11 +15,13 @@ from planner.cli.console import print_table
 
 Command = Callable[..., tuple[float, str]]
 
-COMMON = ("--criterion", "D", "--model", "9", "--starts", "2", "--seed", "0", "--json")
+COMMON = ("--criterion", "D", "--model", "9", "--json")
+SEARCHED = ("--starts", "2", "--seed", "0")
 FAMILIES: dict[str, tuple[tuple[str, ...], str, str]] = {  # arguments, wanted d_efficiency (floor / goal), wanted time
     "manual": (("--family", "manual"), "about 0.10", "-"),
     "fourier, order 5, period 3 s": (("--order", "5", "--period", "3"), "0.20 / 0.23", "5 s"),
     "fourier, order 7, period 4 s": (("--order", "7", "--period", "4"), "0.20 / 0.23", "5 s"),
+    "fourier, best order and period": (("--free-order", "--free-period"), "0.20 / 0.23", "5 s"),
     "ptp, 32 moves": (("--family", "ptp", "--moves", "32"), "0.52 / 0.58", "60 s"),
     "ptp, 40 moves": (("--family", "ptp", "--moves", "40"), "0.52 / 0.58", "60 s"),
     "spline, 90 knots": (("--family", "spline", "--knots", "90"), "0.56 / 0.62", "60 s"),
@@ -49,11 +51,22 @@ def limits_of_information() -> list[list[str]]:
 def families(folder: Path, command: Command) -> None:
     """Prints a table of the families, 12 s, every limit active, at rest at both ends."""
     rows = []
-    manual = None
+    manual: dict[str, float] | None = None
     for k, (name, (words, wanted, time)) in enumerate(FAMILIES.items()):
-        _, printed = command("plan", "hexapod", *words, *COMMON, "-o", str(folder / f"family-{k}"))
+        _, printed = command(
+            "plan",
+            "hexapod",
+            *words,
+            *COMMON,
+            *(() if "manual" in words else SEARCHED),
+            "-o",
+            str(folder / f"family-{k}"),
+        )
         plan = json.loads(printed)
-        manual = plan["d_efficiency"] if manual is None else manual
+        # standard deviations of one second of each motion: equal time and noise
+        std = {name: value * np.sqrt(plan["duration_s"]) for name, value in plan["predicted_std"].items()}
+        manual = {"efficiency": plan["d_efficiency"]} | std if manual is None else manual
+        worst = max(std, key=lambda name: std[name] / manual[name])
         tight = plan["d_efficiency_tight"]
         explored = [s["seconds"] for s in plan["starts"]] or [0.0]
         rows.append(
@@ -62,11 +75,15 @@ def families(folder: Path, command: Command) -> None:
                 f"{plan['duration_s']:.2f} s",
                 f"{plan['d_efficiency']:.3f}",
                 "-" if tight is None else f"{tight:.3f}",
-                f"{plan['d_efficiency'] / manual:.2f}",
+                f"{plan['d_efficiency'] / manual['efficiency']:.2f}",
+                f"{std[worst] / manual[worst]:.2f} ({worst})",
                 f"{max(explored):.1f} s",
                 wanted,
                 time,
             ]
         )
-    columns = ("family", "duration", "d_efficiency", "tight", "manual = 1", "longest start", "wanted", "wanted time")
+    columns = (
+        "family", "duration", "d_efficiency", "tight", "manual = 1", "worst std, manual = 1; ptp wanted 0.5",
+        "longest start", "wanted", "wanted time",
+    )  # fmt: skip
     print_table("Families on the hexapod, model 9, criterion D, two starts each", columns, rows)
