@@ -12,8 +12,10 @@ from cases.loading import load_case
 from planner.running import linuxcnc_missing
 from postprocessors.execute.linuxcnc.running import run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch
+from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import read_program
 from postprocessors.proof import prove_program
+from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import timed, typed
 
 Command = Callable[..., tuple[float, str]]  # words of a command -> seconds, what it printed
@@ -43,6 +45,10 @@ def point_to_point(folder: Path, command: Command) -> list[list[str]]:
         ]
     if "linuxcnc" in took:
         rows.append(["  LinuxCNC / virtual duration", f"{took['linuxcnc'] / took['virtual']:.4f}", "0.95 to 1.05"])
+    accept = ["--accept", "acceleration,jerk,sensor-force", "-o", str(folder / "ptp.nc"), "--json"]
+    bent = json.loads(command("post", str(folder / "ptp"), "--dialect", "twincat", "--ptp-struts", *accept)[1])
+    said = f"{bent['off_path_mm']:.1f} mm off, {bent['excitation_s']:.2f} s, D-efficiency {bent['d_efficiency']:.3f}"
+    rows.append(["the same straight in the struts (#PTP ON)", said, ""])
     return rows
 
 
@@ -93,6 +99,9 @@ def dense(folder: Path, command: Command) -> list[list[str]]:
         measured = float(log.trigger.sum()) * log.period / 12.0
         text = f"{measured:.2f} times, predicted {expected.factor:.2f}"
         rows.append(["LinuxCNC's stretch under the case's limits", text, "within 10 %"])
+        without = changed(case, controller__virtual_look_ahead="block_limited")
+        virtual = run_virtual(read.reading, without, read.guarantees).excitation / 12.0
+        rows.append(["  virtual controller without look-ahead (toppra)", f"{virtual:.2f} times", "within 5 %"])
     return rows
 
 

@@ -13,6 +13,6 @@ def changed(case: Case, **keys: Any) -> Case:
         table = data
         for name in tables:
             table = table[name]
-        assert key in table or key in ("keep_out", "virtual_look_ahead", "moves"), path
+        assert key in table or key == "keep_out", path
         table[key] = value
     return Case.model_validate(data)
