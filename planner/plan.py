@@ -109,6 +109,8 @@ class Plan:
             notes.append(
                 f"this is a {self.family} plan: no {self.request.family} found carries more; more --knots may help"
             )
+        forces = [c for c in self.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
+        notes += [f"{c.name} shapes the motion: with fewer weights in [payloads] it could tell more" for c in forces]
         return [*notes, *self.noise_note]
 
     def to_json(self) -> dict[str, Any]:

@@ -90,10 +90,10 @@ def _explore(request: Request, case: Case, seed: int) -> Task:
 
 
 def _refine(request: Request, case: Case, start: Start) -> Task:
-    family, unknowns = start.family, start.unknowns
+    family, unknowns = start.family, start.begin
     if request.family == "spline":
         family = SplineFamily.of(case, request.intervals, request.duration)
-        unknowns = family.through(start.family.motion(start.unknowns))
+        unknowns = family.through(start.family.motion(start.begin))
     stage = STAGES[request.family][1]
     return Task(
         case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns, request.payload

@@ -74,6 +74,8 @@ class Start:
         seconds: time spent.
         unknowns: the motion.
         family: what the unknowns mean.
+        begin: where another stage goes on: the motion, or what it was before it was drawn back for its sensor forces,
+            which are no rows of a coarse stage: shrinking takes most of the information away.
     """
 
     seed: int
@@ -87,6 +89,7 @@ class Start:
     seconds: float
     unknowns: Array
     family: Family
+    begin: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,10 +244,11 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
         )
+    overloaded = not fine and len(closest_load(task.case, family.motion(reached.unknowns)))
     seconds = time.perf_counter() - began
     return Start(
         task.seed, task.stage.name, before.logdet, rating.logdet, score, reached.status, reached.converged,
-        iterations, seconds, found, family,
+        iterations, seconds, found, family, reached.unknowns if overloaded else found,
     )  # fmt: skip
 
 

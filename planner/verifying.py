@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.model import identification_model
+from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
-from planner.noise import expected_noise
+from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.planning import predicted_std_of
 from planner.poses.plan import predicted_std as predicted_std_of_poses
 from planner.poses.regressors import pose_regressors, total_information
@@ -65,19 +65,29 @@ def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iter
     logdet = CRITERIA["D"].of(mu)
     yield from _unlike("logdet", data["logdet"], logdet, ALIKE * len(mu))
     yield from _unlike("condition", data["condition"], -CRITERIA["K"].of(mu))
-    letter = str(data["criterion"])
-    if letter not in CRITERIA:
-        raise ValueError("criterion")
-    score = CRITERIA[letter].of(mu)
-    yield from _unlike(
-        "criterion_value", data["criterion_value"], score, ALIKE * (len(mu) if letter == "D" else abs(score))
-    )
     efficiency = float(np.exp((logdet - float(data["bound"]["logdet"])) / len(mu)))
     yield from _unlike("d_efficiency", data["d_efficiency"], efficiency)
     payload = _whole(data, "payload")
     noise = expected_noise(case, model, payload)
+    yield from _of_criterion(data, singular_values(_weighted(model, noise, scaling, motion, information), model.names))
     yield from _unlike("assumed_noise_N", data["assumed_noise_N"], noise.sensors)
     yield from _unlike_deviations(data, predicted_std_of(case, model, scaling, motion, noise, payload))
+
+
+def _weighted(model: Model, noise: ExpectedNoise, scaling: Array, motion: Trajectory, plain: Array) -> Array:
+    """The information that the search maximised: by the weights of the case, where these are not equal."""
+    if noise.whitening is None:
+        return plain
+    return mean_information(seen_through(model, noise.whitening), scaling, motion)
+
+
+def _of_criterion(data: dict[str, Any], mu: Array) -> Iterator[Mismatch]:
+    letter = str(data["criterion"])
+    if letter not in CRITERIA:
+        raise ValueError("criterion")
+    score = CRITERIA[letter].of(mu)
+    within = ALIKE * (len(mu) if letter == "D" else abs(score))
+    yield from _unlike("criterion_value", data["criterion_value"], score, within)
 
 
 def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:

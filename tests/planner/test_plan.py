@@ -9,7 +9,7 @@ import pytest
 
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.limits import prove
+from identification.limits import LimitReport, prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner.families.fourier import COARSE, FINE, FourierFamily
@@ -127,6 +127,8 @@ def test_every_limit_is_proven(planned: dict[str, Any]):
 def test_a_spline_that_lost_against_the_moves_it_began_from_is_told():
     """The best motion found is kept, whatever its family; nobody should take it for a spline."""
     request = Request("hexapod", family="spline")
-    found = SimpleNamespace(motion=None, starts=(), family="ptp", request=request, noise_note=())
+    found = SimpleNamespace(
+        motion=None, starts=(), family="ptp", request=request, noise_note=(), limits=LimitReport(())
+    )
     (note,) = vars(Plan)["notes"].fget(found)
     assert "this is a ptp plan: no spline found carries more" in note
