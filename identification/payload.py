@@ -81,6 +81,21 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     return Payload(parameters, tuple(warnings))
 
 
+def require_two(before: SavedResult, after: SavedResult) -> None:
+    """Refuses one recording as both.
+
+    Raises:
+        IdentificationError: both results are of the same files.
+    """
+    if before.source == after.source:
+        raise IdentificationError(f"{after.source}: is named twice; name the result without the payload, then with it")
+    if before.recordings and before.recordings == after.recordings:
+        raise IdentificationError(
+            f"{after.source}: is of the same recording as {before.source}; name the result of a run without the "
+            "payload, then of one with it"
+        )
+
+
 def _pairs(before: SavedResult, after: SavedResult) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     return (before.covariance, after.covariance), (before.covariance_robust, after.covariance_robust)
 

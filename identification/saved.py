@@ -33,6 +33,7 @@ class SavedResult:
         terms: forms of the error compensation other than the model's.
         delay: of the forces [s]; 0 where none was estimated.
         accelerometer: its biases, where standstills told them.
+        recordings: SHA-256 of the files that it was made of; empty where it does not say.
     """
 
     source: str
@@ -45,6 +46,7 @@ class SavedResult:
     terms: tuple[str, ...]
     delay: float
     accelerometer: AccelerometerBias | None = None
+    recordings: frozenset[str] = frozenset()
 
     def model_of(self, case: Case) -> Model:
         """The model of the parameters, for a case of the same machine.
@@ -84,6 +86,7 @@ def load_result(path: Path) -> SavedResult:
             terms=tuple(str(t) for t in data.get("error_terms", ())),
             delay=0.0 if delay is None else float(delay["value"]),
             accelerometer=None if felt is None else _accelerometer(felt),
+            recordings=frozenset(str(i["sha256"]) for i in data.get("inputs", ())),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error

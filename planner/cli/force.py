@@ -106,13 +106,14 @@ def payload(
 ) -> None:
     """Tell the payload's mass, centre of gravity and inertia from two results."""
     from cases.loading import load_case
-    from identification.payload import payload_between, payload_on_table
+    from identification.payload import payload_between, payload_on_table, require_two
     from identification.saved import load_result
     from planner.cli.identify import PARAMETER_COLUMNS, parameter_rows
 
     loaded = load_case(case)
     old, new = load_result(before), load_result(after)
     models = old.model_of(loaded), new.model_of(loaded)
+    require_two(old, new)
     found = payload_on_table(old, new, models[0]) if loaded.setup == "1a" else payload_between(old, new, *models)
     answer: dict[str, Any] = {
         "parameters": {name: value._asdict() for name, value in found.parameters.items()},

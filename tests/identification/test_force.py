@@ -16,11 +16,11 @@ from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.motion import Standstill
-from identification.payload import payload_between
+from identification.payload import payload_between, require_two
 from identification.recording import Recording
 from identification.saved import SavedResult, load_result, with_tare
 from identification.simulate import simulate_recording
-from tests.helpers import HOME, Harmonic
+from tests.helpers import HOME, Harmonic, one_line
 
 CASE = load_case("hexapod")
 HEXAPOD = Hexapod.of(CASE)
@@ -117,6 +117,17 @@ def test_the_payload_is_the_body_that_was_added(saved: SavedResult) -> None:
     got = [found[n].value for n in ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")]
     np.testing.assert_allclose(got, [20.0, 0.01, 0.02, 0.18, 0.2, 0.25, 0.15], rtol=1e-9)
     assert found["m"].std == pytest.approx(np.sqrt(2 * saved.covariance[0, 0]))
+
+
+def test_one_recording_is_not_taken_for_two(saved: SavedResult) -> None:
+    with pytest.raises(IdentificationError, match="is named twice; name the result without") as caught:
+        require_two(saved, saved)
+    one_line(caught.value)
+    copied = replace(saved, source="copy/result.json", recordings=frozenset({"5e6f"}))
+    with pytest.raises(IdentificationError, match="is of the same recording as") as caught:
+        require_two(replace(saved, recordings=frozenset({"5e6f"})), copied)
+    one_line(caught.value)
+    require_two(saved, replace(saved, source="after", recordings=frozenset({"7a8b"})))
 
 
 def test_no_payload_is_no_payload(saved: SavedResult) -> None:
