@@ -7,7 +7,7 @@ from cases.errors import HexciteError, ProgramError
 from identification.hexapod import Hexapod
 from identification.limits import prove
 from identification.motion import Joined, Standstill
-from identification.profile import StraightMove
+from identification.profile import StraightMove, fastest_profile
 from identification.strut_move import StrutMove
 from postprocessors.dialects import DIALECTS
 from postprocessors.execute.virtual import run_virtual
@@ -131,6 +131,21 @@ def test_a_case_without_drives_refuses_them(typed: Typed):
         ProgramError, match=r"p: the settings of .* have no ptp table; add it, or leave out --ptp-struts"
     ):
         proven_program(moves(), case, typed.language, "p", (), accepted=ACCEPT, in_struts=True)
+
+
+@pytest.mark.parametrize("typed", BOTH, ids=lambda t: t.name)
+def test_a_rapid_is_as_fast_as_the_drives_and_leaves_the_platforms_rates_to_nobody(typed: Typed):
+    body = "#PTP ON\nG0 G60 X100\n#PTP OFF" if typed is TWINCAT else "PTP G0 X100\nCP"
+    (part,) = (p for p in typed.parts(body) if isinstance(p, Untimed) and p.in_struts)
+    assert part.feed is None
+    drives = CASE.controller.twincat.ptp
+    guarantees = typed.language.guarantees(typed.read(typed.text(body)), CASE)
+    motion = predicted(part, BOX, guarantees)
+    law = fastest_profile(
+        motion.strut_way, drives.strut_velocity_m_s, drives.strut_acceleration_m_s2, drives.strut_jerk_m_s3
+    )
+    assert motion.duration == pytest.approx(law.duration)
+    assert typed.proof(typed.text(body)).relies_on == ("velocity", "acceleration", "jerk", "sensor force")
 
 
 def test_drives_beyond_the_limits_of_the_struts_are_no_case():
