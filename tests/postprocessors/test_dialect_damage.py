@@ -19,6 +19,10 @@ BODY = {
     "twincat": f"(small)\nM100\n{TWINCAT.timed(smooth_points(TWINCAT, 'X', 2.0, 6))}\nM101\nG04 0.1\n"
     "G1 G60 X5 A1 F3000\nG0 G60 X0 Y0 Z900 A0\nG17 G3 G60 X0 Y0 I5 J0 F3000",
 }
+IN_STRUTS = {
+    "sinumerik": "DO $A_OUT[1]=1\nPTP G93 G1 X50 Y20 A2=5 F60\nCP G94\nDO $A_OUT[1]=0\nG4 F0.1",
+    "twincat": "M100\n#PTP ON\nG93\nG1 G60 X50 Y20 A5 F1\n#PTP OFF\nG94\nM101",
+}
 CHARACTERS = "0123456789.-+ XYZABCFGMPO()[]=\n;,eE%#/$\"'\t\u00e9"
 EDITS = st.tuples(st.sampled_from("rdi2"), st.integers(0, 10_000), st.sampled_from(CHARACTERS))
 both = pytest.mark.parametrize("typed", BOTH, ids=lambda t: t.name)
@@ -51,6 +55,20 @@ def test_a_damaged_program_ends_in_a_proof_or_in_one_line(typed: Typed, edits: l
     assert result.ok == (not result.violations)
     for violation in result.violations:
         assert 1 <= violation.line <= text.count("\n") + 1
+
+
+@both
+@settings(max_examples=60)
+@given(edits=st.lists(EDITS, min_size=1, max_size=3))
+def test_damaged_moves_in_the_struts_end_in_a_proof_or_in_one_line(typed: Typed, edits: list[tuple[str, int, str]]):
+    body = IN_STRUTS[typed.name]
+    assert any(getattr(event, "in_struts", False) for event in typed.read(typed.text(body)).events)
+    try:
+        result = typed.proof(typed.text(damaged(body, edits)))
+    except ProgramError as error:
+        assert one_line(error).startswith("p")
+    else:
+        assert result.ok == (not result.violations)
 
 
 @pytest.mark.slow
