@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +81,14 @@ def limited_quantities(
     yield from _by_kind("acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one)
     yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", motion.jerks, -j, j, one)
     yield from _of_the_struts(motion, rotation, machine, workspace, limits)
+
+
+def velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Iterable[Quantity]:
+    """Rates of the coordinates and velocities of the struts alone; see `limited_quantities`."""
+    scale = np.array([1 / MM] * 3 + [1 / DEG] * 3)
+    yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -limits.rate, limits.rate, scale)
+    most = np.full(6, limits.strut_velocity_m_s)
+    yield Quantity.between("strut velocity", "m/s", _STRUTS, strut_motion(motion, machine)[1], -most, most, 1.0)
 
 
 def _by_kind(
@@ -208,13 +217,26 @@ def _determinant(direction: Array, arms: Array) -> Array:
     return np.asarray(np.linalg.det(np.concatenate([direction, np.cross(arms, direction)], axis=2)))
 
 
+@dataclass(frozen=True, slots=True)
+class _Of:
+    """A machine as a key."""
+
+    machine: Machine
+
+
+@lru_cache(maxsize=8)
+def _at_home(of: _Of) -> float:
+    """det(J^-1) at home."""
+    machine = of.machine
+    standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
+    strut, _, _, _ = _strut_vectors(standing, rotation_motion(standing), machine)
+    direction = strut / np.linalg.norm(strut, axis=2)[:, :, None]
+    return float(_determinant(direction, strut + machine.base.points - machine.home.vector[:3])[0])
+
+
 def _singularity(motion: Motion, strut: Array, direction: Array, machine: Machine) -> Quantity:
     """1 - det(J^-1) / det(J^-1 at home): 0 at home, 1 in a singularity, above 1 behind one."""
-    standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
-    at_home, _, _, _ = _strut_vectors(standing, rotation_motion(standing), machine)
-    home_direction = at_home / np.linalg.norm(at_home, axis=2)[:, :, None]
-    reference = _determinant(home_direction, at_home + machine.base.points - machine.home.vector[:3])[0]
     arms = strut + machine.base.points - motion.pose[:, None, :3]
-    way = (1.0 - _determinant(direction, arms) / reference)[:, None]
+    way = (1.0 - _determinant(direction, arms) / _at_home(_Of(machine)))[:, None]
     ratio = np.nan_to_num(way, nan=np.inf)
     return Quantity("singularity", "of the way", ("",), way, np.ones_like(way), ratio, 1.0)

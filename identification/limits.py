@@ -129,7 +129,7 @@ def prove_at(
     """Checks every limit at given instants, shape (n,) [s]; see `prove`."""
     reports = []
     for quantities, t in _evaluated(trajectory, case, instants, in_box):
-        reports.append(LimitReport(tuple(_worst(q, t + offset) for q in quantities)))
+        reports.append(LimitReport(tuple(worst_case(q, t + offset) for q in quantities)))
     return worst_of(reports)
 
 
@@ -171,7 +171,7 @@ def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
     return LimitReport(tuple(worst.values()))
 
 
-def _worst(quantity: Quantity, t: Array) -> LimitCheck:
+def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
     """Where the largest share is used; `t` are the instants, shape (n,) [s]."""
     row, column = np.unravel_index(int(np.argmax(quantity.ratio)), quantity.ratio.shape)
     label = quantity.labels[column]

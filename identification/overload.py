@@ -4,13 +4,15 @@ Written for the proof of limits, from the definitions, without the regressor tha
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.payloads import Payloads
 from cases.schema import Case
-from cases.sensors import RigidBody
+from cases.sensors import RigidBody, SensorFrame
 from identification.frame import structure_matrix
 from identification.limited import Quantity, rotation_motion
 from identification.motion import Motion
@@ -71,28 +73,10 @@ class Loads:
     @classmethod
     def of(cls, case: Case) -> "Loads | None":
         """The constants of a case; None where it names no range or no nominal body."""
-        if case.sensors.range_N is None or not case.bodies:
+        if case.sensors.range_N is None or case.nominal is None:
             return None
-        axes, none = np.eye(3), np.zeros((6, 3))
-        pairs = np.array([axes[i] if i == j else axes[i] + axes[j] for i, j in PAIRS])
-        push, turn, spin = (
-            np.vstack([axes, none, none[:3]]),
-            np.vstack([none[:3], axes, none]),
-            np.vstack([none, pairs]),
-        )
-        first = _cross_matrices(spin)
-        second = _cross_matrices(turn) + first @ first
-        unturned = np.tile(axes, (len(push), 1, 1))
-        found = np.vstack(
-            [sensor_forces(unturned, first, second, push + case.gravity, body, case).T for body in case.bodies]
-        )
-        quadratic = found[:, 6:].copy()
-        for column, (i, j) in enumerate(PAIRS):
-            if i != j:
-                quadratic[:, column] -= found[:, 6 + i] + found[:, 6 + j]
-        labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
-        limit = SHARE * case.sensors.range_N
-        return cls(found[:, :3], found[:, 3:6], quadratic, np.asarray(case.gravity), limit, labels)
+        asked = _Asked(case.sensor_frame, case.nominal, case.payloads, tuple(case.gravity), case.sensors.range_N, case)
+        return _loads(asked)
 
     def forces(self, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:
         """Forces, shape (n, channels) [N].
@@ -112,6 +96,43 @@ class Loads:
         for k, (i, j) in enumerate(PAIRS, start=6):
             state[:, k] = omega[:, i] * omega[:, j]
         return np.asarray(state @ np.hstack([self.linear, self.angular, self.spin]).T)
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What the constants depend on; `case` holds all of it."""
+
+    frame: SensorFrame
+    nominal: RigidBody
+    payloads: Payloads | None
+    gravity: tuple[float, ...]
+    range: float
+    case: Case = field(compare=False)
+
+
+@lru_cache(maxsize=8)
+def _loads(asked: _Asked) -> Loads:
+    case = asked.case
+    axes, none = np.eye(3), np.zeros((6, 3))
+    pairs = np.array([axes[i] if i == j else axes[i] + axes[j] for i, j in PAIRS])
+    push, turn, spin = (
+        np.vstack([axes, none, none[:3]]),
+        np.vstack([none[:3], axes, none]),
+        np.vstack([none, pairs]),
+    )
+    first = _cross_matrices(spin)
+    second = _cross_matrices(turn) + first @ first
+    unturned = np.tile(axes, (len(push), 1, 1))
+    found = np.vstack(
+        [sensor_forces(unturned, first, second, push + case.gravity, body, case).T for body in case.bodies]
+    )
+    quadratic = found[:, 6:].copy()
+    for column, (i, j) in enumerate(PAIRS):
+        if i != j:
+            quadratic[:, column] -= found[:, 6 + i] + found[:, 6 + j]
+    labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
+    limit = SHARE * asked.range
+    return Loads(found[:, :3], found[:, 3:6], quadratic, np.asarray(case.gravity), limit, labels)
 
 
 def _cross_matrices(vectors: Array) -> Array:

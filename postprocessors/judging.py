@@ -7,7 +7,8 @@ import numpy as np
 
 from cases.errors import ProgramError
 from identification.circle import CircularMove
-from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at, worst_of
+from identification.limited import velocities
+from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at, worst_case, worst_of
 from identification.motion import Standstill, Trajectory
 from identification.polynomial import PolynomialMotion
 from identification.profile import StraightMove
@@ -161,6 +162,6 @@ def _asked(
     else:
         return
     steady = replace(motion, profile=Steady(1.0 / speed))
-    for check in prove_at(steady, by.case, np.linspace(0.0, steady.duration, FEWEST + 1), clock).checks:
-        if family(check.name) in RATES:
-            yield check
+    t = np.linspace(0.0, steady.duration, FEWEST + 1)
+    for quantity in velocities(steady.at(t), by.case.need_machine("the check of a program")[0], by.limits):
+        yield worst_case(quantity, t + clock)
