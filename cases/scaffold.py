@@ -16,7 +16,9 @@ _ADVICE = {
     "limits.motion": "What an excitation may use, each coordinate relative to home: the manual's values or less.",
     "sensor_frame.bars": "From the drawing of the frame: both ends of each bar in {P}, in the order of the channels.",
     "sensor_frame": 'How the sensor reads: sense = "load_on_sensor" or "sensor_on_load".',
-    "sensors": "From the sensors' data sheet.",
+    "sensors": "From the sensors' data sheet. Noise may be stated: force_noise_N,\n"
+    "# encoder_resolution_um, strut_noise_um, and of vibration acceleration_noise_m_s2 and\n"
+    "# angular_acceleration_noise_rad_s2: hexcite identify tells what the residuals look like.",
     "recording": "Names, units and clock of the recorded columns, where they differ from hexcite's (CONVENTIONS.md).",
     "controller": "How the controller is set up. Nothing here is guessed: check each with its machine's parameters.",
     "nominal": "A-priori values of the moving body from CAD: mass, centre of gravity in {P}, inertia about it.",

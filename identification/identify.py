@@ -26,6 +26,7 @@ from identification.formats.stream import Averaged
 from identification.identifiability import Identifiability, analyse
 from identification.long_contact import least_trimmed_squares
 from identification.model import MASS, Model, identification_model
+from identification.noise_components import noise_components
 from identification.noise_sources import noise_sources
 from identification.periodic import PeriodicRun, periodic_run
 from identification.plausibility import Scan, places, scan
@@ -271,6 +272,11 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
             warnings.append(
                 "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
             )
+    if isinstance(moving.run, Run):
+        components = noise_components(moving.run, moving.fit, case.sensor_frame.bars is None)
+        if components is not None:
+            told["noise_components"] = components.to_json()
+            notes += components.notes(how.weights or case.sensors.weights)
     if how.biases is not None:
         free = fit_with_delay(moving.run, how.without_biases, problem, moving.delay.value, held)
         warnings += _drift(how.biases, model, free.fit)

@@ -11,6 +11,7 @@ from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
+from identification.noise_components import _taken_apart
 from identification.noise_model import StatedNoise, acceleration_to_force
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
@@ -123,3 +124,33 @@ def test_weights_that_cannot_be_are_refused() -> None:
         identify(recording, CASE, how=method("robust", weights="stated"))
     with pytest.raises(IdentificationError, match="weights 'best' are unknown; choose equal, per_channel"):
         method(weights="best")
+
+
+@pytest.mark.parametrize("noise", [(1.0, 0.05, 1.0), (0.5, 0.2, 0.0), (2.0, 0.0, 0.4), (1.0, 0.0, 0.0)])
+def test_residuals_are_taken_apart_into_the_noise_that_made_them(noise: tuple[float, float, float]) -> None:
+    """From one run of two seconds, without any statement of the case."""
+    mute = BARE.model_copy(update={"simulation": shaken(*noise).simulation})
+    recording = simulate_recording(mute, PoseExecution(Hexapod.of(mute), MOTION), np.array([[0.1, 1.9]]), 0)
+    found = identify(recording, mute)
+    parts = found.told["noise_components"]
+    keys = ("force_noise_N", "acceleration_noise_m_s2", "angular_acceleration_noise_rad_s2")
+    felt = np.linalg.norm(acceleration_to_force(MODEL, TRUTH), axis=0)
+    smallest = (
+        0.35 * noise[0] / np.array([1.0, felt[:3].max(), felt[3:].max()])
+    )  # below, the forces' own noise hides it
+    for key, value, least in zip(keys, noise, smallest, strict=True):
+        assert parts[key] == pytest.approx(value, rel=0.15, abs=least)
+    told = [n for n in found.notes if "the residuals look like noise of" in n]
+    assert len(told) == (parts["share_of_accelerations"] > 0.1)
+    assert (parts["share_of_accelerations"] > 0.1) == (max(noise[1:]) > 0.0)
+
+
+def test_the_noise_of_a_wrist_sensor_is_taken_apart_by_unit() -> None:
+    draw = np.random.default_rng(4)
+    model = identification_model(load_case("ft_wrist"), 6)
+    values = np.array([{"m": 3.0, "mzC": 0.2, "I11": 0.05, "I22": 0.05, "I33": 0.02}.get(n, 0.0) for n in model.names])
+    noise = StatedNoise(model, np.array([0.2] * 3 + [0.01] * 3), np.array([0.05] * 3 + [0.3] * 3))
+    sample = draw.normal(size=(20_000, 6)) @ np.linalg.cholesky(noise.covariance(values)).T
+    found = _taken_apart(np.cov(sample.T), model, values, True)
+    assert (found.force, found.moment) == pytest.approx((0.2, 0.01), rel=0.05)
+    assert (found.acceleration, found.angular) == pytest.approx((0.05, 0.3), rel=0.1)
