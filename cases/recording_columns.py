@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 
 from cases.units import DEG, MM, UM
 
-CLOCK, TRIGGER = "t_s", "trigger"
+CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
 STRUT_VELOCITIES = tuple(f"ld{k}_mm_s" for k in range(1, 7))
 DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
@@ -16,7 +16,7 @@ BAR_FORCES = tuple(f"f{k}_N" for k in range(1, 7))
 WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
 COLUMNS = (
     CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
-    *WRENCH, TRIGGER,
+    *WRENCH, TRIGGER, OVERRIDE,
 )  # fmt: skip
 
 _LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}
@@ -35,6 +35,7 @@ _GROUPS: tuple[tuple[str, Iterable[str], Mapping[str, float]], ...] = (
     ("angles", POSE[3:], _ANGLE),
     ("forces", (*BAR_FORCES, *WRENCH[:3]), _FORCE),
     ("moments", WRENCH[3:], _MOMENT),
+    ("override", (OVERRIDE,), {"%": 0.01, "1": 1.0}),
 )
 GROUP_UNITS = {name: units for name, _, units in _GROUPS}
 _GROUP_OF = {column: name for name, columns, _ in _GROUPS for column in columns}

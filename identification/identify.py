@@ -21,6 +21,7 @@ from identification.contact import Contact, find_contacts, touched
 from identification.estimator import independent_poses, require_alive
 from identification.estimators import Method, Problem, gauss_markov_of, method, robust_of
 from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
+from identification.feed import about_feed, recorded_overrides
 from identification.fit import Fit
 from identification.formats.stream import Averaged
 from identification.identifiability import Identifiability, analyse
@@ -283,6 +284,9 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     if isinstance(moving.run, PeriodicRun):
         notes, told = [*notes, *moving.run.notes], moving.run.told
         warnings += moving.run.doubts(moving.fit, moving.w)
+    if recording.override is not None:
+        slower, entries = about_feed(recording, recorded_overrides(recording), "the recorded override")
+        warnings, told = warnings + slower, told | entries
     if recording.averaged is not None:
         notes, told = [*notes, _about_averages(recording.averaged, moving)], told | _averages(recording.averaged)
     evaluation = Evaluation(

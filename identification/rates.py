@@ -8,6 +8,7 @@ sampled faster than the forces are read from the cubic spline through them at th
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from cases.errors import RecordingError
 from cases.schema import Case
-from identification.formats.stream import Averaged, Recording, Stream
+from identification.formats.stream import Averaged, Channel, Recording, Stream
 from identification.hexapod import Hexapod
 
 Array = NDArray[np.float64]
@@ -100,11 +101,9 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
     means = means[1:-1] - (1.0 / 24.0 + (step / interval) ** 2 / 12.0) * curvature
     inside = inside[1:-1]
     means = _at_full_range(means, t, forces, motion.t[inside], half, case)
-    trigger = motion.trigger
+    trigger, override = motion.trigger, _latest(recording, "override", motion.t)
     if trigger is None:
-        other = recording.stream_with("trigger")
-        if other is not None and other.trigger is not None and other.t is not None:
-            trigger = other.trigger[np.maximum(np.searchsorted(other.t, motion.t, side="right") - 1, 0)]
+        trigger = _latest(recording, "trigger", motion.t)
     noise = np.median(np.abs(forces[2:] - 2.0 * forces[1:-1] + forces[:-2]), axis=0) / 0.6745 / np.sqrt(6.0)
     assert motion.struts is not None
     return Recording(
@@ -113,6 +112,7 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
         None if motion.strut_velocities is None else motion.strut_velocities[inside],
         lines=replace(motion.lines, first=motion.lines.first + int(inside[0]) * motion.lines.every),
         averaged=Averaged(interval / step, interval, noise),
+        override=None if override is None else override[inside],
     )  # fmt: skip
 
 
@@ -139,6 +139,14 @@ def interval_means(t: Array, values: Array, centres: Array, interval: float) -> 
         return np.asarray(total[k] + late * away[k] + late**2 / 2.0 * (away[k + 1] - away[k]) / steps[k])
 
     return np.asarray((integral(centres + interval / 2.0) - integral(centres - interval / 2.0)) / interval + mean)
+
+
+def _latest(recording: Recording, name: Channel, at: Array) -> Any:
+    """A channel that switches, of whichever clock, as it was last recorded at given instants; None without it."""
+    found = recording.stream_with(name)
+    if found is None or found.t is None:
+        return None
+    return getattr(found, name)[np.maximum(np.searchsorted(found.t, at, side="right") - 1, 0)]
 
 
 def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: float, case: Case) -> Array:
@@ -174,11 +182,9 @@ def _at_the_forces(recording: Recording, motion: Stream, case: Case) -> Recordin
     if not len(inside):
         return recording
     t = recording.t[inside]
-    trigger = recording.trigger
-    if trigger is None and motion.trigger is not None:
-        trigger = motion.trigger[np.maximum(np.searchsorted(motion.t, recording.t, side="right") - 1, 0)]
+    trigger, override = (_latest(recording, name, t) for name in ("trigger", "override"))
     return replace(
         recording, t=t, struts=CubicSpline(motion.t, motion.struts)(t), forces=recording.forces[inside],
-        trigger=None if trigger is None else trigger[inside], rotations=None, poses=None, specific_forces=None,
+        trigger=trigger, override=override, rotations=None, poses=None, specific_forces=None,
         strut_velocities=None, others=(), lines=replace(recording.lines, first=recording.lines.first + int(inside[0])),
     )  # fmt: skip

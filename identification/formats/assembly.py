@@ -12,6 +12,7 @@ from cases.recording_columns import (
     BAR_FORCES,
     DRIVE_VELOCITIES,
     DRIVES,
+    OVERRIDE,
     POSE,
     ROTATION,
     STRUT_VELOCITIES,
@@ -24,6 +25,7 @@ from identification.formats.checks import (
     require_finite,
     require_gravity,
     require_increasing,
+    require_override,
     require_reach,
     require_rotations,
     require_switch,
@@ -95,6 +97,9 @@ def _stream(table: Table, t: Array | None, case: Case, form: RecordingFormat) ->
     trigger = _group(table, form, (TRIGGER,))
     if trigger is not None:
         require_switch(table, trigger[:, 0], form)
+    override = _group(table, form, (OVERRIDE,))
+    if override is not None:
+        require_override(table, override[:, 0], form)
     stream = Stream(
         source=table.source,
         t=t,
@@ -103,6 +108,7 @@ def _stream(table: Table, t: Array | None, case: Case, form: RecordingFormat) ->
         forces=forces,
         trigger=None if trigger is None else trigger[:, 0] > 0.5,
         strut_velocities=_strut_velocities(table, form),
+        override=None if override is None else override[:, 0],
         poses=_group(table, form, POSE),
         specific_forces=_specific_forces(table, form),
         lines=table.lines,

@@ -4,7 +4,7 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from cases.recording_columns import CLOCK, STRUTS, TRIGGER, units_of
+from cases.recording_columns import CLOCK, OVERRIDE, STRUTS, TRIGGER, units_of
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.stream import Stream
@@ -16,6 +16,7 @@ ORTHOGONALITY = 1e-3
 _GRAVITY = 3.0
 # Nothing that is measured is so large in any unit, not even ticks of 100 ns since 1601.
 _MOST = 1e20
+MOST_OVERRIDE = 3.0  # controls offer 120 to 200 %
 _FIRST = 10_000  # rows that tell a wrong unit as well as all of them
 
 
@@ -56,6 +57,18 @@ def require_increasing(table: Table, form: RecordingFormat, before: float | int 
         f"{table.source}, {table.lines.place(row)}, {name}: {now} comes after {then}; time must increase: sort the "
         "rows or remove the repeated part"
     )
+
+
+def require_override(table: Table, override: Array, form: RecordingFormat) -> None:
+    """Raises RecordingError at the first feed override that no control has."""
+    wrong = (override < 0.0) | (override > MOST_OVERRIDE)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise RecordingError(
+            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(OVERRIDE))}: "
+            f"{100 * override[row]:g} % is no feed override, they are 0 to {100 * MOST_OVERRIDE:g} %; state "
+            "recording.units.override = '1' if it is a ratio"
+        )
 
 
 def require_switch(table: Table, trigger: Array, form: RecordingFormat) -> None:

@@ -66,7 +66,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     others = tuple(s for s in streams if s.forces is None)
     return Recording(
         main.source, main.t, main.struts, main.rotations, main.forces, main.trigger, main.strut_velocities, main.poses,
-        main.specific_forces, others, main.lines,
+        main.specific_forces, others, main.lines, override=main.override,
     )  # fmt: skip
 
 

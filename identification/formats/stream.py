@@ -11,7 +11,9 @@ from identification.formats.table import Array, Lines
 
 # Time stamps of equal steps are printed with rounding; beyond this share of a step the sampling is not uniform.
 UNIFORMITY = 0.05
-Channel = Literal["struts", "rotations", "forces", "trigger", "strut_velocities", "poses", "specific_forces"]
+Channel = Literal[
+    "struts", "rotations", "forces", "trigger", "strut_velocities", "poses", "specific_forces", "override"
+]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
 _BELOW_A_HEADER = Lines()
 
@@ -30,6 +32,7 @@ class Stream:
         strut_velocities: measured, shape (n, 6) [m/s].
         poses: of {P} in {B}, shape (n, 6) [m, rad].
         specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
+        override: of the feed, shape (n,); 1 is none.
         lines: where the rows stand in the file.
     """
 
@@ -42,6 +45,7 @@ class Stream:
     strut_velocities: Array | None = None
     poses: Array | None = None
     specific_forces: Array | None = None
+    override: Array | None = None
     lines: Lines = _BELOW_A_HEADER
 
     @property
@@ -99,6 +103,7 @@ class Recording:
         lines: where the rows stand in the file.
         weights: of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
         averaged: how forces were averaged that were sampled faster than the motion.
+        override: of the feed, shape (n,); 1 is none.
     """
 
     source: str
@@ -114,6 +119,7 @@ class Recording:
     lines: Lines = _BELOW_A_HEADER
     weights: Array | None = None
     averaged: Averaged | None = None
+    override: Array | None = None
 
     @property
     def step(self) -> float:

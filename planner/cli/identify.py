@@ -76,6 +76,13 @@ def identify(
             "threshold, 3m/s^2; the standard deviations are compared with those of all samples."
         ),
     ] = None,
+    plan: Annotated[
+        Path | None,
+        typer.Option(
+            help="Plan folder or program that the run followed: tells where its feed was another, as by an override. "
+            "A folder of hexcite run knows its program."
+        ),
+    ] = None,
     verify: Annotated[
         Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
     ] = None,
@@ -94,7 +101,7 @@ def identify(
         tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
         read_conditioning(period, harmonics, accelerated),
     )  # fmt: skip
-    answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills))
+    answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills), plan=plan)
     if verify is not None:
         answer["verify"] = verify_result(verify, case_of(recordings[0], case), Path(answer["result"]), quiet=json)
     if json:
@@ -148,6 +155,7 @@ def make_result(
     output: Path | None,
     quiet: bool,
     still: Still = Still(),  # noqa: B008
+    plan: Path | None = None,
 ) -> tuple[dict[str, Any], Any]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.
 
@@ -158,6 +166,7 @@ def make_result(
         output: folder to write.
         quiet: print nothing.
         still: what is said about standstills.
+        plan: that the run followed; a recording folder knows its program.
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text
     from identification.identify import default_model, identifiability
@@ -187,6 +196,7 @@ def make_result(
             number = default_model(recording) if wish.model is None else wish.model
             how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
             estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
+            estimate = with_feed(estimate, recording, loaded, paths[0], plan)
         found = identifiability(recording, loaded, estimate)
         content = estimate.to_json() | provenance(files_of(paths)) | {"plan_hash": plan_of_recording(paths[0])}
         answer = {"result": str(folder), "report": str(folder / "report.html")} | content
@@ -204,6 +214,40 @@ def make_result(
     if not quiet:
         show_result(answer)
     return answer, estimate
+
+
+def with_feed(estimate: Any, recording: Any, case: Any, path: Path, plan: Path | None) -> Any:
+    """The estimate with a warning where the run went at another feed than its plan or program.
+
+    Args:
+        estimate: of the recording.
+        recording: the run.
+        case: its case.
+        path: where it was read.
+        plan: that it followed, as the user says; else what the folder of `hexcite run` says counts.
+
+    Raises:
+        HexciteError: a plan that was named and cannot be compared, or is not of this run.
+    """
+    from dataclasses import replace
+
+    from cases.errors import RecordingError
+    from identification.feed import about_feed, against_plan
+    from planner.followed import followed_by_recording, followed_plan
+
+    followed = followed_plan(plan, case) if plan is not None else followed_by_recording(path, case)
+    if followed is None or (plan is None and (recording.t is None or recording.struts is None)):
+        return estimate
+    try:
+        stretches = against_plan(recording, case, followed.motion, followed.name)
+    except RecordingError as error:
+        if plan is not None:
+            raise
+        return replace(estimate, warnings=(*estimate.warnings, str(error)))
+    sentences, entries = about_feed(recording, stretches, f"comparison with {followed.name}")
+    if plan is not None and not stretches:
+        entries = {"feed": {"found_by": f"comparison with {followed.name}", "stretches": []}}
+    return replace(estimate, warnings=(*estimate.warnings, *sentences), told={**estimate.told, **entries})
 
 
 def knows_poses(path: Path, still: Still) -> bool:
