@@ -1,5 +1,7 @@
 """How the drives of the struts are set up for point-to-point moves, which controllers make straight in the struts."""
 
+from typing import Literal
+
 from cases.parts import Part, Positive
 
 
@@ -12,3 +14,6 @@ class PointToPointDrives(Part):
     strut_velocity_m_s: Positive
     strut_acceleration_m_s2: Positive
     strut_jerk_m_s3: Positive
+    feed: Literal["time", "rapid"]
+    """What moves them: G1 with the block's time (G93), if the control takes F for a time there too, which no manual
+    states: try it with `--speed 0.1`; or G0, as fast as the drives can, which cannot be slowed."""

@@ -53,8 +53,8 @@ def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarant
     return high * float(np.linalg.norm(way[:3] if linear else way[3:]))
 
 
-def strut_feed_of(move: StraightMove, limits: MotionLimits, guarantees: Guarantees) -> float:
-    """Feed of a move straight in the struts, as a share of its way per second.
+def strut_feed_of(move: StraightMove, limits: MotionLimits, guarantees: Guarantees) -> float | None:
+    """Feed of a move straight in the struts, as a share of its way per second; None for a rapid.
 
     The largest at which it lasts as long as planned, or longer, and stays within the limits of rates and accelerations
     of the coordinates, which no controller keeps there; within those of the rates alone where a slower feed does not
@@ -71,6 +71,8 @@ def strut_feed_of(move: StraightMove, limits: MotionLimits, guarantees: Guarante
     path = strut_move(move.start, move.end, None, guarantees)
     drives = guarantees.drives
     assert drives is not None
+    if drives.rapid:
+        return None
     way = path.strut_way
     _, first, _, _ = path.along(np.linspace(0.0, 1.0, INSTANTS))
     steady = float(np.min(limits.rate / np.maximum(np.abs(first).max(axis=0), 1e-12)))

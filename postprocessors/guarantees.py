@@ -32,12 +32,14 @@ class StrutDrives:
         velocity: of each [m/s].
         acceleration: of each [m/s^2].
         jerk: of each [m/s^3].
+        rapid: whether the program moves them as fast as they can; else a block's time does.
     """
 
     hexapod: Hexapod
     velocity: float
     acceleration: float
     jerk: float
+    rapid: bool
 
 
 @dataclass(frozen=True, slots=True)

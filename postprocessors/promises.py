@@ -41,7 +41,8 @@ def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: flo
 def _drives(ptp: PointToPointDrives | None, case: Case) -> StrutDrives | None:
     if ptp is None:
         return None
-    return StrutDrives(Hexapod.of(case), ptp.strut_velocity_m_s, ptp.strut_acceleration_m_s2, ptp.strut_jerk_m_s3)
+    limits = ptp.strut_velocity_m_s, ptp.strut_acceleration_m_s2, ptp.strut_jerk_m_s3
+    return StrutDrives(Hexapod.of(case), *limits, rapid=ptp.feed == "rapid")
 
 
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:

@@ -92,7 +92,10 @@ class _Writer:
                 value = feed(feed_of(PointToPoint(written), self.limits, self.guarantees, linear), linear)
                 return [*self.group(linear), f"G1 {self.pose(block.move.end)} F{value}"]
             case StrutPointToPoint():
-                value = digits(MINUTE * strut_feed_of(as_written(block.planned), self.limits, self.guarantees))
+                share = strut_feed_of(as_written(block.planned), self.limits, self.guarantees)
+                if share is None:
+                    return [f"PTP G0 {self.pose(block.planned.end)}", "CP G1"]
+                value = digits(MINUTE * share)
                 return [f"PTP G93 G1 {self.pose(block.planned.end)} F{value}", "CP G94"]
             case Arc():
                 return [*self.group(True), f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]

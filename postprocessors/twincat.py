@@ -82,7 +82,10 @@ class _Writer:
                 value = feed(feed_of(PointToPoint(written), self.limits, self.guarantees, linear), linear)
                 return [*self.group(linear), f"G01 G60 {self.pose(block.move.end)} F{value}"]
             case StrutPointToPoint():
-                time = digits(1.0 / strut_feed_of(as_written(block.planned), self.limits, self.guarantees))
+                feed_of_struts = strut_feed_of(as_written(block.planned), self.limits, self.guarantees)
+                if feed_of_struts is None:
+                    return ["#PTP ON", f"G00 G60 {self.pose(block.planned.end)}", "#PTP OFF"]
+                time = digits(1.0 / feed_of_struts)
                 return ["#PTP ON", "G93", f"G01 G60 {self.pose(block.planned.end)} F{time}", "#PTP OFF", "G94"]
             case Arc():
                 return [*self.group(True), f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]

@@ -75,6 +75,10 @@ def proven_program(
     program = excitation_program(trajectory, case, header, speed)
     if in_struts:
         program = straight_in_struts(program)
+        drives = language.guarantees(Reading(file, (), 0), case).drives
+        if drives is not None and drives.rapid and speed < 1.0:
+            problem = "rapids cannot be slowed by the program; leave out --speed and use the machine's override"
+            raise ProgramError(file, 0, 0, problem)
     program = language.prepare(program, case)
     try:
         text = language.write(program, case)

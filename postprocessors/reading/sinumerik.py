@@ -268,6 +268,8 @@ class _Interpreter:
         if not self.active("G60"):
             self.fail(first, "a move under PTP is blended into the next (G64), its path is not known; write G60")
         rapid = self.active("G0")
+        if not rapid and self.settings.ptp is not None and self.settings.ptp.feed == "rapid":
+            self.fail(first, "controller.sinumerik.ptp.feed says that moves under PTP are rapids; write G0")
         if not rapid and not (self.active("G93") and "F" in seen):
             self.fail(first, "what F counts under PTP differs from machine to machine; write G93 and F = 60 / seconds")
         timing, value = self._timing(seen, end, first)

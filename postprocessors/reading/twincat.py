@@ -318,6 +318,8 @@ class _Interpreter:
         if not exact:
             self.fail(first, "whether the machine stops after this move is not known; write G60 in its block")
         rapid = self.active("G0")
+        if not rapid and self.settings.ptp is not None and self.settings.ptp.feed == "rapid":
+            self.fail(first, "controller.twincat.ptp.feed says that moves under #PTP ON are rapids; write G00")
         if not rapid and not (self.active("G93") and "F" in seen):
             self.fail(first, "what F counts under #PTP ON differs from machine to machine; write G93 and F in seconds")
         timing, value = self._timing(seen, end, first)

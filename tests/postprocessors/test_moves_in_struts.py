@@ -14,7 +14,7 @@ from postprocessors.execute.virtual import run_virtual
 from postprocessors.feeds import strut_feed_of
 from postprocessors.predicted import predicted
 from postprocessors.program import Dwell, Program, ToHome, excitation_program, straight_in_struts
-from postprocessors.stretches import Untimed
+from postprocessors.stretches import Untimed, stretches
 from postprocessors.writing import proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
@@ -146,6 +146,21 @@ def test_a_rapid_is_as_fast_as_the_drives_and_leaves_the_platforms_rates_to_nobo
     )
     assert motion.duration == pytest.approx(law.duration)
     assert typed.proof(typed.text(body)).relies_on == ("velocity", "acceleration", "jerk", "sensor force")
+
+
+@pytest.mark.parametrize("typed", BOTH, ids=lambda t: t.name)
+def test_where_f_is_not_known_to_be_a_time_moves_are_rapids(typed: Typed):
+    ptp = {**getattr(CASE.controller, typed.name).ptp.model_dump(), "feed": "rapid"}
+    case = changed(CASE, **{f"controller__{typed.name}__ptp": ptp})
+    written = proven_program(moves(), case, typed.language, "p", (), accepted=ACCEPT, in_struts=True)
+    found = [p for p in stretches(written.reading) if isinstance(p, Untimed) and p.in_struts]
+    assert len(found) == 2
+    assert all(p.feed is None for p in found)
+    assert "velocity" in written.proof.relies_on
+    with pytest.raises(ProgramError, match="rapids cannot be slowed"):
+        proven_program(moves(), case, typed.language, "p", (), 0.1, ACCEPT, in_struts=True)
+    with pytest.raises(ProgramError, match=rf"controller\.{typed.name}\.ptp\.feed says"):
+        typed.read(typed.text(move(typed, "X50", 1.0)), case)
 
 
 def test_drives_beyond_the_limits_of_the_struts_are_no_case():
