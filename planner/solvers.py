@@ -114,14 +114,16 @@ def _casadi(plugin: str, options: dict[str, Any]) -> Solver:
             {"ipopt": {**options, "max_iter": iterations}} if plugin == "ipopt" else {**options, "max_iter": iterations}
         )
         solver = ca.nlpsol("solver", plugin, {"x": x, "f": program.objective, "g": c.rows}, {**common, **limit})
-        answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=c.lower, ubg=c.upper)
-        stats = solver.stats()
-        return Reached(
-            answer["x"].full()[:, 0],
-            str(stats["return_status"]).replace("_", " ").lower(),
-            bool(stats["success"]),
-            int(stats["iter_count"]),
-        )
+        at, taken = start, 0
+        while True:
+            answer = solver(x0=at, lbx=program.lower, ubx=program.upper, lbg=c.lower, ubg=c.upper)
+            stats = solver.stats()
+            at, taken = answer["x"].full()[:, 0], taken + int(stats["iter_count"])
+            stuck = stats["return_status"] == STUCK and stats["iter_count"] > 1
+            if not stuck or taken >= iterations or not np.isfinite(at).all():
+                break
+        status = str(stats["return_status"]).replace("_", " ").lower()
+        return Reached(at, status, bool(stats["success"]), taken)
 
     return solve
 
@@ -144,6 +146,11 @@ _SQP = {
     "print_status": False,
     "error_on_fail": False,
 }
+
+
+# What SQP says when its quadratic program found no step though multipliers do not yet balance: the approximated Hessian
+# has become useless. It goes on from there with a new one.
+STUCK = "Search_Direction_Becomes_Too_Small"
 
 
 class _Stopped(Exception):

@@ -7,7 +7,7 @@ import pytest
 from cases.schema import Case
 from identification.limits import prove
 from planner.families.family import box_middle
-from planner.families.fourier import COARSE, FourierFamily
+from planner.families.fourier import COARSE, FINE, FourierFamily
 from planner.problem import Constraints
 from planner.solvers import SOLVERS, Program
 from planner.solving import Stage, Task, run_start
@@ -55,3 +55,11 @@ def test_every_solver_improves_a_motion_within_the_limits(name: str, criterion: 
     start = run_start(Task(hexapod_case, 0, family, criterion, name, Stage("few", 15, True), 3))
     assert start.logdet > start.start_logdet
     assert prove(family.motion(start.unknowns), hexapod_case).kept
+
+
+def test_sqp_goes_on_where_its_approximated_hessian_has_become_useless(hexapod_case: Case):
+    """From this start it finds no step after 36 iterations, one iteration before it is done."""
+    family = FourierFamily.lasting(3, 3.0, 4, *box_middle(hexapod_case), FINE)
+    start = run_start(Task(hexapod_case, 9, family, "D", "sqp", Stage("study", 500, True), 3757552657))
+    assert start.converged
+    assert start.status == "solve succeeded"
