@@ -68,7 +68,7 @@ def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
     return rows
 
 
-EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. planned", "executed", "off the path [mm]")
+EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. as programmed", "as executed", "off the path [mm]")
 
 
 def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> Page:
@@ -97,7 +97,13 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
     ]
     if execution:
         items: tuple[Item, ...] = (Table(EXECUTION, tuple(map(tuple, execution)), left=2),)
-        sections.append(Section("Planned and executed", items))
+        words = (
+            "D-efficiency as programmed: of the motion that the controller makes of the text, by its own time law; as "
+        )
+        note = Note(
+            words + "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
+        )
+        sections.append(Section("Planned and executed", (*items, note)))
     hashes = dict.fromkeys((f"case {e.case.name}", e.case.hash) for e in entries)
     return Page(
         title="Comparison of excitations",

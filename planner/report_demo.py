@@ -82,7 +82,11 @@ def _headline(answer: dict[str, Any], estimate: Estimate) -> Tiles:
     return Tiles(
         (
             Tile(f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
-            Tile(f"{run['d_efficiency']:.2f}", f"D-efficiency as executed ({plan['d_efficiency']:.2f} planned)"),
+            Tile(
+                f"{run['d_efficiency']:.2f}",
+                f"D-efficiency as executed, behind the evaluation's filter ({plan['d_efficiency']:.2f} planned, "
+                f"{run['d_efficiency_planned']:.2f} as programmed)",
+            ),
             Tile(f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
             Tile(f"{z * 1e6:.3g} µm", "robust standard deviation of the centre of gravity, z"),
             Tile(f"{worst:.2f}", "largest error in reported standard deviations"),

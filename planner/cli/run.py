@@ -100,6 +100,6 @@ def make_recording(
 def _rated(answer: dict[str, Any]) -> str:
     return (
         f"excitation took {answer['duration_s']:.3f} s of {answer['planned_s']:.3f} s planned, strayed "
-        f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} "
-        f"(planned {answer['d_efficiency_planned']:.3f})"
+        f"{answer['path_error_mm']:.3f} mm from the path, D-efficiency {answer['d_efficiency']:.3f} as executed, "
+        f"behind the evaluation's filter ({answer['d_efficiency_planned']:.3f} as programmed, by the controller's law)"
     )
