@@ -26,7 +26,7 @@ SHORT = 0.02  # of a period: windows that follow the movement lose the slow begi
 WHOLE = 0.005  # of a period, that may lack at the whole,
 FEW = 2  # and so many samples
 SEARCHED = 20  # harmonics by which the period is refined
-AS_LONG = 0.98  # of the longest stretch; among lags that reach it the shortest is the period
+AS_LONG = 0.9  # of the longest stretch; among lags that reach it the shortest is the period
 
 
 REMEDY = "leave --period out, or give --period SECONDS where the run holds a single one"

@@ -128,3 +128,17 @@ def test_rest_and_straight_lines_are_not_periodic(struts: np.ndarray) -> None:
     with pytest.raises(RecordingError, match="not periodic") as e:
         find_part(np.arange(500) * STEP, struts, np.arange(500))
     one_line(e.value)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_start_that_is_slower_than_the_rest_is_left_out(seed: int) -> None:
+    """As LinuxCNC does on a busy computer: half a second at nine tenths of the feed, then in time."""
+    t, struts, start = run(1.5, 4, seed)
+    late = start + np.where(t < start + 0.4, 0.9 * (t - start), t - start - 0.04)
+    late = np.where(t < start, t, late)
+    window = np.flatnonzero((t >= start) & (t < start + 6.0))
+    part = find_part(t, np.column_stack([np.interp(late, t, s) for s in struts.T]), window)
+    assert part.period == pytest.approx(1.5, abs=2e-4)
+    assert part.periods == 3
+    assert t[part.first] > start + 0.4
+    assert part.relative < 1e-3
