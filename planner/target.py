@@ -11,7 +11,7 @@ from cases.schema import Case
 from identification.model import identification_model
 from identification.parameters import physical_form
 from planner.plan import Plan
-from planner.request import Request
+from planner.request import LONGEST, Request
 
 UNITS = {
     "kg": ("kg", 1.0),
@@ -93,10 +93,13 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
     needed, target = use(best)
     if needed > 1.0:
         reached = best.predicted_std[target.name] / UNITS[target.unit][1]
-        longer = np.ceil(request.duration * needed**2 * RESERVE)
+        longer = request.allowed_duration(float(np.ceil(request.duration * needed**2 * RESERVE)))
+        remedy = f"allow --duration {longer:g} or a wider target"
+        if longer > LONGEST:
+            remedy = f"even the longest motion, {LONGEST:g} s, would not do: set a wider target"
         raise InfeasiblePlan(
             f"target {target.text} is out of reach in {request.duration:g} s: the best found has "
-            f"{reached:.3g} {target.unit}; allow --duration {longer:.0f} or a wider target"
+            f"{reached:.3g} {target.unit}; {remedy}"
         )
     too_short = SHORTEST / 2
     for _ in range(ROUNDS):

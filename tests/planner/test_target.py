@@ -48,6 +48,19 @@ def test_a_target_out_of_reach_says_what_is_reached_and_how_long_would_do(hexapo
     assert asked == [12.0]
 
 
+def test_the_duration_that_would_do_is_one_that_the_family_can_have(hexapod_case: Case):
+    with pytest.raises(InfeasiblePlan, match=r"allow --duration 105 or a wider target"):  # 35 periods of 3 s
+        shortest_plan(Request("hexapod", targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
+
+
+def test_a_target_that_no_motion_can_meet_is_called_so(hexapod_case: Case):
+    with pytest.raises(InfeasiblePlan) as caught:
+        shortest_plan(Request("hexapod", family="ptp", targets=("m=1g",)), hexapod_case, planner_with(0.1)[0])
+    message = one_line(caught.value)
+    assert "the best found has 28.9 g" in message
+    assert "even the longest motion, 600 s, would not do: set a wider target" in message
+
+
 @pytest.mark.parametrize(
     ("word", "words"),
     [
