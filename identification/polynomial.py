@@ -1,7 +1,8 @@
 """A motion of polynomial pieces, each with its duration: what splines are made of."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import factorial, perm
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,18 +50,33 @@ class PolynomialMotion:
     """
 
     pieces: tuple[Piece, ...]
+    table: Array = field(init=False, repr=False, compare=False)
+    """c_i of all pieces, those of lower degree filled up with zeros, shape (degree + 1, pieces, 6)."""
+    times: Array = field(init=False, repr=False, compare=False)
+    """Start of each piece and end of the last, shape (pieces + 1,) [s]."""
 
     def __post_init__(self) -> None:
         if not self.pieces or any(not p.duration > 0.0 for p in self.pieces):
             raise ValueError("a motion of polynomials needs pieces of positive duration")
-        for before, after in zip(self.pieces, self.pieces[1:], strict=False):
-            if np.max(np.abs(before.end - after.start)) > 1e-9:
-                raise ValueError("a polynomial piece does not begin where the one before it ends")
+        table = np.zeros((max(len(p.coefficients) for p in self.pieces), len(self.pieces), 6))
+        for k, piece in enumerate(self.pieces):
+            table[: len(piece.coefficients), k] = piece.coefficients
+        object.__setattr__(self, "table", table)
+        object.__setattr__(self, "times", np.concatenate([[0.0], np.cumsum([p.duration for p in self.pieces])]))
+        if np.max(np.abs(self.at_ends(0)[:-1] - table[0, 1:]), initial=0.0) > 1e-9:
+            raise ValueError("a polynomial piece does not begin where the one before it ends")
 
-    @property
-    def times(self) -> Array:
-        """Start of each piece and end of the last, shape (pieces + 1,) [s]."""
-        return np.concatenate([[0.0], np.cumsum([p.duration for p in self.pieces])])
+    def at_starts(self, order: int) -> Array:
+        """Derivative of an order at the start of each piece, shape (pieces, 6)."""
+        return factorial(order) * self.table[order] if order < len(self.table) else np.zeros_like(self.table[0])
+
+    def at_ends(self, order: int) -> Array:
+        """Derivative of an order at the end of each piece, shape (pieces, 6)."""
+        duration = np.array([p.duration for p in self.pieces])[:, None]
+        value = np.zeros_like(self.table[0])
+        for power in range(len(self.table) - 1, order - 1, -1):  # Horner's rule
+            value = value * duration + perm(power, order) * self.table[power]
+        return np.asarray(value)
 
     @property
     def duration(self) -> float:
@@ -81,10 +97,7 @@ class PolynomialMotion:
         starts = self.times
         which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.pieces) - 1)
         local = np.clip(time - starts[which], 0.0, np.diff(starts)[which])[:, None]
-        degree = max(len(p.coefficients) for p in self.pieces)
-        table = np.zeros((degree, len(self.pieces), 6))
-        for k, piece in enumerate(self.pieces):
-            table[: len(piece.coefficients), k] = piece.coefficients
+        table = self.table
         values = np.zeros((4, len(time), 6))
         for order in range(4):
             for coefficient in table[::-1]:  # Horner's rule

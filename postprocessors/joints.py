@@ -25,17 +25,10 @@ def joint_checks(motion: PolynomialMotion, limits: MotionLimits, cycle: float, c
         clock: when the motion starts [s].
     """
     rest = np.zeros((1, 6))
-    before, after = [rest], []
-    second_before, second_after = [rest], []
-    for piece in motion.pieces:
-        first = np.polynomial.polynomial.polyder(piece.coefficients)
-        second = np.polynomial.polynomial.polyder(first) if len(first) > 1 else np.zeros((1, 6))
-        after.append(first[:1])
-        second_after.append(second[:1])
-        before.append(np.polynomial.polynomial.polyval(np.array([piece.duration]), first).T)
-        second_before.append(np.polynomial.polynomial.polyval(np.array([piece.duration]), second).T)
-    dv = np.abs(np.vstack([*after, rest]) - np.vstack(before))
-    da = np.abs(np.vstack([*second_after, rest]) - np.vstack(second_before))
+    dv, da = (
+        np.abs(np.vstack([motion.at_starts(order), rest]) - np.vstack([rest, motion.at_ends(order)]))
+        for order in (1, 2)
+    )
     times = motion.times + clock
     yield from _worst("acceleration", "m/s^2", "rad/s^2", dv / cycle, limits.acceleration, times)
     yield from _worst("jerk", "m/s^3", "rad/s^3", np.maximum(da / cycle, 2 * dv / cycle**2), limits.jerk, times)

@@ -1,12 +1,8 @@
 """Figures of programs: time of post and check, LinuxCNC against plan and virtual controller, long ones."""
 
 import json
-import resource
-import time
 from collections.abc import Callable
 from pathlib import Path
-
-import numpy as np
 
 from cases.loading import load_case
 from planner.running import linuxcnc_missing
@@ -14,12 +10,10 @@ from postprocessors.execute.linuxcnc.running import run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import read_program
-from postprocessors.proof import prove_program
+from tests.bench.long_programs import long_programs
 from tests.postprocessors.changed_case import changed
-from tests.postprocessors.programs import timed, typed
 
 Command = Callable[..., tuple[float, str]]  # words of a command -> seconds, what it printed
-BLOCKS = 100_000
 ACCEPT = ("--accept", "acceleration,jerk,strut-acceleration,strut-velocity,sensor-force")
 
 
@@ -105,27 +99,10 @@ def dense(folder: Path, command: Command) -> list[list[str]]:
     return rows
 
 
-def long_program(folder: Path) -> list[list[str]]:
-    """A program of 100 000 blocks, read and checked."""
-    case, file = load_case("hexapod"), folder / "long.ngc"
-    t = np.arange(1, BLOCKS + 1) * 0.01
-    swell = np.sin(np.pi * t / t[-1]) ** 2
-    x, a = 20 * np.sin(2 * np.pi * t / 5) * swell, 2 * np.sin(2 * np.pi * t / 3.7) * swell
-    lines = [f"G1 X{u:.5f} Y{u / 3:.5f} A{w:.6f} B{w / 2:.6f} F6000" for u, w in zip(x, a, strict=True)]
-    file.write_text(typed(f"M64 P0\n{timed(lines)}\nM65 P0"))
-    began = time.perf_counter()
-    read = read_program(file, case)
-    assert prove_program(read.reading, case, read.guarantees).ok
-    seconds = time.perf_counter() - began
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    figure = f"{BLOCKS} blocks read and checked (peak memory of this process)"
-    return [[figure, f"{seconds:.1f} s, {memory:.2f} GB", "20 s, 1 GB"]]
-
-
 def programs(folder: Path, command: Command) -> list[list[str]]:
     """All of them."""
     return [
-        *long_program(folder),
+        *long_programs(folder),
         *dense(folder, command),
         *spline(folder, command),
         *point_to_point(folder, command),
