@@ -10,7 +10,6 @@ import textwrap
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.circle import Plane
@@ -61,8 +60,8 @@ def _comments(text: str) -> list[str]:
 class _Writer:
     """Keeps what holds from block to block: the last feed mode."""
 
-    def __init__(self, limits: MotionLimits, block: float) -> None:
-        self.limits = limits
+    def __init__(self, acceleration: Array, block: float) -> None:
+        self.acceleration = acceleration  # limits that the controller gets, shape (6,)
         self.block = block
 
     def lines(self, block: Block, following: Block | None) -> list[str]:
@@ -94,7 +93,7 @@ class _Writer:
         """The feed that makes a trapezoid under the axis limits take as long as the planned move."""
         way = np.abs(block.move.end - block.move.start)
         moves = way > 0.0
-        acceleration = float(np.min(self.limits.acceleration[moves] / way[moves]))
+        acceleration = float(np.min(self.acceleration[moves] / way[moves]))
         share = _trapezoid_speed(block.move.duration, acceleration)
         return _feed(share * block.length, linear=bool(way[:3].any()))
 
@@ -105,7 +104,7 @@ class _Writer:
         way = np.abs(move.end - move.start)
         way[[first, second]] = move.length
         moves = way > 0.0
-        acceleration = float(np.min(self.limits.acceleration[moves] / way[moves]))
+        acceleration = float(np.min(self.acceleration[moves] / way[moves]))
         turning = float(np.sqrt(ARC_ACROSS * acceleration / abs(move.angle)))
         share = min(_trapezoid_speed(move.duration, ARC_ALONG * acceleration), turning)
         words = [f"{'XYZ'[k]}{_number(move.end[k] / MM, LENGTH_DECIMALS)}" for k in sorted((first, second))]
@@ -153,8 +152,10 @@ def write_linuxcnc(program: Program, case: Case) -> str:
     Raises:
         CaseError: the case has no machine or no controller.
     """
-    limits = case.need_machine("a program")[2].motion
-    writer = _Writer(limits, case.need_controller("a program").block)
+    limits, controller = case.need_machine("a program")[2].motion, case.need_controller("a program")
+    timed = any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
+    headroom = controller.linuxcnc.acceleration_headroom if timed else 1.0
+    writer = _Writer(headroom * limits.acceleration, controller.block)
     lines = [c for line in (*program.header, OFFSETS) for c in _comments(line)]
     # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.
     lines += ["G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]

@@ -25,6 +25,7 @@ from postprocessors.proof import ProgramProof, prove_program
 from postprocessors.reading.words import Move, Pause, Reading, Switch
 from postprocessors.stretches import Stretch, Timed, stretches
 from tests.postprocessors.changed_case import changed
+from tests.postprocessors.programs import HEAD
 
 CASE = load_case("hexapod")
 LINES_CASE = changed(CASE, controller__sinumerik__path="lines")
@@ -108,6 +109,7 @@ TWINCAT = Typed(
     "#SPLINE OFF\nG94",
     "A",
 )
+LINUXCNC = Typed("linuxcnc", HEAD, "M2\n", "G64 P1 Q0\nG93", "G94\nG61", "A")
 BOTH = [SINUMERIK, TWINCAT]
 
 
@@ -119,7 +121,7 @@ def text_of(typed: Typed, program: Program, case: Case = CASE) -> str:
 def program_of(text: str, typed: Typed, case: Case = CASE) -> Program:
     """The neutral program that a text says; names of paths are those of its comments."""
     reading = typed.read(text, case)
-    names = iter(re.findall(r"^; (.*): \d+ (?:POLY )?blocks", text, re.MULTILINE))
+    names = iter(re.findall(r"^(?:; |\(- )(.*): \d+ (?:POLY )?blocks", text, re.MULTILINE))
     guarantees = typed.language.guarantees(reading, case)
     home = reading.events[0]
     assert isinstance(home, Move)
@@ -158,7 +160,7 @@ def _block(stretch: Stretch, names, guarantees: Guarantees, case: Case) -> Block
 
 def without_comments(text: str) -> list[str]:
     """The lines that a controller acts on."""
-    return [line for line in text.splitlines() if not line.startswith("; ")]
+    return [line for line in text.splitlines() if not line.startswith(("; ", "(- "))]
 
 
 def smooth_points(typed: Typed, letter: str, size: float, count: int = 20, seconds: float = 0.05) -> list[str]:

@@ -84,6 +84,49 @@ TWINCAT_FRAGMENTS = {
 }
 
 
+SINUMERIK_SKELETON = """%_N_HEXA_ID_MPF
+;$PATH=/_N_MPF_DIR
+N10 G17 G90 G94 G710 G40 G500
+N20 TRAORI
+N30 ORIWKS ORIRPY
+N40 SOFT FFWON DYNNORM
+N50 FGROUP(X,Y,Z)
+N60 G0 X0 Y0 Z0 A2=0 B2=0 C2=0
+N70 G1 G642 F3000
+N80 COMPCAD CTOL=0.02 OTOL=0.05
+N90 X1.0 Y0.5 Z0.2 A2=0.1 B2=-0.2 C2=0.3
+N100 COMPOF
+N110 G4 F0.5
+N120 TRAFOOF
+N130 M30"""
+TWINCAT_SKELETON = """%HEXAPOD_ID
+N10 G71 G90 G17 G94 G162
+N20 #SLOPE [TYPE=TRAPEZ]
+N30 #KIN ID[5]
+N40 #TRAFO ON
+N50 #FGROUP [X,Y,Z]
+N60 G01 X0 Y0 Z0 A0 B0 C0 F3000
+N70 #HSC ON [BSPLINE PATH_DEV=0.02 TRACK_DEV=0.05]
+N80 X1.0 Y0.5 Z0.2 A0.1 B-0.2 C0.3
+N90 X2.0 Y1.0 Z0.4 A0.2 B-0.4 C0.6
+N100 #HSC OFF
+N110 G04 0.5
+N120 #TRAFO OFF
+N130 M30"""
+
+
+def test_every_line_of_the_skeletons_is_made_of_words():
+    """Whole, neither is read: what their blocks without exact stop or kind of angles mean is not known."""
+    for text, words, typed in (
+        (SINUMERIK_SKELETON, sinumerik_words, SINUMERIK),
+        (TWINCAT_SKELETON, twincat_words, TWINCAT),
+    ):
+        for number, line in enumerate(text.split("\n"), start=1):
+            assert bool(words(line, number, "p")) != line.startswith(";")
+        with pytest.raises(ProgramError, match=r"G60|ORIAXES"):
+            typed.read(text)
+
+
 @pytest.mark.parametrize("fragment", SINUMERIK_FRAGMENTS)
 def test_fragments_of_siemens_are_words(fragment: str):
     assert [w.name for w in sinumerik_words(fragment, 2, "p")] == SINUMERIK_FRAGMENTS[fragment]
@@ -143,6 +186,9 @@ TRAPS: list[tuple[Typed, str, str]] = [
     (TWINCAT, "G4 F0.3", "write G04 0.3"),
     (TWINCAT, "M64 P0", "write the trigger's M function|P is not a word"),
     (TWINCAT, "G1 G60 X1 A2=1 F100", "A2= is no word here"),
+    (TWINCAT, "G1 G60 X1e-3 F100", "cannot read|not a word"),
+    (TWINCAT, "G1 G60 X1,5 F100", "cannot read ',5"),
+    (TWINCAT, "G01 G60 X[1+2] F100", "cannot read"),
     (TWINCAT, "G40 G49", "G40 is the default"),
     (TWINCAT, "G91.1", "G91.1 has no plain number"),
     (TWINCAT, "TRAORI", "cannot read 'TRAORI'"),
