@@ -35,10 +35,12 @@ class Conditioning:
     Args:
         periodic: by Fourier series instead of the low-pass.
         accelerated: highly accelerated sections only.
+        flexible: estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency.
     """
 
     periodic: Periodic | None = None
     accelerated: Accelerated | None = None
+    flexible: bool = False
 
 
 USUAL = Conditioning()

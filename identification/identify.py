@@ -23,6 +23,7 @@ from identification.estimators import Method, Problem, gauss_markov_of, method, 
 from identification.evaluation import MOST_DELAY, Run, moving_run, standstills
 from identification.feed import about_feed, recorded_overrides
 from identification.fit import Fit
+from identification.flexible import NO_MODE, below, mode_of
 from identification.formats.stream import Averaged
 from identification.identifiability import Identifiability, analyse
 from identification.long_contact import least_trimmed_squares
@@ -90,9 +91,13 @@ def identify(
             require_alive(recording.forces)
         if recording.t is None or case.setup == "1a":
             if conditioning != USUAL:
-                raise RecordingError("is no moving run; --period and --accelerated are for moving runs")
+                raise RecordingError("is no moving run; --period, --accelerated and --flexible are for moving runs")
             return _from_standstills(recording, case, model, how)
-        return _from_motion(recording, case, model, how, conditioning)
+        found = _from_motion(recording, case, model, how, conditioning)
+        softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
+        if softer is not None:
+            found = replace(_from_motion(recording, softer, model, how, conditioning), case_hash=case.hash)
+        return found
     except IdentificationError as error:
         raise IdentificationError(placed(recording.source, error)) from error
     except RecordingError as error:
@@ -216,6 +221,8 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     run = run_of(recording, case, model, replace(conditioning, accelerated=None), found, how.biases)
     if conditioning.accelerated is not None and not isinstance(run, Run):
         raise RecordingError("--accelerated goes by the accelerations of struts, behind the low-pass; leave it out")
+    if conditioning.flexible and (how.priors or not isinstance(run, Run)):
+        raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     if isinstance(run, WristRun):
         band = delay_band(recording)
         wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band)
@@ -252,12 +259,21 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         moving = fit_with_delay(section.run, how, problem, moving.delay.value)
     told: dict[str, Any] = {}
     if isinstance(moving.run, Run) and not how.priors:
-        rich = smoothed(moving.run, moving.fit, how.selection(model).basis, moving.w, moving.delay.value)
+        basis = how.selection(model).basis
+        rich = (
+            replace(moving.run, smoothing=True)
+            if conditioning.flexible
+            else smoothed(moving.run, moving.fit, basis, moving.w, moving.delay.value)
+        )
         if rich.smoothing:
             moving = fit_with_delay(rich, how, problem, moving.delay.value)
             smoothing = smoothing_of(rich, moving.fit)
             told["smoothing_s2"] = smoothing._asdict()
-            notes += smoothing.notes
+            notes += [] if conditioning.flexible else smoothing.notes
+            if conditioning.flexible:
+                mode = mode_of(smoothing)
+                notes.append(NO_MODE if mode is None else mode.note(case.recording.filter_cutoff_Hz))
+                told |= {} if mode is None else {"structural_mode_Hz": mode.to_json()}
     warnings = [*found.warnings, *run.warnings]
     warnings += [f"{_told(recording, contact)}; left out" for contact in contacts]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:

@@ -13,6 +13,7 @@ from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Tab
 from planner.report_figures import COLOURS, GREY
 from planner.validation import COMPARED, SHOWN, Step
 from planner.validation_causes import SUSPICIOUS
+from planner.validation_remedy import REMEDY_COLUMNS, Remedy
 from planner.validation_verdict import OFF_COLUMNS, Finding, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
@@ -48,6 +49,7 @@ def validation_page(
     columns: Mapping[int, Estimate],
     machine: str,
     failed: Mapping[str, str],
+    helped: Sequence[Remedy] = (),
 ) -> Page:
     """The page of `hexcite validate`.
 
@@ -58,6 +60,7 @@ def validation_page(
         columns: runs without payload by several models; empty where they were not made.
         machine: what was used, in words.
         failed: methods that could not be carried out, and why.
+        helped: steps that were identified with the structural mode.
     """
     payloads = case.payloads
     assert payloads is not None
@@ -83,7 +86,13 @@ def validation_page(
             "disturbance of the simulated machine added pass the evaluation of the run by themselves. The cause is the "
             "one without which the error would be smallest."
         )
-        sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, rows_of(off), left=3))))
+        items: list[Item] = [Note(note), Table(OFF_COLUMNS, rows_of(off), left=3)]
+        if helped:
+            items.append(
+                Note("The same recordings identified with the mode estimated too (hexcite identify --flexible):")
+            )
+            items.append(Table(REMEDY_COLUMNS, rows_of([row for h in helped for row in h.rows()]), left=3))
+        sections.insert(3, Section("What is off, and why", tuple(items)))
     if columns:
         sections.append(
             Section("Models side by side, without payload (Table 3)", _models(case, dict(sorted(columns.items()))))

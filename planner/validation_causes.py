@@ -5,7 +5,7 @@ squares of the run itself, and comes out as that disturbance's part of the error
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,6 +89,7 @@ def _shifts(case: Case, recording: Recording, added: tuple[Array, ...], estimate
         right = [*added, recording.forces - matrices @ truth]
     else:
         run = moving_run(recording, case, model, found=scan(recording, case))
+        run = replace(run, smoothing="smoothing_s2" in estimate.told)
         delay = 0.0 if estimate.delay is None else estimate.delay.value
         matrices = run.regressors(delay)
         right = [run.filter.apply(part)[run.rows] for part in added] + [run.forces - matrices @ truth]

@@ -1,4 +1,5 @@
-"""What a user asks to be done to a moving run beforehand: `--period`, `--harmonics`, `--accelerated`."""
+"""What a user asks to be done to a moving run beforehand: `--period`, `--harmonics`, `--accelerated`,
+`--flexible`."""
 
 import math
 import re
@@ -10,13 +11,16 @@ AUTO = "auto"
 _AMOUNT = re.compile(r"(?P<value>[0-9]*\.?[0-9]+)\s*(?P<unit>%|m/s\^?2|m/s²)")
 
 
-def read_conditioning(period: str | None, harmonics: int | None, accelerated: str | None) -> Conditioning:
+def read_conditioning(
+    period: str | None, harmonics: int | None, accelerated: str | None, flexible: bool = False
+) -> Conditioning:
     """The conditioning that options ask for.
 
     Args:
         period: `auto` or seconds, as typed.
         harmonics: of the series.
         accelerated: share or threshold, as typed.
+        flexible: whether a structural mode is estimated.
 
     Raises:
         HexciteError: not understood, or options that do not go together.
@@ -27,8 +31,10 @@ def read_conditioning(period: str | None, harmonics: int | None, accelerated: st
         raise HexciteError(f"--harmonics {harmonics}: is no number of harmonics; give 1 or more")
     if accelerated is not None and period is not None:
         raise HexciteError("--accelerated: selects samples, of which --period keeps none apart; leave one of them out")
+    if flexible and period is not None:
+        raise HexciteError("--flexible: lowers the low-pass, which --period does without; leave one of them out")
     if period is None:
-        return Conditioning(accelerated=None if accelerated is None else _amount(accelerated))
+        return Conditioning(accelerated=None if accelerated is None else _amount(accelerated), flexible=flexible)
     return Conditioning(Periodic(None if period == AUTO else _seconds(period), harmonics))
 
 

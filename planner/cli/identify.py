@@ -83,6 +83,13 @@ def identify(
             "A folder of hexcite run knows its program."
         ),
     ] = None,
+    flexible: Annotated[
+        bool,
+        typer.Option(
+            "--flexible",
+            help="The structure yields: estimate its lowest mode with the parameters, behind a low-pass at half of it.",
+        ),
+    ] = False,
     verify: Annotated[
         Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
     ] = None,
@@ -99,7 +106,7 @@ def identify(
     wanted = Wish(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
         tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
-        read_conditioning(period, harmonics, accelerated),
+        read_conditioning(period, harmonics, accelerated, flexible),
     )  # fmt: skip
     answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills), plan=plan)
     if verify is not None:

@@ -75,6 +75,7 @@ def run_validation(
     from planner.report import render
     from planner.report_validation import std_figure, validation_page
     from planner.validation import chosen, models, mounted_weights, steps
+    from planner.validation_remedy import remedies
     from planner.validation_verdict import findings
 
     wanted = chosen(methods)
@@ -90,6 +91,7 @@ def run_validation(
     found: list[Any] = []
     columns: dict[int, Any] = {}
     failed: dict[str, str] = {}
+    helped: list[Any] = []
     with atomic_folder(output, VALIDATION) as part:
         if recordings is not None:
             found = _recorded(case, recordings)
@@ -100,17 +102,21 @@ def run_validation(
                     for step in steps(excitation, mounted, disturbances):
                         found.append(step)
                         count(f"{step.method} {step.load:.0f} kg")
+                    if disturbances is not None:
+                        own = [s for s in found if s.method == excitation.name]
+                        helped += remedies(excitation, own, disturbances)
                     if excitation.name in ("D9M", "Q5M"):
                         columns |= models(excitation, disturbances)
         verdict = findings(case, found, columns)
         answer = _answer(case, found, verdict, columns, disturbances, recordings, settings, failed)
-        page = validation_page(case, found, verdict, columns, answer["machine"], failed)
+        answer["remedies"] = [remedy.to_json() for remedy in helped]
+        page = validation_page(case, found, verdict, columns, answer["machine"], failed, helped)
         (part / "report.html").write_text(render(page), encoding="utf-8")
         (part / "validation.json").write_text(json_text(answer), encoding="utf-8")
         save_figure(std_figure(found), part / "plots", "standard_deviations")
     answer = {"report": str(output / "report.html")} | answer
     if not quiet:
-        _show(answer, found, verdict)
+        _show(answer, found, verdict, helped)
     return answer
 
 
@@ -178,8 +184,9 @@ def _answer(
     }
 
 
-def _show(answer: dict[str, Any], found: list[Any], verdict: "list[Finding]") -> None:
+def _show(answer: dict[str, Any], found: list[Any], verdict: "list[Finding]", helped: list[Any]) -> None:
     from planner.report_validation import TABLE_7, table_7
+    from planner.validation_remedy import REMEDY_COLUMNS
     from planner.validation_verdict import OFF_COLUMNS, off_rows
 
     print(f"machine: {answer['machine']}")
@@ -190,6 +197,8 @@ def _show(answer: dict[str, Any], found: list[Any], verdict: "list[Finding]") ->
     if rows := off_rows(found):
         title = "Off by more than 3 reported standard deviations; parts of the error in these"
         print_table(title, OFF_COLUMNS, rows)
+    if rows := [row for remedy in helped for row in remedy.rows()]:
+        print_table("The same recordings with the mode estimated too (identify --flexible)", REMEDY_COLUMNS, rows)
     for finding in verdict:
         print(finding.sentence())
     print(f"report written: {answer['report']}")

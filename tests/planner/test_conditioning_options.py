@@ -73,6 +73,8 @@ def test_accelerated_samples_are_selected_and_compared(words: str, run: Path, tm
         (("--period", "1.1"), "--period 1.1: a period later the struts are"),
         (("--period", "90"), "fits into it"),
         (("--harmonics", "5"), "add --period auto"),
+        (("--flexible", "--period", "auto"), "--flexible: lowers the low-pass, which --period does without"),
+        (("--flexible", "--prior", "m=33+-0.5kg"), "--flexible sees a mode in struts behind the low-pass"),
         (("--accelerated", "3"), "--accelerated 3: is neither a share nor an acceleration; write --accelerated 30%"),
         (("--accelerated", "120%"), "is neither a share"),
         (("--accelerated", "0m/s^2"), "is neither a share"),

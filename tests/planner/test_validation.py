@@ -11,6 +11,7 @@ from playwright.sync_api import Browser
 from cases.errors import HexciteError
 from cases.loading import load_case
 from cases.schema import Case
+from identification.conditioning import Conditioning
 from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
@@ -21,6 +22,7 @@ from identification.recording import STRUTS
 from identification.simulate import simulate_standstills
 from planner.validation import SHOWN, Excitation, Step, mounted_weights, steps
 from planner.validation_causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
+from planner.validation_remedy import remedies
 from planner.validation_verdict import findings, off_rows
 from tests.helpers import Harmonic, ideal, paper_poses
 from tests.planner.browser import opened
@@ -156,6 +158,21 @@ def test_what_is_off_is_named_with_its_cause():
     assert not inside.holds
     assert f"{MODE} ({len(rows)})" in inside.figures
     assert off_rows(list(steps(moving(CASE), (0,), None))) == []
+
+
+def test_where_the_mode_is_the_cause_the_recording_is_identified_with_it():
+    heavy = FOUND.model_copy(update={"mode_Hz": 30.0} | NO_POSE_ERROR)
+    excitation = moving(CASE)
+    found = list(steps(excitation, (0,), heavy))
+    (remedy,) = remedies(excitation, found, heavy)
+    assert {row[2] for row in remedy.rows()} == {row[2] for row in off_rows(found)}
+    again = identify(excitation.recorded(0, heavy)[0], CASE, conditioning=Conditioning(flexible=True))
+    assert again.physical == remedy.estimate.physical
+    for name in remedy.names:
+        true = found[0].truth[name]
+        assert remedy.error(name) == (again.physical[name].value - true) / again.physical[name].reported
+    calm = heavy.model_copy(update=NO_MODE)
+    assert remedies(excitation, steps(excitation, (0,), calm), calm) == []
 
 
 def claimed(ours: float, theirs: float, seconds: tuple[float, float], method: str) -> bool:

@@ -1,0 +1,80 @@
+"""Where a structural mode draws an estimate: the same recording, identified with the mode (`identify --flexible`)."""
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from cases.disturbances import Disturbances
+from identification.conditioning import Conditioning
+from identification.identify import identify
+from identification.result import Estimate
+from planner.validation import Excitation, Step
+from planner.validation_causes import BODY, MODE, SUSPICIOUS
+
+
+class Remedy(NamedTuple):
+    """A step whose errors are the mode's, identified with the mode.
+
+    Args:
+        step: as it was.
+        names: of the parameters that were off for the mode.
+        estimate: with the mode.
+    """
+
+    step: Step
+    names: tuple[str, ...]
+    estimate: Estimate
+
+    @property
+    def mode(self) -> float | None:
+        """Frequency that was found [Hz]; None where the run does not tell it."""
+        found = self.estimate.told.get("structural_mode_Hz")
+        return None if found is None else float(found["value"])
+
+    def error(self, name: str) -> float:
+        """That is left, in reported standard deviations."""
+        value = self.estimate.physical[name]
+        return (value.value - self.step.truth[name]) / value.reported
+
+    def rows(self) -> list[list[str]]:
+        """For a table."""
+        mode = "not seen" if self.mode is None else f"{self.mode:.1f} Hz"
+        rows = []
+        for name in self.names:
+            before, truth = self.step.error(name) or 0.0, self.step.truth[name]
+            relative = f"{100 * (self.estimate.physical[name].value / truth - 1):+.2f} %"
+            errors = (f"{before:+.1f}", f"{self.error(name):+.1f}", relative)
+            rows.append([self.step.method, f"{self.step.load:.0f} kg", name, *errors, mode])
+        return rows
+
+    def to_json(self) -> dict[str, Any]:
+        """For the answer."""
+        return {
+            "method": self.step.method,
+            "weights": self.step.weights,
+            "mode_Hz": self.mode,
+            "error_in_std": {name: self.error(name) for name in self.names},
+        }
+
+
+REMEDY_COLUMNS = ("method", "load", "parameter", "error in std", "with the mode", "relative", "mode found")
+
+
+def remedies(excitation: Excitation, found: Iterable[Step], disturbances: Disturbances) -> list[Remedy]:
+    """Identifies those steps with the mode whose errors it caused.
+
+    Args:
+        excitation: the method of the steps.
+        found: its steps.
+        disturbances: of their recordings.
+    """
+    result = []
+    for step in found:
+        names = tuple(
+            n for n in BODY
+            if step.budget is not None and abs(step.error(n) or 0.0) > SUSPICIOUS and step.budget.cause(n) == MODE
+        )  # fmt: skip
+        if names:
+            recording, _ = excitation.recorded(step.weights, disturbances)
+            estimate = identify(recording, excitation.case, conditioning=Conditioning(flexible=True))
+            result.append(Remedy(step, names, estimate))
+    return result
