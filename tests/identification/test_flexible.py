@@ -58,14 +58,14 @@ def test_the_mode_is_found_and_no_longer_draws_the_mass(mode: float):
     assert found["value"] == pytest.approx(mode, rel=0.05)
     assert abs(flexible.physical["m"].value - TRUE_MASS) < 0.3 * abs(rigid.physical["m"].value - TRUE_MASS)
     assert off(rigid) > 5.0
-    assert f"a structural mode at {found['value']:.3g} +-" in flexible.notes[-1]
+    assert any(note.startswith(f"a structural mode at {found['value']:.3g} +-") for note in flexible.notes)
     assert flexible.case_hash == CASE.hash
 
 
 def test_a_rigid_machine_has_no_mode():
     estimate = identify(run(1e5), CASE, conditioning=FLEXIBLE)
     assert "structural_mode_Hz" not in estimate.told
-    assert "no structural mode is seen" in estimate.notes[-1]
+    assert any("no structural mode is seen" in note for note in estimate.notes)
     assert off(estimate) < 4.0
 
 
