@@ -24,7 +24,7 @@ from planner.state_limits import state_limits
 Array = NDArray[np.float64]
 
 PHASES = (1, 3, 5)  # constant acceleration, velocity, deceleration
-HOT, COLD = 0.06, 0.002  # temperatures in units of log det F: above walks forget, below nothing moves any more
+HOT, COLD = 0.03, 0.002  # temperatures in units of log det F: above walks forget, below nothing moves any more
 EXCESS = 2.0  # of log det F for each whole limit that a move passes
 RIDGE = 1e-9  # on the diagonal of F in reference scaling: a walk that stands still has a value too
 BLOCK = 1000  # proposals between two words to the watch

@@ -37,7 +37,7 @@ CLOSED = 1e-9  # [m, rad] between start and end
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
 KEPT = 3  # of several orders and periods, the best are looked at from all starts
 
-ANNEALING = 300  # proposals for each pair of moves: half a minute for 40 moves, worth more than as many more starts
+ANNEALING = 200  # proposals for each pair of moves: half a minute for 40 moves, worth more than as many more starts
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
 # last iterations bring. Splines begin from point-to-point motions: these reach in seconds what splines starting by
 # chance do not reach in minutes.

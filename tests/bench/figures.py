@@ -17,6 +17,7 @@ from identification.recording import read_recording, write_recording
 from identification.simulate import simulate_recording
 from planner.cli.console import print_table
 from planner.running import execute, linuxcnc_missing
+from tests.bench.building import building_rows
 from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
@@ -110,6 +111,7 @@ def main() -> None:
     rows += study_rows()
     rows += pose_figures()
     rows += limits_of_information()
+    rows += building_rows()
     rows += criteria_rows()
     paper_study()
     monte_carlo_table()
