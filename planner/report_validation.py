@@ -234,24 +234,26 @@ def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
 
 
 def std_figure(steps: Sequence[Step]) -> Figure:
-    """Reported standard deviations without payload of the methods, as bars, for papers."""
+    """Reported standard deviations without payload of the methods, as bars from zero, for papers."""
     bare = [s for s in steps if s.weights == 0]
     panels = ("m", "xC", "zC", "IC33", "k0", "k1")
+    labels = [s.method if s.duration is None else f"{s.method}\n{s.duration:.0f} s" for s in bare]
     figure = Figure(figsize=(12, 5.2), layout="constrained")
     for ax, name in zip(figure.subplots(2, 3).ravel(), panels, strict=True):
-        scale = SCALES.get(name, (1.0, ""))[0]
-        unit = "mm" if name in SCALES else ""
+        scale, unit = SCALES.get(name, (1.0, ""))
         for k, step in enumerate(bare):
             value = step.estimate.physical.get(name)
-            if value is None:
-                continue
-            unit = unit or value.unit
-            ax.bar(k, value.reported * scale, color=(*COLOURS, GREY)[k % 7])
-            ax.annotate(f"{value.reported * scale:.2g}", (k, value.reported * scale), ha="center", va="bottom")
-        labels = [s.method if s.duration is None else f"{s.method}\n{s.duration:.0f} s" for s in bare]
+            height = 0.0 if value is None else value.reported * scale
+            unit = unit or ("" if value is None else value.unit)
+            ax.bar(k, height, color=(*COLOURS, GREY)[k % 7], width=0.7)
+            ax.annotate(
+                "none" if value is None else f"{height:#.2g}", (k, height), ha="center", va="bottom", fontsize=9
+            )
         ax.set_xticks(range(len(bare)), labels, fontsize=8)
-        ax.set_yscale("log")
-        ax.margins(y=0.25)
-        ax.set_title(f"std of {name} [{unit}]")
-        ax.grid(axis="y", alpha=0.25)
+        ax.set_xlim(-0.6, len(bare) - 0.4)
+        ax.margins(y=0.15)
+        ax.set_yticks([])
+        ax.tick_params(length=0)
+        ax.spines[["left", "right", "top"]].set_visible(False)
+        ax.set_title(f"standard deviation of {name} [{unit.replace('^2', '²')}]", fontsize=11, loc="left")
     return figure
