@@ -84,7 +84,9 @@ def residual_figure(estimate: Estimate) -> Figure:
     over.set_xlabel("sample")
     over.set_ylabel("residual f - A u [N or N m]")
     over.legend(ncols=6, fontsize="small")
-    scaled = (estimate.residuals / np.maximum(estimate.residual_rms, 1e-300)).ravel()
+    # Of these residuals, not of the recorded forces: behind a filter they are smaller.
+    own = np.sqrt(np.mean(estimate.residuals**2, axis=0))
+    scaled = (estimate.residuals / np.maximum(own, 1e-300)).ravel()
     spread.hist(scaled, bins=60, range=(-5, 5), density=True, color="0.7")
     x = np.linspace(-5, 5, 200)
     spread.plot(x, np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi), color="C3")

@@ -1,0 +1,23 @@
+"""The figure of residuals: the distribution of Gaussian ones lies on the normal density, also behind a filter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.schema import Case
+from identification.executed import PoseExecution
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.simulate import simulate_recording
+from planner.plots import residual_figure
+from tests.helpers import Harmonic
+
+
+def test_gaussian_residuals_lie_on_the_density_whatever_the_recorded_forces_are(hexapod_case: Case) -> None:
+    execution = PoseExecution(Hexapod.of(hexapod_case), Harmonic(seed=1, duration=2.0))
+    estimate = identify(simulate_recording(hexapod_case, execution, np.array([[0.1, 1.9]]), 0), hexapod_case)
+    drawn = np.random.default_rng(0).normal(size=(3000, 6)) * [1.0, 2.0, 3.0, 0.1, 0.2, 0.01]
+    distribution = residual_figure(replace(estimate, residuals=drawn)).axes[1]
+    highest = max(bar.get_height() for bar in distribution.patches)
+    assert highest == pytest.approx(max(distribution.lines[0].get_ydata()), rel=0.15)
