@@ -15,6 +15,7 @@ FAMILIES = ("manual", "fourier", "ptp", "spline")
 SOLVER_NAMES = ("ipopt", "sqp", "slsqp")
 LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 KNOTS_A_SECOND = 10.0
+MOST_PERIODS = 1e6
 SHORTEST_MOVE = 0.06  # [s] mean duration of a move that a machine can make anything of
 
 
@@ -66,8 +67,8 @@ class Request:
         _one_of("family", self.family, FAMILIES)
         _one_of("criterion", self.criterion, CRITERIA)
         _one_of("solver", self.solver, SOLVER_NAMES)
-        if np.isnan(self.duration):
-            raise HexciteError("duration nan s is no duration; choose about 12 s")
+        if np.isnan(self.duration) or self.duration == -np.inf:
+            raise HexciteError(f"duration {self.duration:g} s is no duration; choose about 12 s")
         if not self.duration <= LONGEST:
             raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
         if self.family == "fourier":
@@ -109,6 +110,8 @@ class Request:
         if not self.period > 0.0 or not np.isfinite(self.period):
             raise HexciteError(f"period {self.period:g} s is not positive; choose about 3 s")
         repeats = self.duration / self.period
+        if not abs(repeats) < MOST_PERIODS:
+            raise HexciteError(f"period {self.period:g} s is too short for {self.duration:g} s; choose about 3 s")
         if not (round(repeats) >= 1 and abs(repeats - round(repeats)) < 1e-9):
             raise HexciteError(
                 f"duration {self.duration:g} s is not a whole number of periods of {self.period:g} s; choose "

@@ -31,13 +31,15 @@ def information_limit(
     from time import perf_counter
 
     from cases.errors import HexciteError
-    from cases.files import json_text, write_text
+    from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
     from identification.model import identification_model
     from planner.bound import box_bound, tight_bound
 
     if not (isfinite(time_limit) and time_limit > 0.0):
         raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")
+    if output is not None:
+        check_file(output, [".json"])
     loaded = load_case(case)
     loaded.need_machine("the information limit")
     model = identification_model(loaded, model_number)

@@ -52,6 +52,8 @@ def test_people_read_that_it_is_not(cache: Path):
         (("hexapod", "--time-limit", "0"), ("--time-limit", "above 0")),
         (("ft_wrist",), ("machine", "information limit")),
         (("nowhere",), ("nowhere",)),
+        (("hexapod", "-o", "bound.txt"), ("bound.txt", ".json")),
+        (("hexapod", "--tight", "-o", "."), ("no suffix",)),
     ],
 )
 def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], words: tuple[str, ...]):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import HexciteError, InfeasiblePlan
@@ -156,6 +156,12 @@ STOPPED = ("plan", "hexapod", "--payload", "99")
     value=NUMBERS,
     family=st.sampled_from(["fourier", "ptp", "spline", "manual"]),
 )
+@example("--duration", "-inf", "fourier")
+@example("--duration", "-inf", "ptp")
+@example("--duration", "-inf", "spline")
+@example("--duration", "inf", "spline")
+@example("--period", "1e-320", "fourier")
+@example("--seed", "1" + "0" * 400, "ptp")
 @settings(max_examples=150, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_any_number_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str, family: str):
     answer = call(*STOPPED, "--family", family, f"{option}={value}")

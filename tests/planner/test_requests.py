@@ -27,6 +27,8 @@ from tests.helpers import one_line
         ("duration", -12.0, "choose 3 s"),
         ("duration", float("nan"), "duration nan s"),
         ("duration", float("inf"), "duration inf s"),
+        ("duration", float("-inf"), "duration -inf s is no duration"),
+        ("period", 1e-320, "too short for 12 s; choose about 3 s"),
         ("duration", 3e9, "duration 3e+09 s"),
         ("starts", 0, "0 starts; choose 1 to 1000"),
         ("starts", 1001, "1001 starts"),
