@@ -17,6 +17,8 @@ Rows = NDArray[np.bool_]
 CHANCE = 1e-7  # for a sample by noise alone; two neighbours are asked for, so that a run of an hour stays silent
 CLEAR = 3.0  # times the limit that a contact reaches somewhere; residuals of a wrong model creep over it here and there
 SHARE = 0.2  # of what the model's force changes by nearby, that a contact leaves behind
+OWN = 3.0  # standard deviations of a channel's noise beside that share
+CALM = 0.3  # share of the samples that tell it: a contact may touch half of them
 NEARBY = 0.03  # [s] before and after: a little more than the filter's memory
 FEWEST = 2  # neighbouring samples above the limit
 NEAR = 0.05  # [s] stretches closer than that are one contact
@@ -50,8 +52,11 @@ def find_contacts(
             no contact.
         usual: residuals that tell the noise, shape (m, 6); by default these.
     """
-    distance = _distance(residuals, residuals if usual is None else usual)
-    clear = (distance >= CLEAR) & np.any(np.abs(residuals) > SHARE * _change(t, expected), axis=1)
+    usual = residuals if usual is None else usual
+    distance = _distance(residuals, usual)
+    # Where all channels but one leap, noise of the one that hardly changes is no contact.
+    noise = np.quantile(np.abs(usual - np.median(usual, axis=0)), CALM, axis=0) / stats.norm.ppf((1 + CALM) / 2)
+    clear = (distance >= CLEAR) & np.any(np.abs(residuals) > SHARE * _change(t, expected) + OWN * noise, axis=1)
     above = distance > 1.0
     edges = np.flatnonzero(np.diff(np.r_[False, above, False].astype(np.int8)))
     wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)

@@ -22,6 +22,7 @@ from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
 from tests.bench.identified import identification_figures
+from tests.bench.leaps import leaps
 from tests.bench.monte_carlo import monte_carlo_table
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
@@ -105,6 +106,7 @@ def main() -> None:
         rows += programs(Path(name), command)
     with tempfile.TemporaryDirectory() as name:
         rows += identification_figures(Path(name))
+    rows += leaps()
     rows += exported()
     with tempfile.TemporaryDirectory() as name:
         rows += validation_rows(Path(name), command)

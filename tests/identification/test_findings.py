@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 import identification.identify as module
 from cases.errors import HexciteError, IdentificationError, RecordingError
 from cases.loading import load_case
+from identification.contact import find_contacts
 from identification.executed import PoseExecution
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
@@ -176,6 +177,21 @@ def test_an_acceleration_that_steps_is_no_glitch() -> None:
             forces[row:] += np.array([200.0, -150.0, 100.0, 80.0, -60.0, 120.0]) * (1 if row < 1000 else -1)
 
     assert scan(with_forces(steps, run(0)), CASE).warnings == ()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_channel_that_hardly_changes_while_others_leap_has_its_noise_and_no_contact(seed: int) -> None:
+    """Where five channels leap by a hundred newtons some of that is left, and in the sixth its noise alone."""
+    draw = np.random.default_rng(seed)
+    t = np.arange(0.0, 8.0, 8e-3)
+    expected = np.cumsum(np.where(draw.uniform(size=len(t)) < 0.02, draw.normal(0.0, 100.0, len(t)), 0.0))[:, None]
+    expected = expected * np.array([1.0, -0.8, 1.2, 0.9, -1.1, 0.0])
+    leaps = np.diff(expected, axis=0, prepend=0.0)
+    left = 0.07 * (leaps + np.roll(leaps, 1, axis=0)) + draw.normal(0.0, 1.0, expected.shape)
+    assert find_contacts(t, left, J, expected) == ()
+    pushed_at = (t > 3.0) & (t < 3.2)
+    (contact,) = find_contacts(t, left + 12.0 * pushed_at[:, None], J, expected)
+    assert contact.start == pytest.approx(3.0, abs=0.05)
 
 
 @pytest.mark.parametrize("seed", range(4))
