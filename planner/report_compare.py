@@ -6,6 +6,7 @@ import numpy as np
 import plotly.graph_objects as go
 from matplotlib.figure import Figure
 
+from identification.provenance import provenance
 from planner.comparing import Entry, Recommendation
 from planner.report import Item, Note, Page, Plot, Section, Table, plain
 from planner.report_figures import COLOURS, GREY
@@ -108,7 +109,7 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
     return Page(
         title="Comparison of excitations",
         lead=f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
-        inputs=(*hashes, *((e.name, e.level.name.lower()) for e in entries)),
+        inputs=(*hashes, *((e.name, e.level.name.lower()) for e in entries), *provenance([])["versions"].items()),
         warnings=warnings_of(entries),
         sections=tuple(sections),
     )

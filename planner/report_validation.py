@@ -8,6 +8,7 @@ import plotly.graph_objects as go
 from matplotlib.figure import Figure
 
 from cases.schema import Case
+from identification.provenance import provenance
 from identification.result import Estimate
 from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.report_figures import COLOURS, GREY
@@ -101,7 +102,12 @@ def validation_page(
         title=f"Validation with payloads: {case.title}",
         lead=f"{len(payloads.weights)} known weights mounted one after the other and identified by "
         f"{len(_methods(steps))} methods on {machine}.",
-        inputs=(("case", f"{case.name} (hash {case.hash})"), ("machine", machine), ("weights", payloads.source)),
+        inputs=(
+            ("case", f"{case.name} (hash {case.hash})"),
+            ("machine", machine),
+            ("weights", payloads.source),
+            *provenance([])["versions"].items(),
+        ),
         warnings=warnings,
         sections=tuple(sections),
     )
@@ -160,7 +166,7 @@ def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], 
         if not suffix
         else "The same for one second of measuring: times the square root of the measuring time."
     )
-    return Plot(name, figure.update_layout(height=400), note)
+    return Plot(name, figure.update_layout(height=400, showlegend=True), note)
 
 
 def _std_table(steps: Sequence[Step]) -> Table:
@@ -195,7 +201,7 @@ def _error_plots(steps: Sequence[Step]) -> list[Plot]:
         figure.update_yaxes(title_text=f"error of {name} / std")
         if drawn:
             note = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
-            plots.append(Plot(f"error-{name}", figure.update_layout(height=320), note, half=True))
+            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), note, half=True))
     return plots
 
 
@@ -213,7 +219,13 @@ def _s0_plot(steps: Sequence[Step]) -> Plot:
         )
     figure.update_xaxes(title_text="load [kg]")
     figure.update_yaxes(title_text="s0 [N]", type="log")
-    return Plot("s0", figure.update_layout(height=340))
+    return Plot("s0", figure.update_layout(height=340, showlegend=True))
+
+
+def _rounded(value: float, std: float) -> str:
+    """A value with its standard deviation, to two digits of that."""
+    digits = max(0, 1 - int(np.floor(np.log10(std)))) if std > 0.0 else 6
+    return f"{value:.{digits}f} ± {std:.{digits}f}"
 
 
 def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
@@ -223,7 +235,7 @@ def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
         scale, unit = SCALES.get(name, (1.0, ""))
         found = [e.physical.get(name) for e in columns.values()]
         unit = unit or next(v.unit for v in found if v is not None)
-        told = ("-" if v is None else f"{v.value * scale:.5g} ± {v.reported * scale:#.2g}" for v in found)
+        told = ("-" if v is None else _rounded(v.value * scale, v.reported * scale) for v in found)
         rows.append((f"{name} [{unit}]", *told))
     truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
     note = (

@@ -20,6 +20,7 @@ from identification.motion import Joined, Standstill, Trajectory
 from identification.profile import StraightMove
 from identification.recording import STRUTS
 from identification.simulate import simulate_standstills
+from planner.report_validation import _rounded
 from planner.validation import SHOWN, Excitation, Step, mounted_weights, steps
 from planner.validation_causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from planner.validation_remedy import remedies
@@ -196,6 +197,12 @@ def test_a_method_is_better_only_where_all_its_deviations_are_smaller_in_no_more
 def test_against_standing_still_the_measuring_time_counts():
     assert claimed(0.2, 0.1, (12.0, 1000.0), "Q5M")
     assert not claimed(0.2, 0.1, (12.0, 12.0), "Q5M")
+
+
+def test_values_are_rounded_to_two_digits_of_their_deviation():
+    assert _rounded(0.77256, 0.634) == "0.77 ± 0.63"
+    assert _rounded(31.8834, 0.0571) == "31.883 ± 0.057"
+    assert _rounded(131.88, 12.3) == "132 ± 12"
 
 
 def test_numbers_of_weights_are_chosen():
