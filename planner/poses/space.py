@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from scipy.stats import qmc
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
@@ -92,6 +91,8 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")
     machine, _, _ = case.need_machine("pose candidates")
     grid = case.need_poses("pose candidates")
+    from scipy.stats import qmc  # a second to import, for this alone
+
     share = qmc.Sobol(6, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
     low, high = (np.array([values[k] for values in grid.lengths]) for k in (0, -1))
     radius, azimuth = grid.radius[1] * np.sqrt(share[:, 0]), 2 * np.pi * share[:, 1]
