@@ -86,6 +86,7 @@ def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
     if estimate.delay is not None:
         lag, std = estimate.delay.value * 1e3, estimate.delay.std * 1e3
         items.append(Note(f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."))
+    items += [Note(note) for note in estimate.notes]
     return tuple(items)
 
 

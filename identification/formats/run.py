@@ -12,6 +12,7 @@ from cases.recording import RecordingFormat
 from cases.recording_columns import POSE, ROTATION, STRUTS
 from cases.schema import Case
 from identification.formats.assembly import forces_of, start_of, streams_of
+from identification.formats.checks import require_finite
 from identification.formats.header import without
 from identification.formats.reading import read_batches as read_table_batches
 from identification.formats.reading import read_tables
@@ -51,6 +52,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     for path in paths:
         file, form = _file_of(path, case.recording)
         tables += [(table, form) for table in read_tables(file, form)]
+    for table, form in tables:
+        require_finite(table, form)  # before the first stamp is taken for the run's beginning
     starts = [start_of(table, form) for table, form in tables if table.stamps is not None]
     origin = min(starts, default=None)
     streams = [stream for table, form in tables for stream in streams_of([table], case, form, origin)]

@@ -240,6 +240,7 @@ def with_feed(estimate: Any, recording: Any, case: Any, path: Path, plan: Path |
 
     from cases.errors import RecordingError
     from identification.feed import about_feed, against_plan
+    from identification.identify import placed
     from planner.followed import followed_by_recording, followed_plan
 
     followed = followed_plan(plan, case) if plan is not None else followed_by_recording(path, case)
@@ -249,7 +250,7 @@ def with_feed(estimate: Any, recording: Any, case: Any, path: Path, plan: Path |
         stretches = against_plan(recording, case, followed.motion, followed.name)
     except RecordingError as error:
         if plan is not None:
-            raise
+            raise RecordingError(placed(recording.source, error)) from error
         return replace(estimate, warnings=(*estimate.warnings, str(error)))
     sentences, entries = about_feed(recording, stretches, f"comparison with {followed.name}")
     if plan is not None and not stretches:

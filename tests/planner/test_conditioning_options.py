@@ -48,6 +48,7 @@ def test_people_are_told_which_part_was_used(run: Path, tmp_path: Path) -> None:
     text = " ".join(call(*identify(run, tmp_path, "--period", "auto")).out.split())
     assert "3 periods of 1.5 s averaged, from 0.400 to 4.899 s; struts repeat within" in text
     assert "harmonics, up to" in text
+    assert "3 periods of 1.5 s averaged" in (tmp_path / "result" / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("words", ["40%", "2.5 m/s^2"])
