@@ -18,6 +18,7 @@ from identification.simulate import simulate_recording
 from planner.cli.console import print_table
 from planner.running import execute, linuxcnc_missing
 from tests.bench.building import building_rows
+from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
@@ -107,6 +108,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         rows += identification_figures(Path(name))
     rows += leaps()
+    rows += conditioning_rows()
     rows += exported()
     with tempfile.TemporaryDirectory() as name:
         rows += validation_rows(Path(name), command)
