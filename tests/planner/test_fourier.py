@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from planner.families.fourier import FourierFamily, resting_basis
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
+from planner.families.saved import motion_entries, motion_of_entries
 from tests.helpers import HOME, taylor_slope
 
 HALF = np.array([0.25, 0.25, 0.1, 0.35, 0.35, 0.35])
@@ -64,6 +65,16 @@ def test_order_1_is_led_out_of_rest_and_back_within_the_same_duration(centred: b
         assert motion.centre == pytest.approx(HOME)
     w = 2 * np.pi / 3.0
     assert circle.accelerations == pytest.approx(-(w**2) * (circle.pose - motion.centre), abs=1e-12)  # one harmonic
+
+
+def test_a_saved_run_in_comes_back_and_a_damaged_one_is_named():
+    motion = led_family().motion(np.random.default_rng(6).normal(size=18))
+    entries = motion_entries(motion)
+    again, t = motion_of_entries(entries), np.linspace(0.0, 12.0, 50)
+    assert again.duration == motion.duration
+    assert np.array_equal(again.at(t).pose, motion.at(t).pose)
+    with pytest.raises(ValueError, match="run_in_s"):
+        motion_of_entries({"fourier": entries["fourier"] | {"run_in_s": -1.0}})
 
 
 @pytest.mark.parametrize("t", [1.5, 10.5])
