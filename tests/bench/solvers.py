@@ -20,7 +20,7 @@ PERIODS = 4
 ORDERS = range(1, 8)  # order 1 with run-in and run-out
 STARTS = 2  # of each cell, the same for every criterion and solver
 MANY = 20  # of D and order 5
-WHOLE = Stage("study", 500, True)
+WHOLE = Stage("study", 1000, True)
 SILENT = Listener(lambda start: None, lambda news: None)
 
 
