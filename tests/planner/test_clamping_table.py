@@ -86,7 +86,8 @@ def test_a_change_that_is_no_weight_is_told(results: tuple[Path, Path], tmp_path
 
 
 def test_the_same_table_twice_is_no_payload(results: tuple[Path, Path]) -> None:
-    assert "not by a payload" in refused("payload", results[0], results[0], "--case", "clamping_table")
+    reason = refused("payload", results[0], results[0], "--case", "clamping_table")
+    assert "is named twice; name the result without the payload" in reason
 
 
 def test_external_force_and_tare(results: tuple[Path, Path], tmp_path: Path) -> None:
