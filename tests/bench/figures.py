@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -96,33 +97,35 @@ def identification(folder: Path) -> list[list[str]]:
     return rows
 
 
-def main() -> None:
-    """Prints all figures."""
+def sections() -> Iterator[tuple[str, list[list[str]]]]:
+    """Title and rows of each group of figures, as they are measured."""
     starts = [command("--help")[0] for _ in range(7)]
-    rows = [["hexcite --help, median of 7", f"{np.median(starts):.2f} s", "0.4 s"]]
     with tempfile.TemporaryDirectory() as name:
-        rows += demos(Path(name))
-        rows += identification(Path(name))
+        yield "The chain", [["hexcite --help, median of 7", f"{np.median(starts):.2f} s", "0.4 s"], *demos(Path(name))]
+        yield "Identification of 20 000 samples, and coverage", identification(Path(name))
     with tempfile.TemporaryDirectory() as name:
-        rows += programs(Path(name), command)
+        yield "Programs", programs(Path(name), command)
     with tempfile.TemporaryDirectory() as name:
-        rows += identification_figures(Path(name))
-    rows += leaps()
-    rows += conditioning_rows()
-    rows += exported()
+        yield "Identification", [*identification_figures(Path(name)), *leaps(), *conditioning_rows()]
+    yield "Exported models", exported()
     with tempfile.TemporaryDirectory() as name:
-        rows += validation_rows(Path(name), command)
-    rows += study_rows()
-    rows += pose_figures()
-    rows += limits_of_information()
-    rows += building_rows()
-    rows += criteria_rows()
+        yield "Validation", validation_rows(Path(name), command)
+    yield "Studies", study_rows()
+    yield "Poses", pose_figures()
+    yield "Limits of information", limits_of_information()
+    yield "Planner", [*building_rows(), *criteria_rows()]
+
+
+def main() -> None:
+    """Prints all figures, each table as soon as it is measured."""
+    for title, rows in sections():
+        print_table(title, ("figure", "measured", "wanted"), rows)
+        sys.stdout.flush()
     paper_study()
     monte_carlo_table()
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
     pose_tables()
-    print_table("Figures, measured now on this machine", ("figure", "measured", "wanted"), rows)
 
 
 if __name__ == "__main__":
