@@ -12,7 +12,6 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from cases.schema import Case
@@ -270,6 +269,8 @@ class Model:
 
 def regressors(model: Model, kinematics: Kinematics) -> Array:
     """A for every sample of a motion, shape (n, 6, u)."""
+    from scipy.spatial.transform import Rotation  # here: proofs do without it, and it loads slowly
+
     rotations = Rotation.from_euler("xyz", kinematics.pose[:, 3:]).as_matrix()
     return model.matrices(kinematics.pose[:, :3], rotations, kinematics.twist, kinematics.twist_rate)
 

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import null_space
 
 from cases.schema import Case
 from planner.families.family import Sampling
@@ -27,12 +26,19 @@ START_SHARE = 0.8  # random starts use this share of the tightest limit: signifi
 COARSE, FINE = 12, 16  # instants of the optimiser's grid in one period of the highest harmonic
 
 
+def _null_space(matrix: Array) -> Array:
+    """Orthonormal columns; loaded here, because every command that reads a plan loads this module."""
+    from scipy.linalg import null_space
+
+    return np.asarray(null_space(matrix))
+
+
 def resting_basis(order: int) -> Array:
     """Basis of the coefficients (x0, a_1..a_N, b_1..b_N) that are at rest at t = 0, shape (2 N + 1, 2 N - 1)."""
     harmonics = np.arange(1, order + 1)
     rate_row = np.r_[0.0, np.ones(order), np.zeros(order)]
     acceleration_row = np.r_[0.0, np.zeros(order), harmonics]
-    return np.asarray(null_space(np.vstack([rate_row, acceleration_row])))
+    return _null_space(np.vstack([rate_row, acceleration_row]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +114,7 @@ class FourierFamily:
         basis = np.eye(2 * self.order + 1) if self.run_in else resting_basis(self.order)
         if not self.centred:
             return basis
-        return np.asarray(basis @ null_space(basis[:1]))  # its first row is x0
+        return np.asarray(basis @ _null_space(basis[:1]))  # its first row is x0
 
     @property
     def grid(self) -> Array:

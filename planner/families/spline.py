@@ -10,17 +10,19 @@ coefficients of each coordinate are one and the same.
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import factorial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
 
 from cases.schema import Case
 from identification.motion import Trajectory
 from identification.polynomial import Piece, PolynomialMotion
 from planner.families.family import Sampling, box_middle
 from planner.families.linear import linear_sampling
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 Array = NDArray[np.float64]
 
@@ -29,6 +31,13 @@ FEWEST, MOST = 20, 150  # intervals
 FINE = 4  # instants an interval at which positions and rates are limited
 START_SHARE = 0.8
 GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
+
+
+def _spline(knots: Array, coefficients: Array) -> "BSpline":
+    """A cubic spline; SciPy's are loaded here, because every command that reads a plan loads this module."""
+    from scipy.interpolate import BSpline
+
+    return BSpline(knots, coefficients, DEGREE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +82,7 @@ class SplineFamily:
         """Unknowns of each coordinate."""
         return self.intervals + DEGREE - 5
 
-    def _basis(self) -> BSpline:
+    def _basis(self) -> "BSpline":
         """All basis functions, as one spline with matrix coefficients from unknowns."""
         step = self.duration / self.intervals
         inner = np.arange(self.intervals + 1) * step
@@ -81,7 +90,7 @@ class SplineFamily:
         spread = np.zeros((self.intervals + DEGREE, self.unknowns))
         spread[:3, 0] = spread[-3:, 0] = 1.0
         spread[3:-3, 1:] = np.eye(self.unknowns - 1)
-        return BSpline(knots, spread, DEGREE)
+        return _spline(knots, spread)
 
     def _at(self, shares: tuple[float, ...]) -> Array:
         """Instants at shares of each interval."""
@@ -160,7 +169,7 @@ class SplineFamily:
         """The motion of unknowns of shape (q * 6,), row by row."""
         basis = self._basis()
         coefficients = basis.c @ (unknowns.reshape(self.unknowns, 6) * self.half) + self.middle
-        spline, step = BSpline(basis.t, coefficients, DEGREE), self.duration / self.intervals
+        spline, step = _spline(basis.t, coefficients), self.duration / self.intervals
         # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
         places = [self._at((0.5 if order == DEGREE else 0.0,)) for order in range(DEGREE + 1)]
         taylor = np.array([spline(t, nu=order) / factorial(order) for order, t in enumerate(places)])

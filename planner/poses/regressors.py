@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from identification.model import Model
@@ -24,8 +23,11 @@ def pose_regressors(model: Model, poses: Array) -> Array:
         raise IdentificationError(
             f"model {model.number} contains inertia, which standstills cannot excite; choose a model from 0 to 5"
         )
+    from scipy.spatial.transform import Rotation  # here: reading a plan does without it, and it loads slowly
+
     still = np.zeros((len(poses), 6))
-    return model.matrices(poses[:, :3], Rotation.from_euler("xyz", poses[:, 3:]).as_matrix(), still, still)
+    rotations = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix()
+    return model.matrices(poses[:, :3], rotations, still, still)
 
 
 def candidate_scaling(regressors: Array) -> Array:
