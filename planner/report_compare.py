@@ -1,13 +1,13 @@
 """The page of a comparison: parameters side by side (Table 6), what controllers made of plans, and what to prefer."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import plotly.graph_objects as go
 from matplotlib.figure import Figure
 
 from identification.provenance import provenance
-from planner.comparing import Entry, Recommendation
+from planner.comparing import Entry, Recommendation, Told
 from planner.report import Item, Note, Page, Plot, Section, Table, plain
 from planner.report_figures import COLOURS, GREY
 
@@ -28,13 +28,18 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     return rows
 
 
-def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
-    """Table 6's layout: a row a parameter, value and standard deviation of each entry."""
-    rows = []
+def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Told | None]]]:
+    """Of every parameter: name, factor to the unit shown, that unit, and what each entry tells of it."""
     for name in dict.fromkeys(n for e in entries for n in e.parameters):
         told = [e.parameters.get(name) for e in entries]
         unit = next(t.unit for t in told if t is not None)
-        scale, shown = (1e3, "mm") if unit == "m" else (1.0, unit)
+        yield name, *((1e3, "mm") if unit == "m" else (1.0, unit)), told
+
+
+def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
+    """Table 6's layout: a row a parameter, value and standard deviation of each entry."""
+    rows = []
+    for name, scale, shown, told in _each_parameter(entries):
         row = [f"{name} [{shown}]"]
         for t in told:
             row.append("-" if t is None or t.value is None else f"{t.value * scale:.6g}")
@@ -46,10 +51,7 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
 def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Standard deviations for one second of measuring: times the square root of the measuring time."""
     rows = []
-    for name in dict.fromkeys(n for e in entries for n in e.parameters):
-        told = [e.parameters.get(name) for e in entries]
-        unit = next(t.unit for t in told if t is not None)
-        scale, shown = (1e3, "mm") if unit == "m" else (1.0, unit)
+    for name, scale, shown, told in _each_parameter(entries):
         row = [f"{name} [{shown} √s]"]
         for entry, t in zip(entries, told, strict=True):
             known = t is not None and entry.duration is not None
