@@ -8,13 +8,15 @@ LinuxCNC of somebody else's.
 """
 
 import fcntl
+import logging
 import os
 import signal
 import subprocess
 import tempfile
+import time
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
@@ -32,6 +34,10 @@ OUTPUT_FILE = "linuxcnc.out"
 GRACE = 20.0
 """Time for LinuxCNC to end in an orderly manner [s]; it takes about one."""
 
+POLL = 0.005
+"""Time between two looks at the processes that are being killed [s]."""
+
+_log = logging.getLogger(__name__)
 _MARK = "HEXCITE_SESSION"
 _PROCESSES = {"milltask", "rtapi_app", "linuxcncsvr"}
 _ENTER = 'mount --bind "$0" /tmp && cd /tmp && exec "$@"'
@@ -112,8 +118,7 @@ def _run(
                 _end_orderly(process)
             _signal_group(process, signal.SIGKILL)
             process.wait()
-            if not start:
-                _kill_marked(mark)
+            _end_marked(mark)
 
 
 def _end_orderly(process: subprocess.Popen[bytes]) -> None:
@@ -132,13 +137,29 @@ def _signal_group(process: subprocess.Popen[bytes], number: signal.Signals) -> N
         return
 
 
-def _kill_marked(mark: str) -> None:
+def _end_marked(mark: str) -> None:
+    """Kills what is left of a session and returns when it is gone: a killed process, or one whose namespace ends, may
+    run on for a moment, and may start another one that a single look at the list of processes would miss."""
+    deadline = time.monotonic() + GRACE
+    while left := _marked(mark):
+        if time.monotonic() > deadline:
+            names = ", ".join(f"{name} ({number})" for number, name in left.items())
+            _log.warning("processes of LinuxCNC did not end within %g s of being killed: %s", GRACE, names)
+            return
+        for number in left:
+            with suppress(OSError):  # gone by now, or another user's
+                os.kill(number, signal.SIGKILL)
+        time.sleep(POLL)
+
+
+def _marked(mark: str) -> dict[int, str]:
+    """Numbers and names of the processes that carry a session's mark."""
+    found = {}
     for entry in Path("/proc").glob("[0-9]*"):
-        try:
+        with suppress(OSError):  # gone, or another user's
             if mark.encode() in (entry / "environ").read_bytes().split(b"\0"):
-                os.kill(int(entry.name), signal.SIGKILL)
-        except OSError:  # gone, or another user's
-            continue
+                found[int(entry.name)] = (entry / "comm").read_text().strip()
+    return found
 
 
 @contextmanager

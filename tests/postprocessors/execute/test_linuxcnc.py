@@ -272,6 +272,33 @@ def test_a_session_that_hangs_is_killed(
     assert marked_processes("HEXCITE_TEST_HANG") == []
 
 
+def test_killed_processes_are_gone_when_the_session_is_over() -> None:
+    mark = "HEXCITE_TEST_MANY"
+    many = [subprocess.Popen(["sleep", "1000"], env={mark: "1", "PATH": os.environ["PATH"]}) for _ in range(20)]
+    try:
+        assert marked_processes(mark) == ["sleep"] * 20
+        isolation._end_marked(f"{mark}=1")
+        assert marked_processes(mark) == []
+    finally:
+        for process in many:
+            process.kill()
+            process.wait()
+
+
+def test_a_process_that_cannot_be_killed_is_named(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(isolation, "GRACE", 0.05)
+    monkeypatch.setattr(isolation.signal, "SIGKILL", 0)
+    with subprocess.Popen(["sleep", "1000"], env={"HEXCITE_TEST_STAYS": "1", "PATH": os.environ["PATH"]}) as process:
+        try:
+            wait_for(lambda: marked_processes("HEXCITE_TEST_STAYS") == ["sleep"], "start")
+            isolation._end_marked("HEXCITE_TEST_STAYS=1")
+        finally:
+            process.terminate()
+    assert f"did not end within 0.05 s of being killed: sleep ({process.pid})" in caplog.text
+
+
 SCRIPT = """
 import sys, tempfile
 from pathlib import Path
