@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from identification.compressed import inverse_root
 from identification.fit import Fit
-from identification.model import OFFSETS
+from identification.model import OFFSETS, Model
 
 Array = NDArray[np.float64]
 
@@ -162,3 +162,19 @@ def widened(fit: Fit, moves: Array, covariance: Array) -> Fit:
     """
     more = moves @ covariance @ moves.T
     return replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
+
+
+def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array, w: Array, biases: Biases) -> Fit:
+    """The fit with the uncertainty of offsets that it took from another result."""
+    offsets = [model.names.index(name) for name in OFFSET_NAMES]
+    moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
+    moves[offsets] += np.eye(6)
+    return widened(fit, moves, biases.covariance)
+
+
+def drift_told(biases: Biases, model: Model, free: Fit) -> list[str]:
+    """Offsets that have drifted since they were taken, by what the run itself says of them."""
+    offsets = [model.names.index(name) for name in OFFSET_NAMES]
+    spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
+    units = tuple(model.parameters[k].unit for k in offsets)
+    return biases.drift(free.values[offsets], spread[np.ix_(offsets, offsets)], units)

@@ -17,14 +17,16 @@ from cases.schema import Case
 from identification.blocks import Blocks, block_run, mended
 from identification.compressed import Compressed, degrees_of_freedom, determined, inverse_root, scores
 from identification.contact import NEAR, Contact, find_contacts, touched
+from identification.contact_free import require_free
 from identification.estimator import WEIGHT_ROUNDS, WEIGHT_TOLERANCE, best_values
 from identification.estimators import Problem
 from identification.evaluation import MOST_DELAY, Run
 from identification.fit import Filtered, Fit, long_run_covariance
 from identification.formats.stream import Recording
 from identification.hexapod import Hexapod
-from identification.identify import GAUSS_MARKOV, fit_with_delay, placed, require_free
+from identification.identify import placed
 from identification.model import identification_model
+from identification.moving import GAUSS_MARKOV, fit_with_delay
 from identification.plausibility import scan
 from identification.recording import files_of
 from identification.result import Delay, Estimate, Evaluation, estimate_of

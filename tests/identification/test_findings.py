@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-import identification.identify as module
 from cases.errors import HexciteError, IdentificationError, RecordingError
 from cases.loading import load_case
+from identification import contact_free
 from identification.contact import find_contacts
 from identification.executed import PoseExecution
 from identification.frame import structure_matrix
@@ -81,7 +81,7 @@ def test_a_run_that_nothing_touches_raises_no_alarm(seeds: range) -> None:
 
 
 def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MOST_TOUCHED", 0.08)
+    monkeypatch.setattr(contact_free, "MOST_TOUCHED", 0.08)
     with pytest.raises(IdentificationError, match=r"leave the model in (9|10) % of the samples") as caught:
         identify(pushed(run(), 0.5, np.array([0.0, 0.0, 20.0])), CASE)
     one_line(caught.value)

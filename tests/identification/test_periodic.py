@@ -9,8 +9,9 @@ from scipy.signal import lfilter
 from cases.errors import RecordingError
 from cases.loading import load_case
 from identification.conditioning import Conditioning, Periodic
-from identification.identify import identify, run_of
+from identification.identify import identify
 from identification.model import identification_model
+from identification.moving import run_of
 from identification.parameters import linear_parameters, physical_form
 from identification.periods import each_period
 from identification.residuals import residuals_of

@@ -1,6 +1,5 @@
 """A run evaluated in blocks is the same run: parameters, covariance and residuals of the one-shot evaluation."""
 
-import importlib
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +12,7 @@ import pytest
 from cases.errors import HexciteError
 from cases.loading import load_case
 from cases.schema import Case
-from identification import blocks, streaming
+from identification import blocks, contact_free, streaming
 from identification.executed import PoseExecution
 from identification.formats import parquet
 from identification.frame import structure_matrix
@@ -28,7 +27,6 @@ from tests.identification.leaping import moves_without_jerk_limit
 from tests.planner.command_line import call
 
 CASE = load_case("hexapod")
-identify_module = importlib.import_module("identification.identify")
 RUN = simulate_recording(
     CASE, PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0)), np.array([[0.2, 1.7], [2.0, 3.8]]), 0
 )
@@ -193,7 +191,7 @@ def test_nothing_is_found_where_nothing_touches(tmp_path: Path) -> None:
 def test_a_run_in_contact_for_too_long_is_refused_with_the_rows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(identify_module, "MOST_TOUCHED", 0.05)
+    monkeypatch.setattr(contact_free, "MOST_TOUCHED", 0.05)
     with pytest.raises(HexciteError, match=r"in contact \(rows \d+ to \d+: external contact from [01]\.") as caught:
         identify_long(written(tmp_path, pushed((1.0,))), CASE)
     one_line(caught.value)
