@@ -34,7 +34,7 @@ def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, qu
     from cases.loading import load_case
     from identification.identify import identifiability
     from identification.residuals import residuals_of
-    from planner.cli.identify import make_result
+    from planner.cli.identified import make_result
     from planner.cli.plan import make_plan
     from planner.cli.post import check_program, make_program, show_check
     from planner.cli.run import make_recording

@@ -29,7 +29,7 @@ def force(
     from identification.rates import on_one_clock
     from identification.recording import read_recording
     from identification.saved import load_result
-    from planner.cli.identify import case_of
+    from planner.recorded import case_of
 
     loaded = case_of(recording, case)
     file = output if output is not None else Path(f"{recording.resolve().stem}-force.csv")
@@ -79,7 +79,7 @@ def tare(
     from identification.rates import on_one_clock
     from identification.recording import read_recording
     from identification.saved import load_result, with_tare
-    from planner.cli.identify import case_of
+    from planner.recorded import case_of
 
     loaded = case_of(recording, case)
     saved = load_result(parameters)
@@ -108,7 +108,7 @@ def payload(
     from cases.loading import load_case
     from identification.payload import payload_between, payload_on_table, require_two
     from identification.saved import load_result
-    from planner.cli.identify import PARAMETER_COLUMNS, parameter_rows
+    from planner.cli.identified import PARAMETER_COLUMNS, parameter_rows
 
     loaded = load_case(case)
     old, new = load_result(before), load_result(after)

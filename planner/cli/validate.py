@@ -136,7 +136,7 @@ def _recorded(case: "Case", recordings: Path) -> list[Any]:
     from cases.errors import HexciteError
     from identification.rates import on_one_clock
     from identification.recording import read_recording
-    from planner.cli.identify import Still, standing_of
+    from planner.recorded import Still, standing_of
     from planner.validation import recorded_steps
 
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
