@@ -16,6 +16,8 @@ from identification.fit import UNFILTERED, Filtered, Fit, long_run_covariance
 
 Array = NDArray[np.float64]
 
+_PART = 600  # rows of a QR that stay in the cache
+
 
 @dataclass(frozen=True, slots=True)
 class Compressed:
@@ -63,7 +65,7 @@ def compress(regressors: Array, forces: Array, weights: Array) -> Compressed:
             "with fewer parameters"
         )
     joined = np.concatenate([regressors, forces[:, :, None]], axis=2) * np.sqrt(weights)[:, None]
-    r = _triangle(joined.reshape(-1, unknowns + 1))
+    r = triangle(joined.reshape(-1, unknowns + 1))
     return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), samples * sensors)
 
 
@@ -86,7 +88,7 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
         IdentificationError: parameters that are not determined, by name.
     """
     counted = root.shape[1] - nuisance
-    scaled = _triangle(root * column_scale(root))[:counted, :counted]
+    scaled = triangle(root * column_scale(root))[:counted, :counted]
     singular, directions = np.linalg.svd(scaled)[1:]
     rank = int(np.sum(singular > rows * np.finfo(float).eps * singular[0]))
     if rank < counted:
@@ -102,11 +104,20 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
 def inverse_root(root: Array) -> Array:
     """L with L L^T = (R^T R)^-1, shape (u, u), for R of full rank, shape (k, u)."""
     scale = column_scale(root)
-    return np.asarray(scale[:, None] * solve_triangular(_triangle(root * scale), np.eye(root.shape[1])))
+    return np.asarray(scale[:, None] * solve_triangular(triangle(root * scale), np.eye(root.shape[1])))
 
 
-def _triangle(matrix: Array) -> Array:
-    """R of the QR decomposition, shape (u, u)."""
+def triangle(matrix: Array) -> Array:
+    """R of the QR decomposition, shape (u, u), in parts that stay in the cache of the processor.
+
+    The QR of the parts' R is that of the whole, as stable and four times as fast (Demmel, Grigori, Hoemmen & Langou
+    2012, SIAM J. Sci. Comput. 34:A206).
+    """
+    rows, columns = matrix.shape
+    parts = rows // _PART
+    if parts > 1 and columns < _PART // 4:
+        tops = np.asarray(np.linalg.qr(matrix[: parts * _PART].reshape(parts, _PART, columns), mode="r"))
+        return triangle(np.vstack([tops.reshape(-1, columns), matrix[parts * _PART :]]))
     return np.asarray(np.linalg.qr(matrix, mode="r"))
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.coloured import coloured_covariance
+from identification.decimation import decimated
 from identification.fit import Filtered
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
@@ -96,7 +97,7 @@ class Run:
     @property
     def forces(self) -> Array:
         """The same behind the filter."""
-        return self.filter.apply(self.recording.forces)[self.rows]
+        return decimated(self.filter, self.recording.forces, self.rows, [(0, 0.0)])[0]
 
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
@@ -104,10 +105,24 @@ class Run:
 
     def kinematics(self, delay: float) -> Kinematics:
         """Motion of the platform at the instants t_k - delay, of n samples."""
+        return self.kinematics_at(delay)[0]
+
+    def kinematics_at(self, *delays: float) -> list[Kinematics]:
+        """The same at several delays; from the second one on poses are found from those at the first.
+
+        Raises:
+            StrutsDoNotClose: with the place in the file.
+        """
         assert self.recording.struts is not None
-        strut_motion = [self.filter.apply(self.recording.struts, order, delay)[self.rows] for order in range(3)]
+        wanted = [(order, delay) for delay in delays for order in range(3)]
+        motions = decimated(self.filter, self.recording.struts, self.rows, wanted)
+        found: list[Kinematics] = []
         try:
-            return self.hexapod.kinematics(*strut_motion)
+            for k, delay in enumerate(delays):
+                near = self.hexapod.earlier(found[0], delay - delays[0]) if found else None
+                lengths, velocities, accelerations = motions[3 * k : 3 * k + 3]
+                found.append(self.hexapod.kinematics(lengths, velocities, accelerations, near))
+            return found
         except StrutsDoNotClose as error:  # say where in the file it is
             row = int(self.filter.margin + self.rows[error.sample])
             raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
@@ -122,8 +137,15 @@ class Run:
             matrices: A there, shape (n, 6, u).
             values: u, shape (u,).
         """
-        step = DELAY_STEP if delay < 0.0 else -DELAY_STEP  # inwards, where the filter reaches
-        return np.asarray((self.regressors(delay + step) - matrices) @ values / step)
+        shifted = inwards(delay)
+        return np.asarray((self.regressors(shifted) - matrices) @ values / (shifted - delay))
+
+    def linearised(self, delay: float, values: Array) -> tuple[Array, Array]:
+        """A, shape (n, 6, u), and the columns of the nuisances at values u, shape (n, 6, nuisances)."""
+        here, there = self.kinematics_at(delay, inwards(delay))
+        matrices = regressors(self.model, here)
+        late = (regressors(self.model, there) - matrices) @ values / (inwards(delay) - delay)
+        return matrices, self._columns(delay, matrices, values, late)
 
     @property
     def nuisances(self) -> tuple[str, ...]:
@@ -132,7 +154,9 @@ class Run:
 
     def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
         """Their columns, shape (n, 6, nuisances)."""
-        late = self.effect_of_delay(delay, matrices, values)
+        return self._columns(delay, matrices, values, self.effect_of_delay(delay, matrices, values))
+
+    def _columns(self, delay: float, matrices: Array, values: Array, late: Array) -> Array:
         if not self.smoothing:
             return late[:, :, None]
         return np.stack([self.effect_of_smoothing(delay, matrices, values), late], axis=2)
@@ -170,6 +194,11 @@ class Run:
         """The run without some of its evaluated samples, shape (n,)."""
         share = 1.0 - float(left_out.mean())
         return replace(self, rows=self.rows[~left_out], samples=round(self.samples * share))
+
+
+def inwards(delay: float) -> float:
+    """A delay next to a given one [s], on the side where the filter reaches."""
+    return delay + DELAY_STEP if delay < 0.0 else delay - DELAY_STEP
 
 
 def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:

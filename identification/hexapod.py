@@ -188,8 +188,15 @@ class Hexapod:
         """
         return self._assembled(np.asarray(lengths, dtype=float))[0]
 
-    def _assembled(self, lengths: Array) -> tuple[Array, Array]:
-        """Poses, shape (n, 6), and J_Hex^-1 there, shape (n, 6, 6); raises StrutsDoNotClose."""
+    def _assembled(self, lengths: Array, start: Array | None = None) -> tuple[Array, Array]:
+        """Poses, shape (n, 6), and J_Hex^-1 there, shape (n, 6, 6); raises StrutsDoNotClose.
+
+        From `start` where it is near enough, shape (n, 6).
+        """
+        if start is not None:
+            poses, jacobians, closed = self._newton(lengths, start)
+            if closed.all():
+                return poses, jacobians
         count = len(lengths)
         coarse = np.unique(np.r_[np.arange(0, count, COARSE), count - 1])
         at_coarse, _, closed = self._newton(lengths[coarse], np.tile(self.home, (len(coarse), 1)))
@@ -227,7 +234,13 @@ class Hexapod:
             pose[active] = over_samples(self.newton_step, pose[active], step)[0]
         return pose, jacobians, closed
 
-    def kinematics(self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike) -> Kinematics:
+    def earlier(self, motion: Kinematics, time: float) -> Array:
+        """Poses a short time before, up to its square, shape (n, 6)."""
+        return over_samples(self.newton_step, motion.pose, -time * motion.twist)[0]
+
+    def kinematics(
+        self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None
+    ) -> Kinematics:
         """Pose, twist and twist rate from strut motion: (7), (8), (9).
 
         (9) is used in the equivalent form v' = J_Hex (q'' - d/dt(J_Hex^-1) v), since J_Hex is known by its inverse.
@@ -236,11 +249,12 @@ class Hexapod:
             lengths: shape (n, 6) [m].
             velocities: shape (n, 6) [m/s].
             accelerations: shape (n, 6) [m/s^2].
+            start: poses near by, where they are known, shape (n, 6).
 
         Raises:
             IdentificationError: the struts cannot close.
         """
-        pose, jacobian = self._assembled(np.asarray(lengths, dtype=float))
+        pose, jacobian = self._assembled(np.asarray(lengths, dtype=float), start)
         twist_ = np.linalg.solve(jacobian, np.asarray(velocities)[:, :, None])[:, :, 0]
         drift = over_samples(self.jacobian_drift, pose, twist_)[0]
         rate = np.linalg.solve(jacobian, (np.asarray(accelerations) - drift)[:, :, None])[:, :, 0]

@@ -239,6 +239,20 @@ class Model:
         )
 
     @cached_property
+    def pose_regressor(self) -> ca.Function:
+        """(pose, twist, twist rate) -> A."""
+        pose, motion, motion_rate = (ca.SX.sym(n, 6) for n in ("pose", "twist", "twist_rate"))
+        matrix = self.expression(pose[:3], rotation(pose[3:]), motion, motion_rate)
+        return ca.Function(
+            "pose_regressor",
+            [pose, motion, motion_rate],
+            [matrix],
+            ["pose", "twist", "twist_rate"],
+            ["A"],
+            {"cse": True},
+        )
+
+    @cached_property
     def coordinate_regressor(self) -> ca.Function:
         """(pose, rates, accelerations) -> A, in the coordinates in which motions are planned."""
         pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
@@ -269,10 +283,7 @@ class Model:
 
 def regressors(model: Model, kinematics: Kinematics) -> Array:
     """A for every sample of a motion, shape (n, 6, u)."""
-    from scipy.spatial.transform import Rotation  # here: proofs do without it, and it loads slowly
-
-    rotations = Rotation.from_euler("xyz", kinematics.pose[:, 3:]).as_matrix()
-    return model.matrices(kinematics.pose[:, :3], rotations, kinematics.twist, kinematics.twist_rate)
+    return over_samples(model.pose_regressor, kinematics.pose, kinematics.twist, kinematics.twist_rate)[0]
 
 
 def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> Model:

@@ -48,17 +48,17 @@ class Filter(NamedTuple):
     @property
     def noise_gain(self) -> float:
         """Variance of filtered white noise over that of the noise."""
-        return float(np.sum(self._exact_kernel(0, 0.0) ** 2))
+        return float(np.sum(self.kernel(0, 0.0) ** 2))
 
     @property
     def acceleration_noise_gain(self) -> float:
         """Variance of the second derivative of filtered white noise over that of the noise [1/s^4]."""
-        return float(np.sum(self._exact_kernel(2, 0.0) ** 2))
+        return float(np.sum(self.kernel(2, 0.0) ** 2))
 
     @property
     def noise_correlation(self) -> float:
         """Correlation of white noise behind the filter between samples that are `stride` apart."""
-        kernel = self._exact_kernel(0, 0.0)
+        kernel = self.kernel(0, 0.0)
         return float(kernel[self.stride :] @ kernel[: -self.stride] / np.sum(kernel**2))
 
     def _kernel(self, order: int, shift: float) -> Array:
@@ -80,8 +80,15 @@ class Filter(NamedTuple):
             return sinc[1] * window[0] + sinc[0] * window[1]
         return sinc[2] * window[0] + 2 * sinc[1] * window[1] + sinc[0] * window[2]
 
-    def _exact_kernel(self, order: int, shift: float) -> Array:
-        """The sampled kernel, corrected to give constants, slopes and curvatures exactly.
+    def kernel(self, order: int, shift: float) -> Array:
+        """The sampled kernel of a derivative, corrected to give constants, slopes and curvatures exactly.
+
+        Args:
+            order: 0, 1 or 2: of the time derivative.
+            shift: delay of the result [s].
+
+        Returns:
+            Shape (2 margin + 1,).
 
         Sampling changes the response by nearly the same amount over the whole pass band, so what is wrong at frequency
         zero is taken away in the shape of the lower-order kernels.
@@ -101,6 +108,16 @@ class Filter(NamedTuple):
         curvature += (curvature @ t) * slope
         return np.asarray(curvature / (curvature @ t**2 / 2))
 
+    def require(self, values: Array, delay: float) -> None:
+        """Raises RecordingError where there are fewer samples than the filter is long, ValueError beyond its reach."""
+        if abs(delay) > self.reach:
+            raise ValueError(f"delay {delay:g} s is beyond the filter's reach of {self.reach:g} s")
+        if len(values) <= 2 * self.margin + 1:
+            raise RecordingError(
+                f"{len(values)} samples are too few for a {self.cutoff:g} Hz filter, which needs more than "
+                f"{2 * self.margin + 1}; record longer or raise filter_cutoff_Hz"
+            )
+
     def apply(self, values: Array, order: int = 0, delay: float = 0.0) -> Array:
         """The filtered signal or its derivative, `delay` earlier than sampled.
 
@@ -115,14 +132,8 @@ class Filter(NamedTuple):
         Raises:
             RecordingError: fewer samples than the filter is long.
         """
-        if abs(delay) > self.reach:
-            raise ValueError(f"delay {delay:g} s is beyond the filter's reach of {self.reach:g} s")
-        if len(values) <= 2 * self.margin + 1:
-            raise RecordingError(
-                f"{len(values)} samples are too few for a {self.cutoff:g} Hz filter, which needs more than "
-                f"{2 * self.margin + 1}; record longer or raise filter_cutoff_Hz"
-            )
-        kernel = self._exact_kernel(order, delay)
+        self.require(values, delay)
+        kernel = self.kernel(order, delay)
         mean = values.mean(axis=0)  # keeps rounding of the FFT small against the oscillation, not against 1 m of strut
         result = oaconvolve(values - mean, kernel[:, None], mode="valid", axes=0)
         return np.asarray(result + mean if order == 0 else result)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.blocks import Blocks, block_run, mended
-from identification.compressed import Compressed, degrees_of_freedom, determined, inverse_root, scores
+from identification.compressed import Compressed, degrees_of_freedom, determined, inverse_root, scores, triangle
 from identification.contact import NEAR, Contact, find_contacts, touched
 from identification.contact_free import require_free
 from identification.estimator import WEIGHT_ROUNDS, WEIGHT_TOLERANCE, best_values
@@ -212,28 +212,29 @@ class _Total:
         if not len(run.rows):
             return
         run = replace(run, smoothing=self.smoothing)
-        matrices, forces = run.regressors(self.delay), run.forces
+        matrices, nuisances = run.linearised(self.delay, self.values)
+        forces = run.forces
         left = forces - matrices @ self.values
         if self.bend:
-            left -= self.bend * run.effect_of_smoothing(self.delay, matrices, self.values)
+            left -= self.bend * nuisances[:, :, 0]
         if self.usual is not None:
             keep = ~self._contacts(run, left)
             self.looked_at, self.touched = self.looked_at + len(keep), self.touched + int(np.sum(~keep))
             if not keep.all():
                 if not keep.any():
                     return
-                run, matrices, forces, left = run.without(~keep), matrices[keep], forces[keep], left[keep]
-        augmented = np.dstack([matrices, run.nuisance_columns(self.delay, matrices, self.values)])
-        joined = np.concatenate([augmented, forces[:, :, None]], axis=2) * np.sqrt(self.weights)[:, None]
-        flat = joined.reshape(-1, joined.shape[2])
-        stacked = flat if self.triangle is None else np.vstack([self.triangle, flat])
-        self.triangle = np.asarray(np.linalg.qr(stacked, mode="r"))
+                run, matrices, nuisances = run.without(~keep), matrices[keep], nuisances[keep]
+                forces, left = forces[keep], left[keep]
+        augmented = np.dstack([matrices, nuisances])
+        joined = np.dstack([augmented, forces]) * np.sqrt(self.weights)[:, None]
+        own = triangle(joined.reshape(-1, joined.shape[2]))
+        self.triangle = own if self.triangle is None else triangle(np.vstack([self.triangle, own]))
         self.rows += len(run.rows)
         self.samples += run.samples
         self.squares = self.squares + np.sum((run.recorded_forces - matrices @ self.values) ** 2, axis=0)
         self.smooth_squares = self.smooth_squares + np.sum(left**2, axis=0)
-        own = np.einsum("nku,nkv->kuv", augmented, augmented, optimize=True)
-        self.information = own if self.information is None else self.information + own
+        information = np.einsum("nku,nkv->kuv", augmented, augmented, optimize=True)
+        self.information = information if self.information is None else self.information + information
         slope = np.einsum("nku,nk->ku", augmented, left)
         self.gradient = slope if self.gradient is None else self.gradient + slope
         meat = long_run_covariance(scores(augmented, left, self.weights))

@@ -9,6 +9,10 @@ import traceback
 
 import typer
 
+# Before NumPy is loaded. Matrices here are small: a second thread of its linear algebra only waits for the first, and
+# on a machine that works on something else it waits for long.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from cases.errors import HexciteError
 from planner.cli import (
     bound,
