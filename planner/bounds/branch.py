@@ -7,7 +7,7 @@ proven, however early the search stops.
 import heapq
 from collections.abc import Callable
 from dataclasses import dataclass
-from time import monotonic
+from time import monotonic, process_time
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -80,7 +80,7 @@ def maximise(
         high: upper corners.
         enough: the upper bound that is wanted.
         tolerable: less than that; points above it are collected.
-        deadline: `time.monotonic()` at which to stop [s].
+        deadline: `time.process_time()` at which to stop [s].
         progress: told the gap now and then.
     """
     heap: list[tuple[float, int, Array, Array, int]] = []
@@ -99,7 +99,7 @@ def maximise(
                 met.append((float(found.lower[k]), found.point[k]))
 
     bound(low, high, np.full(len(low), np.inf))
-    while -heap[0][0] > (wanted := max(enough, lower + enough - tolerable)) and monotonic() < deadline:
+    while -heap[0][0] > (wanted := max(enough, lower + enough - tolerable)) and process_time() < deadline:
         batch = [heapq.heappop(heap)]
         while heap and len(batch) < BATCH and -heap[0][0] > wanted:
             batch.append(heapq.heappop(heap))

@@ -8,7 +8,7 @@ log det G <= log det F + u log(dmax / u), dmax being the largest derivative over
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from time import monotonic
+from time import process_time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,7 @@ def optimal_design(
     Args:
         features: of the case and model.
         gap: wanted dmax / u - 1.
-        deadline: `time.monotonic()` at which to stop [s].
+        deadline: `time.process_time()` at which to stop [s].
         progress: told the state of things now and then.
     """
     size = features.coefficients.shape[-1]
@@ -69,7 +69,7 @@ def optimal_design(
         maximum = maximise(derivative, *first_cells(features), *levels, deadline, progress)
         room = size * float(np.log(max(maximum.upper, size) / size))
         progress(f"log det {logdet:.4f}, at most {room:.4f} more; {len(states)} states")
-        if maximum.upper <= levels[0] or monotonic() >= deadline or not len(maximum.points):
+        if maximum.upper <= levels[0] or process_time() >= deadline or not len(maximum.points):
             return Design(states, weights, logdet, maximum)
         fresh = np.unique(np.round(maximum.points, 12), axis=0)[:EXCHANGED]
         states = np.vstack([states, fresh])

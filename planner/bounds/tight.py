@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from time import monotonic
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -73,7 +73,7 @@ def tight_design(
         case: gives the limits.
         features: of the case and model.
         gap: wanted (max h) / u - 1, and how far the proven maximum may lie above the largest value that was met.
-        deadline: `time.monotonic()` at which to stop [s]; the last part is kept for the proof.
+        deadline: `time.process_time()` at which to stop [s]; the last part is kept for the proof.
         progress: told the state of things now and then.
         rounds: of the exchange, at most; each makes the bound tighter.
     """
@@ -81,7 +81,7 @@ def tight_design(
     moments = motion_moments(case, features)
     draw = np.random.default_rng(SEED)
     states = _candidates(FIRST_STATES, draw)
-    enough = monotonic() + SEARCHING * (deadline - monotonic())
+    enough = process_time() + SEARCHING * (deadline - process_time())
     best: tuple[float, Array, Multipliers, float] | None = None
     attained = -np.inf
     for _ in range(rounds):
@@ -102,7 +102,7 @@ def tight_design(
         if best is None or bound < best[0]:
             best = (bound, inverse, multipliers, largest)
         progress(f"log det between {attained:.4f} and about {best[0]:.4f}; {int(used.sum())} states")
-        if best[0] - attained <= size * gap / 2 or monotonic() > enough:
+        if best[0] - attained <= size * gap / 2 or process_time() > enough:
             break
         value = np.where(used, np.inf, here.at(states))
         kept = np.argsort(-value)[:MOST_KEPT]

@@ -12,7 +12,9 @@ def bound(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
     tight: Annotated[bool, typer.Option("--tight", help="Count on closed motions with limited jerk; minutes.")] = False,
-    time_limit: Annotated[float, typer.Option(help="Stop after this many seconds; the answer is an estimate.")] = 120.0,
+    time_limit: Annotated[
+        float, typer.Option(help="Stop after this many seconds of computing; the answer is an estimate.")
+    ] = 120.0,
     renew: Annotated[bool, typer.Option("--renew", help="With --tight: compute it again; the tighter counts.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
     json: Json = False,

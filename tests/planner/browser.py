@@ -15,6 +15,7 @@ FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync", "--enable-unsafe-swiftshader",
 )  # fmt: skip
+PATIENCE = 300_000.0  # [ms] no more than a way to end: a busy computer without graphics draws slowly
 DRAWN = "document.documentElement.dataset.drawn"  # the page's script says when every figure stands
 
 
@@ -34,7 +35,7 @@ def browser() -> Iterator[Browser]:
             pytest.fail("HEXCITE_REQUIRE_CHROMIUM=1, but chromium is not installed")
         pytest.skip("chromium is not installed")
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS), timeout=PATIENCE)
         yield browser
         browser.close()
 
@@ -43,6 +44,7 @@ def browser() -> Iterator[Browser]:
 def opened(browser: Browser, file: Path, width: int = 1400, scheme: str = "light") -> Iterator[Opened]:
     """A page file, drawn completely."""
     page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+    page.set_default_timeout(PATIENCE)
     errors: list[str] = []
     requests: list[str] = []
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
@@ -50,7 +52,7 @@ def opened(browser: Browser, file: Path, width: int = 1400, scheme: str = "light
     page.on("request", lambda request: requests.append(request.url))
     try:
         page.goto(file.resolve().as_uri())
-        page.wait_for_function(DRAWN, timeout=120_000)
+        page.wait_for_function(DRAWN)
         yield Opened(page, errors, [url for url in requests if not url.startswith(("file:", "data:", "blob:"))])
     finally:
         page.close()

@@ -45,7 +45,7 @@ class Answer(NamedTuple):
 
 def hexcite(*arguments: object, cwd: Path | None = None) -> Answer:
     """Runs a command in a process of its own."""
-    run = subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, timeout=300)
+    run = subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, timeout=1200)
     return Answer(run.returncode, run.stdout, run.stderr)
 
 

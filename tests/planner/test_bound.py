@@ -34,7 +34,7 @@ def found() -> Bound:
 
 @pytest.fixture(scope="module")
 def design() -> Design:
-    return optimal_design(FEATURES, GAP, time.monotonic() + 60)
+    return optimal_design(FEATURES, GAP, time.process_time() + 60)
 
 
 def scaled_matrices(count: int, seed: int) -> np.ndarray:

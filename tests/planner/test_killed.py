@@ -10,6 +10,7 @@ from typing import Any
 from tests.planner.command_line import PROGRAM, call
 from tests.planner.json_answer import one_json_object
 
+SEARCHED = 5.0
 QUICK = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "1", "--json")
 
 
@@ -22,11 +23,14 @@ def start(*arguments: object) -> subprocess.Popen:
 
 def signal_when(process: subprocess.Popen, there: list[str], folder: Path, what: signal.Signals) -> tuple[str, str]:
     """Sends a signal to a command and its workers as soon as files that match appear in a folder."""
+    running = True
     while not any(any(folder.glob(pattern)) for pattern in there):
-        assert process.poll() is None, process.communicate()
+        assert running, process.communicate()
+        running = process.poll() is None  # before the next look: its last act may be the files
         time.sleep(0.002)
-    os.killpg(process.pid, what)
-    return process.communicate(timeout=60)
+    if running:
+        os.killpg(process.pid, what)
+    return process.communicate(timeout=300)
 
 
 def whole(folder: Path, file: str, others: list[str]) -> bool:
@@ -54,20 +58,37 @@ def test_a_result_that_is_killed_while_it_is_written_is_whole_or_absent(
     assert whole(tmp_path / "result", "result.json", ["plots"])
 
 
+def worked(session: int) -> float:
+    """Processor time that the processes of a session, but for its first, have used so far [s]."""
+    total = 0.0
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            fields = (entry / "stat").read_text().rpartition(")")[2].split()
+        except OSError:  # gone
+            continue
+        if int(fields[3]) == session != int(entry.name):
+            total += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return total
+
+
 def interrupted(times: int, folder: Path) -> subprocess.Popen:
-    """A plan of many starts that gets Ctrl-C, as its workers do, once it has begun."""
+    """A plan of many starts that gets Ctrl-C, as its workers do, once they have done SEARCHED seconds of work: on a
+    busy computer they take long to begin."""
     many = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "400")
     process = start(*many, "-o", folder / "plan")
     assert process.stdout.readline().startswith("Planning for hexapod")
+    while worked(process.pid) < SEARCHED:
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.02)
     for _ in range(times):
-        time.sleep(1.0 if times == 1 else 0.3)
         os.killpg(process.pid, signal.SIGINT)
+        time.sleep(0.3)  # two at once would be one
     return process
 
 
 def test_ctrl_c_ends_the_search_and_keeps_the_best_plan_so_far(cache: Path, tmp_path: Path):
     process = interrupted(1, tmp_path)
-    out, err = process.communicate(timeout=100)
+    out, err = process.communicate(timeout=300)
     assert (process.returncode, err) == (0, "")
     assert "stopped by Ctrl-C" in out
     assert whole(tmp_path / "plan", "plan.json", ["motion.csv", "plots/trajectory.svg"])
@@ -79,7 +100,7 @@ def test_ctrl_c_ends_the_search_and_keeps_the_best_plan_so_far(cache: Path, tmp_
 
 def test_a_second_ctrl_c_gives_up_in_one_line_and_leaves_nothing(cache: Path, tmp_path: Path):
     process = interrupted(2, tmp_path)
-    _, err = process.communicate(timeout=100)
+    _, err = process.communicate(timeout=300)
     assert process.returncode == 130
     assert err == "hexcite: interrupted; nothing was written\n"
     assert list(tmp_path.iterdir()) == []

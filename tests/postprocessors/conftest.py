@@ -32,7 +32,7 @@ def rs274(tmp_path: Path) -> Callable[[str], Canonical | str]:
             capture_output=True,
             text=True,
             errors="replace",
-            timeout=60,
+            timeout=300,
         )
         if run.returncode != 0:
             return run.stderr.replace("executing\n", "").strip() or f"exit code {run.returncode}"

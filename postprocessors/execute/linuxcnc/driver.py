@@ -28,8 +28,8 @@ import linuxcnc
 POLL = 0.003  # [s] between two looks at LinuxCNC's state
 FETCH = 0.002  # [s] between two looks at the queue of logged cycles
 REST = 0.02  # [s] for which the standstill after the program is logged
-START_LIMIT = 20.0  # [s] for each step of starting; they take tenths of a second
-STATUS_TRIES = 100  # reading the state fails while it is being written; that passes within milliseconds
+START_LIMIT = 40.0  # [s] for each step of starting; they take tenths of a second, on a very busy computer seconds
+STATUS_LIMIT = 10.0  # [s] reading the state fails while it is being written; that passes when the writer goes on
 
 
 class Failure(Exception):
@@ -95,12 +95,13 @@ class Session:
         self.line = 0  # the last one seen in motion; LinuxCNC forgets it when it stops
 
     def look(self):
-        for attempt in range(STATUS_TRIES):
+        start = time.monotonic()
+        while True:
             try:
                 self.state.poll()
                 break
             except linuxcnc.error:
-                if attempt + 1 == STATUS_TRIES:
+                if time.monotonic() - start > STATUS_LIMIT:
                     raise Failure("milltask is gone") from None
                 time.sleep(POLL)
         self.line = self.state.motion_line or self.line
@@ -113,8 +114,10 @@ class Session:
             (self.errors if is_error else self.messages).append(text.strip())
 
     def tell(self, command, *arguments):
+        """Gives a command and waits until it is carried out: the next one would take its place."""
         command(*arguments)
-        self.command.wait_complete()
+        if self.command.wait_complete(START_LIMIT) == -1:
+            raise Failure(f"{command.__name__} was not carried out within {START_LIMIT:g} s")
 
     def wait(self, reached, step):
         start = time.monotonic()

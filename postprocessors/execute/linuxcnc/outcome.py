@@ -13,6 +13,11 @@ from postprocessors.execute.linuxcnc.configuration import CHANNELS, SERVO_PERIOD
 from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE
 from postprocessors.execute.log import ControllerLog
 
+
+class LostCycles(ExecutionError):
+    """Cycles are missing in a log: the computer was too busy to fetch them."""
+
+
 REPORT_FILE = "status.json"
 SAMPLES_FILE = "samples.f64"
 
@@ -71,11 +76,11 @@ def read_log(program: Path, folder: Path, report: dict[str, Any], speedup: float
         speedup: controller time per wall-clock time, for messages.
 
     Raises:
-        ExecutionError: cycles are missing.
+        LostCycles: cycles are missing.
     """
     lost, count = report["lost"], report["samples"]
     if lost or not count:
-        raise ExecutionError(
+        raise LostCycles(
             f"{program}: {lost} of {count + lost} cycles were not logged; the computer is too busy, run again with a "
             f"speed-up below {speedup:g}"
         )

@@ -241,7 +241,7 @@ def test_ctrl_c_keeps_what_is_done_and_leaves_no_workers(tmp_path: Path) -> None
             assert process.poll() is None
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate(timeout=300)
     assert process.returncode == 130
     assert said == f"hexcite: interrupted; what is done is kept in {folder}, the same command goes on\n"
     assert len(read_rows(folder, schema())) >= 1

@@ -62,7 +62,7 @@ with opened(Path(sys.argv[1]), schema, {"name": "mine", "case": "hexapod", "case
 
 
 def test_a_killed_study_keeps_every_row_and_goes_on(tmp_path: Path) -> None:
-    killed = subprocess.run([sys.executable, "-c", WRITER, str(tmp_path / "s")], timeout=60)
+    killed = subprocess.run([sys.executable, "-c", WRITER, str(tmp_path / "s")], timeout=300)
     assert killed.returncode == -signal.SIGKILL
     with (tmp_path / "s" / JOURNAL).open("a") as journal:
         journal.write('[{"cell": "half')  # what a death in the middle of a line leaves

@@ -239,11 +239,11 @@ def marked_processes(mark: str) -> list[str]:
 
 
 def wait_for(reached: Callable[[], bool], what: str) -> None:
-    for _ in range(6000):
+    for _ in range(30_000):
         if reached():
             return
         time.sleep(0.01)
-    pytest.fail(f"{what}: not within a minute")
+    pytest.fail(f"{what}: not within five minutes")
 
 
 @needs_linuxcnc
@@ -253,7 +253,7 @@ def test_nothing_remains_after_the_time_is_up(
     monkeypatch.setattr(isolation, "_MARK", "HEXCITE_TEST_LIMIT")
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
     with pytest.raises(ExecutionError, match="near line 2: LinuxCNC was not through in time"):
-        run_linuxcnc(write(ENDLESS), case, time_limit=0.5)
+        run_linuxcnc(write(ENDLESS), case, time_limit=2.0)  # long enough to be seen in motion on a busy computer
     assert marked_processes("HEXCITE_TEST_LIMIT") == []
     assert [path.name for path in folder.iterdir() if path.suffix != ".lock"] == []
 
@@ -479,7 +479,7 @@ def log_of(lines: list[int]) -> ControllerLog:
     )
 
 
-@pytest.mark.parametrize(("cycles", "ok"), [(100, False), (101, True), (130, True), (4145, False)])
+@pytest.mark.parametrize(("cycles", "ok"), [(100, False), (101, True), (130, True), (20142, False)])
 def test_a_dwell_is_proven_by_the_cycles_without_motion(cycles: int, ok: bool) -> None:
     log = log_of([1] * 5 + [0] * cycles + [3] * 5)
     problem = timing.dwell_problem(log, {2: 0.1}, 20.0, 0.002, (0, len(log.lines)))
@@ -487,7 +487,7 @@ def test_a_dwell_is_proven_by_the_cycles_without_motion(cycles: int, ok: bool) -
         assert problem is None
     else:
         assert problem is not None
-        assert problem.startswith(f"line 2: LinuxCNC dwelt {(cycles - 1) / 1000:.3f} s, must be 0.100 to 4.140 s; ")
+        assert problem.startswith(f"line 2: LinuxCNC dwelt {(cycles - 1) / 1000:.3f} s, must be 0.100 to 20.140 s; ")
 
 
 def test_dwells_next_to_no_motion_are_proven_within_the_run() -> None:
@@ -589,8 +589,32 @@ def test_a_session_without_report_tells_what_linuxcnc_said_last(tmp_path: Path) 
 
 
 def test_lost_cycles_are_an_error(tmp_path: Path) -> None:
-    with pytest.raises(ExecutionError, match=r"3 of 10 cycles were not logged; .* speed-up below 20"):
+    with pytest.raises(outcome.LostCycles, match=r"3 of 10 cycles were not logged; .* speed-up below 20"):
         outcome.read_log(Path("p.ngc"), tmp_path, REPORT | {"samples": 7, "lost": 3}, 20.0)
+
+
+@pytest.mark.parametrize("losses", [0, 1, 2, 3])
+def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end(
+    losses: int, write: Callable[[str], Path], case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    speeds: list[float] = []
+
+    def session(program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speed: float, limit: float):
+        speeds.append(speed)
+        if len(speeds) <= losses:
+            raise outcome.LostCycles(f"{program}: lost at {speed:g}")
+        return log_of([0, 2, 2, 0]), (0, 4)
+
+    for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", session)):
+        monkeypatch.setattr(running, name, value)
+    monkeypatch.setattr(running, "check_syntax", lambda *_: None)
+    program = write("G21 G90 G94\nG1 X1 F600\nM2\n")
+    if losses < 3:
+        assert run_linuxcnc(program, case).lines.tolist() == [0, 2, 2, 0]
+    else:
+        with pytest.raises(ExecutionError, match="lost at 5"):
+            run_linuxcnc(program, case)
+    assert speeds == [20.0, 10.0, 5.0][: losses + 1]
 
 
 # The log
