@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 INSTANTS = 161  # of a move, at which its struts are looked at
 COARSE = 17  # the same where there are so many pairs of poses that only their order matters
 MANY_PAIRS = 5000
-CHUNK = 2000  # pairs at once, bounds memory
+LIKE = 9  # decimals to which limits over the way agree [1/s, 1/s^2, 1/s^3] where moves have one time law
+CHUNK = 10_000  # pairs at once, bounds memory
 MARGIN = 1.0 - 1e-3  # share of the strut limits that moves are slowed to, for what happens between the instants
 
 
@@ -37,7 +38,7 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     limits = case.need_machine("moves between poses")[2].motion
     move = StraightMove.fastest(start, end, limits.rate, limits.acceleration, limits.jerk)
     assert isinstance(move.profile, Profile)
-    slowness = float(_slowness(case, start[None], end[None], [move.profile], INSTANTS)[0])
+    slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
     return move if slowness <= 1.0 else StraightMove(move.start, move.end, move.profile.slowed(1.0 / slowness))
 
 
@@ -54,13 +55,16 @@ def travel_times(case: Case, poses: Array) -> Array:
     pairs = np.array(list(combinations(range(len(poses)), 2)), dtype=int).reshape(-1, 2)
     start, end = poses[pairs[:, 0]], poses[pairs[:, 1]]
     way = np.maximum(np.abs(end - start), 1e-12)
-    rows = [(limit / way).min(axis=1) for limit in (limits.rate, limits.acceleration, limits.jerk)]
-    profiles = [fastest_profile(1.0, *row) for row in zip(*rows, strict=True)]
-    durations = np.array([RuckigLaw.within(*map(float, row)).duration for row in zip(*rows, strict=True)])
+    rows = np.column_stack([(limit / way).min(axis=1) for limit in (limits.rate, limits.acceleration, limits.jerk)])
+    # Poses of a grid are the same ways apart: 115 440 pairs of the paper's 480 need 91 time laws.
+    _, chosen, law = np.unique(rows.round(LIKE), axis=0, return_index=True, return_inverse=True)
+    profiles = [fastest_profile(1.0, *map(float, row)) for row in rows[chosen]]
+    durations = np.array([RuckigLaw.within(*map(float, row)).duration for row in rows[chosen]])[law]
     instants = INSTANTS if len(pairs) <= MANY_PAIRS else COARSE
+    laws = _laws(profiles, instants)
     for first in range(0, len(pairs), CHUNK):
         some = slice(first, first + CHUNK)
-        durations[some] *= np.maximum(_slowness(case, start[some], end[some], profiles[some], instants), 1.0)
+        durations[some] *= np.maximum(_slowness(case, start[some], end[some], laws[law[some]]), 1.0)
         durations[some][~_passable(case, start[some], end[some], instants)] = np.inf
     times = np.zeros((len(poses), len(poses)))
     times[pairs[:, 0], pairs[:, 1]] = times[pairs[:, 1], pairs[:, 0]] = durations
@@ -77,10 +81,21 @@ def require_ways(times: Array, order: NDArray[np.int64]) -> None:
             )
 
 
-def _slowness(case: Case, start: Array, end: Array, profiles: list[Profile], instants: int) -> Array:
-    """By how much each move must be slowed for the struts' sake; below 1 where it need not be, shape (n,)."""
+def _laws(profiles: list[Profile], instants: int) -> Array:
+    """Share of the way, its rate and acceleration, shape (n, 3, instants + 6) [1, 1/s, 1/s^2]."""
+    return np.array([profile.at(_instants(profile, instants))[:3] for profile in profiles])
+
+
+def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
+    """By how much each move must be slowed for the struts' sake; below 1 where it need not be, shape (n,).
+
+    Args:
+        case: its limits.
+        start: shape (n, 6) [m, rad].
+        end: shape (n, 6) [m, rad].
+        laws: of `_laws`, for each move.
+    """
     limits = case.need_machine("moves between poses")[2].motion
-    laws = np.array([profile.at(_instants(profile, instants))[:3] for profile in profiles])  # (n, 3, instants)
     way = (end - start)[:, None, :]
     pose = start[:, None, :] + laws[:, 0, :, None] * way
     rates, accelerations = (laws[:, k, :, None] * way for k in (1, 2))
@@ -92,7 +107,7 @@ def _slowness(case: Case, start: Array, end: Array, profiles: list[Profile], ins
 
 
 def _instants(profile: Profile, instants: int) -> Array:
-    """Equal steps, and the corners of the profile, where velocity and acceleration peak, shape (instants,) [s]."""
+    """Equal steps, and the corners of the profile, where velocity and acceleration peak, shape (instants + 6,) [s]."""
     jerk, hold = profile.jerk_time, profile.hold_time
     corners = np.cumsum([jerk, hold, jerk, profile.cruise_time, jerk, hold])
     return np.sort(np.r_[np.linspace(0.0, profile.duration, instants), corners])

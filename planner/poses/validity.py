@@ -72,6 +72,8 @@ def keep_out_distances(case: Case, poses: Array) -> Array:
     Below 0 inside one; along the axis that separates point and box most; infinite where the case has no such box.
     """
     machine, workspace, _ = case.need_machine("the validity of poses")
+    if not workspace.keep_out:
+        return np.full(len(poses), np.inf)
     arms = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix() @ machine.platform.points.T
     points = poses[:, None, :3] + np.concatenate([np.zeros((len(poses), 3, 1)), arms], axis=2).transpose(0, 2, 1)
     base = machine.base.points

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -117,8 +118,7 @@ def test_without_a_trigger_standstills_are_found_from_the_motion(folder: Path, r
 def test_a_plan_of_other_poses_is_refused_with_the_pose_that_differs(folder: Path, quick: Path, recorded: Path) -> None:
     other = call("poses", quick, "--count", FEW, "--criterion", "N", "-o", folder / "other", "--json").json()
     line = refused("identify", recorded, "--poses", other["plan"], "-o", folder / "no")
-    assert "standstill 1 is at x " in line
-    assert "pose 1 of the program at x " in line
+    assert re.search(r"standstill (\d+) is at x .*, pose \1 of the program at x ", line)
     assert not (folder / "no").exists()
 
 
