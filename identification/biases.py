@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from identification.compressed import inverse_root
 from identification.fit import Fit
-from identification.model import OFFSETS, Model
+from identification.model import MASS, OFFSETS, Model
 
 Array = NDArray[np.float64]
 
@@ -117,13 +117,14 @@ class Biases:
             )
         return self.accelerometer
 
-    def drift(self, free: Array, covariance: Array, units: tuple[str, ...]) -> list[str]:
+    def drift(self, free: Array, covariance: Array, units: tuple[str, ...], mass: str) -> list[str]:
         """Warning where a run itself finds other offsets.
 
         Args:
             free: offsets that the run gives where it may choose them, shape (6,).
             covariance: of these, shape (6, 6).
             units: of the channels.
+            mass: what the run makes of the mass then, in words.
         """
         away = free - self.values
         std = np.sqrt(np.diag(covariance) + np.diag(self.covariance))
@@ -134,7 +135,7 @@ class Biases:
         return [
             f"{name} of this run is {free[worst]:.4g} {unit}, {by:.2g} {unit} or {by / std[worst]:.0f} standard "
             f"deviations from that of {self.source}: offsets have drifted, or the two runs err differently; the other "
-            "parameters carry it"
+            f"parameters carry it{mass}"
         ]
 
 
@@ -173,8 +174,20 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
 
 
 def drift_told(biases: Biases, model: Model, free: Fit) -> list[str]:
-    """Offsets that have drifted since they were taken, by what the run itself says of them."""
+    """Offsets that have drifted since they were taken, by what the run itself says of them.
+
+    Args:
+        biases: as they were taken.
+        model: of the fit.
+        free: the fit with the offsets of the run itself.
+    """
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
     units = tuple(model.parameters[k].unit for k in offsets)
-    return biases.drift(free.values[offsets], spread[np.ix_(offsets, offsets)], units)
+    mass = ""
+    if MASS in model.blocks:
+        place = model.names.index("m")
+        mass = (
+            f": with offsets of its own the run gives {free.values[place]:.4g} +- {spread[place, place] ** 0.5:.2g} kg"
+        )
+    return biases.drift(free.values[offsets], spread[np.ix_(offsets, offsets)], units, mass)

@@ -13,8 +13,11 @@ from identification.estimators import Method, Problem, robust_of
 from identification.evaluation import Run
 from identification.long_contact import least_trimmed_squares
 from identification.moving import AnyRun, Moving, fit_with_delay
+from identification.periodic import PeriodicRun
 from identification.plausibility import places
 from identification.recording import Recording
+from identification.result import Delay
+from identification.wrist import WristRun
 
 Array = NDArray[np.float64]
 
@@ -24,9 +27,9 @@ MOST_TOUCHED = 0.25  # of the samples in contact; more is no identification run
 
 
 def free_of_contact(
-    recording: Recording, run: AnyRun, moving: Moving, how: Method, problem: Problem
+    recording: Recording, run: AnyRun, moving: Moving, how: Method, problem: Problem, held: Delay | None = None
 ) -> tuple[Moving, tuple[Contact, ...]]:
-    """The fit to the samples out of contact, and the contacts; of wrist runs and periods the fit as it is.
+    """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
 
     Args:
         recording: names rows.
@@ -34,12 +37,15 @@ def free_of_contact(
         moving: a fit to it.
         how: estimator.
         problem: the run's model and weights.
+        held: the delay, where it is not estimated.
 
     Raises:
         IdentificationError: too much of the run is in contact.
     """
     contacts: tuple[Contact, ...] = ()
-    for _ in range(SEARCHES if isinstance(run, Run) else 0):  # a wrist run leaves too much for that
+    if isinstance(run, PeriodicRun):  # periods that a contact makes strange are left out there
+        return moving, contacts
+    for _ in range(SEARCHES):
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
         left = _without_pull(run, moving, how, problem)
         before, contacts = contacts, find_contacts(run.t, left, run.model.structure, run.forces - left)
@@ -47,13 +53,14 @@ def free_of_contact(
             break
         rows = touched(run.t, contacts)
         require_free(float(rows.mean()), [contact_told(recording, contact) for contact in contacts])
-        assert isinstance(run, Run)
-        moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value)
-    if isinstance(run, Run) and isinstance(moving.run, Run) and systematic(moving.fit, moving.run.noise_correlation):
+        moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value, held)
+    if systematic(moving.fit, moving.run.noise_correlation):
         longer = _long_contacts(run, moving)
         rows = touched(run.t, longer)
         freed = (
-            fit_with_delay(run.without(rows), how, problem, moving.delay.value) if 0.0 < rows.mean() < 1.0 else moving
+            fit_with_delay(run.without(rows), how, problem, moving.delay.value, held)
+            if 0.0 < rows.mean() < 1.0
+            else moving
         )
         if _spread(freed) < CALMER * _spread(moving) and not systematic(freed.fit, freed.run.noise_correlation):
             require_free(float(rows.mean()), [contact_told(recording, contact) for contact in longer])
@@ -61,7 +68,7 @@ def free_of_contact(
     return moving, contacts
 
 
-def _long_contacts(run: Run, moving: Moving) -> tuple[Contact, ...]:
+def _long_contacts(run: Run | WristRun, moving: Moving) -> tuple[Contact, ...]:
     """Contacts of up to half a run, by what the half of the samples that agree best says of all."""
     matrices = run.regressors(moving.delay.value)
     half = least_trimmed_squares(matrices, run.forces, moving.w, run.filter.step * run.filter.stride)

@@ -85,6 +85,11 @@ class Run:
         return self.filter.step * self.filter.stride
 
     @property
+    def places(self) -> NDArray[np.int64]:
+        """Of the evaluated samples in a series of equal steps, shape (n,): sections and gaps are no neighbours."""
+        return np.asarray(np.floor((self.rows - self.rows[0]) / self.filter.stride + 0.5), dtype=np.int64)
+
+    @property
     def filtered(self) -> Filtered:
         """What the filter did to white noise."""
         return Filtered(self.filter.noise_gain, self.filter.stride)
@@ -188,7 +193,7 @@ class Run:
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Array | None:
         """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
-        return coloured_covariance(matrices, residuals, weights)
+        return coloured_covariance(matrices, residuals, weights, self.places)
 
     def without(self, left_out: NDArray[np.bool_]) -> "Run":
         """The run without some of its evaluated samples, shape (n,)."""

@@ -16,6 +16,7 @@ from cases.schema import Case
 from identification.accelerated import accelerated, compared
 from identification.biases import accelerometer_bias, drift_told, with_uncertain_offsets
 from identification.conditioning import USUAL, Conditioning
+from identification.contact import touched
 from identification.contact_free import contact_told, free_of_contact
 from identification.doubts import doubts, require_sense, require_wiring, systematic
 from identification.estimator import independent_poses, require_alive
@@ -171,7 +172,10 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
             f"{run.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
         )
     moving = fit_with_delay(run, how, problem, held=held)
-    moving, contacts = free_of_contact(recording, run, moving, how, problem)
+    moving, contacts = free_of_contact(recording, run, moving, how, problem, held)
+    if contacts and isinstance(run, WristRun) and isinstance(moving.run, WristRun):
+        held = fit_with_delay(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
+        moving = fit_with_delay(moving.run, how, problem, held=held)
     whole, section = moving, None
     if conditioning.accelerated is not None:
         assert isinstance(moving.run, Run)

@@ -112,7 +112,9 @@ class WristRun:
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Array | None:
         """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
-        return coloured_covariance(matrices, residuals, weights)
+        step = self.filter.step * self.filter.stride
+        places = np.asarray(np.round((self.t - self.t[0]) / step), dtype=np.int64)
+        return coloured_covariance(matrices, residuals, weights, places)
 
     def without(self, left_out: NDArray[np.bool_]) -> "WristRun":
         """The run without some of its evaluated samples, shape (n,)."""

@@ -1,5 +1,6 @@
 """A real force/torque sensor on a real robot: 24 poses recorded at NTNU and what others found in them (FACTS, 8)."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,6 +30,10 @@ def with_sense(sense: str) -> Case:
     frame = CASE.sensor_frame
     transducer = frame.transducer.model_copy(update={"sense": sense})
     return CASE.model_copy(update={"sensor_frame": frame.model_copy(update={"transducer": transducer})})
+
+
+def moving(case: Case) -> Recording:
+    return read_run([FILE.with_name(f"1-baseline_{name}.csv") for name in ("accel", "wrench", "orientations")], case)
 
 
 def rows(recording: Recording, which: slice) -> Recording:
@@ -88,14 +93,36 @@ def test_newtons_and_newton_metres_are_weighted_by_their_own_noise(recording: Re
     np.testing.assert_allclose(estimate.residual_rms[3:], [2.4e-3, 4.4e-3, 1.4e-3], atol=1e-4)
 
 
-@pytest.mark.parametrize("cutoff", [5.0, 10.0, 40.0])
+@pytest.mark.parametrize("cutoff", [5.0, 7.0, 10.0, 40.0])
 def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -> None:
     """At 5 Hz a delay passes for a turn of the accelerometer, unless it has a band of its own."""
     form = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
     case = CASE.model_copy(update={"recording": form})
-    run = read_run([FILE.with_name(f"1-baseline_{name}.csv") for name in ("accel", "wrench", "orientations")], case)
-    estimate = identify(run, case)
+    estimate = identify(moving(case), case)
     assert estimate.delay is not None
     assert -6.5e-3 < estimate.delay.value < -5.2e-3
     mass = estimate.physical["m"]
-    assert abs(mass.value - 0.932) < 3.5 * mass.reported
+    assert abs(mass.value - 0.932) < 1.96 * mass.reported
+    assert mass.reported < 0.007
+
+
+@pytest.mark.parametrize("push", [0.0, 5.0])
+def test_a_push_against_the_tool_is_found_within_50_ms_and_left_out(push: float) -> None:
+    run = moving(CASE)
+    assert run.t is not None
+    pushed = (run.t > run.t[0] + 3.0) & (run.t < run.t[0] + 3.2)
+    forces = run.forces + push * pushed[:, None] * np.array([0.0, 1.0, 0.0, 0.05, 0.0, 0.0])
+    estimate = identify(replace(run, forces=forces), CASE)
+    found = [w for w in estimate.warnings if "contact" in w]
+    if not push:
+        assert found == []
+        return
+    told = re.fullmatch(r".*: external contact from (.*) to (.*) s, up to (.*) N; left out", found[0])
+    assert told is not None
+    begin, end, peak = (float(v) for v in told.groups())
+    assert abs(begin - run.t[0] - 3.0) < 0.05
+    assert abs(end - run.t[0] - 3.2) < 0.05
+    assert peak == pytest.approx(push, rel=0.2)
+    free = identify(run, CASE)
+    assert abs(estimate.physical["m"].value - free.physical["m"].value) < 0.3 * free.physical["m"].reported
+    assert abs(estimate.delay.value - free.delay.value) < free.delay.std
