@@ -109,26 +109,37 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
     return StrutExecution.of_log(execution.hexapod, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
 
 
-def pose_error(disturbances: Disturbances, home: Array, poses: Array, weight: float) -> Array:
-    """Force error that depends on the pose: two smooth random fields of the machine, of the platform and of its load.
+class PoseFields(NamedTuple):
+    """Force errors that depend on the pose: two smooth random fields of the machine.
+
+    Args:
+        platform: error of each sensor that the platform brings along, shape (n, 6) [N].
+        load: the same for each newton that is mounted, shape (n, 6) [N/N].
+    """
+
+    platform: Array
+    load: Array
+
+    def of(self, weight: float) -> Array:
+        """Error of each sensor with something of a weight [N] on the platform, shape (n, 6) [N]."""
+        return np.asarray(self.platform + weight * self.load)
+
+
+def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFields:
+    """The errors in poses.
 
     Args:
         disturbances: sizes and lengths.
         home: where the machine's poses are counted from, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
-        weight: of what is mounted on the platform [N].
-
-    Returns:
-        Error of each sensor, shape (n, 6) [N].
     """
     scale = np.r_[np.full(3, disturbances.pose_error_length), np.full(3, disturbances.pose_error_angle)]
     reduced = (poses - home) / scale
-    sizes = (disturbances.pose_error_N, disturbances.pose_error_of_load * weight)
-    error = np.zeros((len(poses), 6))
-    for k, size in enumerate(sizes):
+    found = []
+    for k, size in enumerate((disturbances.pose_error_N, disturbances.pose_error_of_load)):
         draw = np.random.default_rng([disturbances.pose_error_seed, k])
         waves, phases = draw.normal(size=(6, WAVES)), draw.uniform(0.0, 2 * np.pi, (6, WAVES))
         angle = reduced @ waves  # cos(angle + phase) of six phases, by the sum formula: a third of the cosines
         field = np.cos(angle) @ np.cos(phases).T - np.sin(angle) @ np.sin(phases).T
-        error += size * np.sqrt(2.0 / WAVES) * field
-    return error
+        found.append(size * np.sqrt(2.0 / WAVES) * field)
+    return PoseFields(*found)

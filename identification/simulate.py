@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.disturbances import Disturbances
 from cases.schema import Case
 from cases.sensors import Simulation
 from identification.executed import Execution
@@ -17,9 +18,10 @@ from identification.hexapod import Hexapod, Kinematics
 from identification.loaded import (
     UNDISTURBED,
     Circumstances,
+    PoseFields,
     loaded_truth,
     mode_frequency,
-    pose_error,
+    pose_fields,
     rippled,
     vibrating,
 )
@@ -60,11 +62,13 @@ class Moved(NamedTuple):
         t: of the samples, shape (n,) [s].
         struts: their true lengths, shape (n, 6) [m].
         felt: motion that the sensors feel when they are sampled.
+        fields: force errors on the way; None where nothing disturbs.
     """
 
     t: Array
     struts: Array
     felt: Kinematics
+    fields: PoseFields | None
 
 
 def true_forces(case: Case, execution: Execution, t: Array, around: Circumstances = UNDISTURBED) -> Array:
@@ -83,7 +87,9 @@ def true_forces(case: Case, execution: Execution, t: Array, around: Circumstance
     return force_parts(case, execution.kinematics(np.clip(t, 0.0, execution.duration)), step, around).total
 
 
-def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstances) -> ForceParts:
+def force_parts(
+    case: Case, motion: Kinematics, step: float, around: Circumstances, fields: PoseFields | None = None
+) -> ForceParts:
     """The true forces of a motion, taken apart.
 
     Args:
@@ -91,6 +97,7 @@ def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstanc
         motion: of the drives, at n instants.
         step: between them [s].
         around: what is mounted and what disturbs.
+        fields: force errors in these poses, where they are known already.
 
     Raises:
         CaseError: the case describes no simulated machine.
@@ -104,7 +111,7 @@ def force_parts(case: Case, motion: Kinematics, step: float, around: Circumstanc
         return ForceParts(rigid, np.zeros_like(rigid), np.zeros_like(rigid))
     frequency = mode_frequency(simulation.parameters, around)
     shaken = Kinematics(motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, found.mode_damping))
-    return ForceParts(rigid, _forces(model, shaken, u) - rigid, _pose_error(case, motion.pose, around))
+    return ForceParts(rigid, _forces(model, shaken, u) - rigid, _pose_error(case, motion.pose, around, fields))
 
 
 def _forces(model: Model, motion: Kinematics, u: Array) -> Array:
@@ -115,10 +122,14 @@ def _forces(model: Model, motion: Kinematics, u: Array) -> Array:
     )
 
 
-def _pose_error(case: Case, poses: Array, around: Circumstances) -> Array:
+def _pose_error(case: Case, poses: Array, around: Circumstances, fields: PoseFields | None = None) -> Array:
     assert around.disturbances is not None
-    home = case.need_machine("the simulation of sensor forces")[0].home.vector
-    return pose_error(around.disturbances, home, poses, around.load * float(np.linalg.norm(case.gravity)))
+    fields = _pose_fields(case, poses, around.disturbances) if fields is None else fields
+    return fields.of(around.load * float(np.linalg.norm(case.gravity)))
+
+
+def _pose_fields(case: Case, poses: Array, disturbances: Disturbances) -> PoseFields:
+    return pose_fields(disturbances, case.need_machine("the simulation of sensor forces")[0].home.vector, poses)
 
 
 def simulate_standstills(
@@ -194,7 +205,8 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
     t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
     late = simulation.force_delay + simulation.force_sampling_offset_cycles * step
     felt = execution.kinematics(np.clip(t - late, 0.0, execution.duration))
-    return Moved(t, execution.struts(t), felt)
+    fields = None if around.disturbances is None else _pose_fields(case, felt.pose, around.disturbances)
+    return Moved(t, execution.struts(t), felt, fields)
 
 
 def sensed(
@@ -202,7 +214,7 @@ def sensed(
 ) -> tuple[Recording, ForceParts]:
     """The recording of what the machine did, and what its true forces consist of; see `simulate_recording`."""
     simulation = case.need_simulation("the simulation of sensor forces")
-    parts = force_parts(case, run.felt, 1.0 / simulation.encoder_rate_Hz, around)
+    parts = force_parts(case, run.felt, 1.0 / simulation.encoder_rate_Hz, around, run.fields)
     forces = parts.total
     draw = np.random.default_rng(seed)
     forces += draw.normal(0.0, simulation.force_noise_N, forces.shape)

@@ -5,7 +5,7 @@ simulated machine knows its true values too, and errors are also told in reporte
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,8 @@ Array = NDArray[np.float64]
 COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
 SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
 
+TABLE_3 = {"Q5M": (0, 2, 5), "D9M": (6, 7, 8, 9)}  # models that runs without payload are identified with
+
 METHODS = {
     "Q5M": "480 poses, model 5",
     "Q5N": "30 N-optimal poses, model 5",
@@ -55,6 +57,7 @@ class Excitation:
         trigger: start and end of each time the trigger was on, shape (k, 2) [s].
         poses: at which the program measures standing still, shape (k, 6), empty for motions [m, rad].
         seed: of the sensors' noise.
+        controller: that executed it, and what to know about the run.
     """
 
     case: Case
@@ -65,6 +68,7 @@ class Excitation:
     trigger: Array
     poses: Array
     seed: int
+    controller: str = ""
 
     def moved(self, weights: int, disturbances: Disturbances | None) -> Moved:
         """What the machine did with some weights mounted; its drives ripple anew in each run."""
@@ -107,6 +111,7 @@ class Step:
         theory: values by the identification without payload plus the weights, by name [SI].
         truth: of a simulated machine, by name [SI]; empty for recordings.
         budget: what a simulated machine's errors consist of; None for recordings.
+        columns: of Table 3: the same recording identified with other models, by number, for the methods in `TABLE_3`.
     """
 
     method: str
@@ -117,6 +122,7 @@ class Step:
     theory: Mapping[str, float]
     truth: Mapping[str, float]
     budget: Budget | None = None
+    columns: Mapping[int, Estimate] = field(default_factory=dict)
 
     @property
     def s0(self) -> float:
@@ -187,7 +193,9 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
         budget = None if disturbances is None else error_budget(case, recording, parts, estimate, linear)
         load = sum(w.mass_kg for w in weights)
         theory = _theory(bare, weights)
-        yield Step(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget)
+        models = TABLE_3.get(excitation.name, ()) if k == 0 else ()
+        columns = {number: identify(recording, case, number) for number in models}
+        yield Step(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, columns)
 
 
 def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[Step]:
@@ -238,13 +246,6 @@ def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
         apart = centres[:, :2] - centre[:2]
         theory["IC33"] = float(own + masses @ np.sum(apart**2, axis=1))
     return theory
-
-
-def models(excitation: Excitation, disturbances: Disturbances | None) -> dict[int, Estimate]:
-    """Table 3's columns: the run without payload, identified with models 6 to 9, or 0, 2 and 5 standing still."""
-    recording, _ = excitation.recorded(0, disturbances)
-    numbers = (0, 2, 5) if len(excitation.poses) else (6, 7, 8, 9)
-    return {number: identify(recording, excitation.case, number) for number in numbers}
 
 
 def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:

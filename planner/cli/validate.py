@@ -1,12 +1,14 @@
 """`hexcite validate`: known weights mounted one after the other, identified by each method (section 8, Table 7)."""
 
+import shutil
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from planner.cli.console import Json, print_json, print_table, progress
-from planner.cli.validate_runs import Settings, carry_out
+from planner.cli.validate_runs import Settings, carry_out, unfinished
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -39,7 +41,8 @@ def validate(
 ) -> None:
     """Mount known weights, identify them by each method, and compare with theory.
 
-    Without --recordings the case's simulated machine is used, and the answer says what it models.
+    Without --recordings the case's simulated machine is used, and the answer says what it models. Interrupted, the same
+    command goes on.
     """
     settings = Settings(on, starts, seed, plans)
     answer = run_validation(case, methods, weights, recordings, settings, undisturbed, output, quiet=json)
@@ -74,7 +77,7 @@ def run_validation(
     from planner.plots import save_figure
     from planner.report import render
     from planner.report_validation import std_figure, validation_page
-    from planner.validation import chosen, models, mounted_weights, steps
+    from planner.validation import chosen, mounted_weights, steps
     from planner.validation_remedy import remedies
     from planner.validation_verdict import findings
 
@@ -92,28 +95,36 @@ def run_validation(
     columns: dict[int, Any] = {}
     failed: dict[str, str] = {}
     helped: list[Any] = []
-    with atomic_folder(output, VALIDATION) as part:
+    executed: dict[str, str] = {}
+    with ExitStack() as kept:
+        work = None
         if recordings is not None:
             found = _recorded(case, recordings)
         else:
-            excitations, failed = carry_out(name, case, wanted, settings, part, quiet)
+            work = kept.enter_context(unfinished(output, case, settings))
+            excitations, failed = carry_out(name, case, wanted, settings, work, quiet)
+            executed = {e.name: e.controller for e in excitations}
             with progress("identifying", len(excitations) * len(mounted), quiet) as count:
                 for excitation in excitations:
+                    count(excitation.name, 0)
                     for step in steps(excitation, mounted, disturbances):
                         found.append(step)
+                        columns |= step.columns
                         count(f"{step.method} {step.load:.0f} kg")
                     if disturbances is not None:
                         own = [s for s in found if s.method == excitation.name]
                         helped += remedies(excitation, own, disturbances)
-                    if excitation.name in ("D9M", "Q5M"):
-                        columns |= models(excitation, disturbances)
         verdict = findings(case, found, columns)
         answer = _answer(case, found, verdict, columns, disturbances, recordings, settings, failed)
-        answer["remedies"] = [remedy.to_json() for remedy in helped]
+        answer |= {"executed": executed, "remedies": [remedy.to_json() for remedy in helped]}
         page = validation_page(case, found, verdict, columns, answer["machine"], failed, helped)
-        (part / "report.html").write_text(render(page), encoding="utf-8")
-        (part / "validation.json").write_text(json_text(answer), encoding="utf-8")
-        save_figure(std_figure(found), part / "plots", "standard_deviations")
+        with atomic_folder(output, VALIDATION) as part:
+            if work is not None:
+                shutil.copytree(work / "plans", part / "plans")
+                shutil.copytree(work / "programs", part / "programs")
+            (part / "report.html").write_text(render(page), encoding="utf-8")
+            (part / "validation.json").write_text(json_text(answer), encoding="utf-8")
+            save_figure(std_figure(found), part / "plots", "standard_deviations")
     answer = {"report": str(output / "report.html")} | answer
     if not quiet:
         _show(answer, found, verdict, helped)
@@ -190,6 +201,9 @@ def _show(answer: dict[str, Any], found: list[Any], verdict: "list[Finding]", he
     from planner.validation_verdict import OFF_COLUMNS, off_rows
 
     print(f"machine: {answer['machine']}")
+    for method, told in answer["executed"].items():
+        if ";" in told:
+            print(f"{method}: executed on {told}")
     for method, why in answer["not_run"].items():
         print(f"NOT RUN: {method}: {why}")
     for method in dict.fromkeys(s.method for s in found):

@@ -1,16 +1,19 @@
 """Carries out the methods of a validation: each planned, written as a proven program, and executed on a controller."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from planner.cli.console import progress
+from planner.interruption import Interrupted
 
 if TYPE_CHECKING:
     from cases.schema import Case
     from planner.validation import Excitation
+    from postprocessors.execute.executed_run import ExecutedRun
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
 # are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does.
@@ -34,6 +37,49 @@ class Settings:
     plans: Path | None = None
 
 
+@contextmanager
+def unfinished(output: Path, case: "Case", settings: Settings) -> Iterator[Path]:
+    """Yields the folder that keeps plans, programs and runs until the validation is written, whatever ends it before.
+
+    What an earlier one left there is used where it belongs to the same case and settings.
+
+    Args:
+        output: folder of the validation; its neighbour of the same name with `.unfinished` is yielded.
+        case: loaded.
+        settings: how methods are carried out.
+
+    Raises:
+        FileProblem: the folder is somebody's.
+    """
+    from cases.files import UNFINISHED, check_folder, json_text, write_text
+
+    folder = output.absolute().with_name(f"{output.name}.unfinished")
+    check_folder(folder, UNFINISHED)
+    about = folder / "unfinished.json"
+    plans = None if settings.plans is None else str(settings.plans.resolve())
+    wanted = json_text({"case_hash": case.hash, "starts": settings.starts, "seed": settings.seed, "plans": plans})
+    if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == wanted):
+        shutil.rmtree(folder)
+    for name in ("plans", "programs", "runs"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    write_text(about, wanted)
+    try:
+        yield folder
+    except Interrupted:
+        if _worth_keeping(folder):
+            raise Interrupted(f"what is done is kept in {folder.name}, the same command goes on") from None
+        raise
+    else:
+        shutil.rmtree(folder)
+    finally:
+        if folder.exists() and not _worth_keeping(folder):
+            shutil.rmtree(folder)
+
+
+def _worth_keeping(folder: Path) -> bool:
+    return any(folder.glob("plans/*/plan.json"))
+
+
 def carry_out(
     name: str, case: "Case", methods: Sequence[str], settings: Settings, folder: Path, quiet: bool
 ) -> tuple[list["Excitation"], dict[str, str]]:
@@ -44,7 +90,7 @@ def carry_out(
         case: loaded.
         methods: their names.
         settings: how.
-        folder: that takes plans and programs.
+        folder: that takes plans, programs and runs; what it holds already is not made again.
         quiet: show no progress.
 
     Returns:
@@ -59,7 +105,10 @@ def carry_out(
     with progress("carrying out", len(methods), quiet) as count:
         for method in methods:
             try:
-                done.append(_excitation(name, case, method, settings, folder))
+                count(f"{method}: planning", 0)
+                plan = _planned(name, method, settings, folder)
+                count(f"{method}: on {settings.on}", 0)
+                done.append(_excitation(case, method, settings, plan, folder))
             except HexciteError as error:
                 failed[method] = str(error).replace(f"{folder}/", "")
             count(method)
@@ -68,40 +117,89 @@ def carry_out(
     return done, failed
 
 
-def _excitation(name: str, case: "Case", method: str, settings: Settings, folder: Path) -> "Excitation":
+def _excitation(case: "Case", method: str, settings: Settings, plan: Path, folder: Path) -> "Excitation":
     import numpy as np
 
     from planner.cli.post import make_program
-    from planner.running import carried_out
     from planner.standing_run import stood
     from planner.validation import METHODS, Excitation
+    from postprocessors.files import read_program
     from postprocessors.measured import measured_poses, measures_at_poses
+    from postprocessors.stretches import stretches
 
-    plan = folder / "plans" / method
-    if settings.plans is None:
-        _plan(name, method, settings, plan)
-    else:
-        _copied(settings.plans / "plans" / method, plan)
     on = settings.on
     dialect, suffix, accepted = ("linuxcnc", "ngc", ACCEPTED) if on == "linuxcnc" else ("sinumerik", "mpf", ())
     program = folder / "programs" / f"{method}.{suffix}"
     make_program(plan, dialect, 1.0, accepted, program, quiet=True)
-    _, parts, run = carried_out(program, case, on)
+    run = _executed(program, case, on, folder / "runs" / f"{method}.npz")
+    parts = stretches(read_program(program, case).reading)
     poses, duration = np.zeros((0, 6)), run.excitation
     if measures_at_poses(parts):
         poses = measured_poses(parts)
         duration = stood(run, poses, program).duration
-    return Excitation(case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed)
+    told = f"{run.controller}; {run.remark}" if run.remark else run.controller
+    return Excitation(case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed, told)
 
 
-def _plan(name: str, method: str, settings: Settings, plan: Path) -> None:
+def _executed(program: Path, case: "Case", on: str, kept: Path) -> "ExecutedRun":
+    """The run of a program; those of a real controller, which take minutes, are kept and found again."""
+    from identification.executed import StrutExecution
+    from planner.running import carried_out
+
+    run = _kept(program, case, kept) if on == "linuxcnc" else None
+    if run is None:
+        _, _, run = carried_out(program, case, on)
+        if isinstance(run.execution, StrutExecution):
+            _keep(run, run.execution, program, kept)
+    return run
+
+
+def _keep(run: "ExecutedRun", execution: Any, program: Path, kept: Path) -> None:
+    import numpy as np
+
+    from cases.files import atomic_file
+
+    spline = execution.spline
+    with atomic_file(kept) as part, part.open("wb") as file:
+        np.savez(
+            file, knots=spline.t, coefficients=spline.c, trigger=run.trigger, controller=run.controller,
+            remark=run.remark, program=program.read_text(encoding="ascii"),
+        )  # fmt: skip
+
+
+def _kept(program: Path, case: "Case", kept: Path) -> "ExecutedRun | None":
+    """A run that was kept; None where there is none of exactly this program."""
+    import numpy as np
+    from scipy.interpolate import BSpline
+
+    from identification.executed import StrutExecution
+    from identification.hexapod import Hexapod
+    from postprocessors.execute.executed_run import ExecutedRun
+
+    if not kept.is_file():
+        return None
+    with np.load(kept) as found:
+        if str(found["program"]) != program.read_text(encoding="ascii"):
+            return None
+        execution = StrutExecution(Hexapod.of(case), BSpline(found["knots"], found["coefficients"], 3))
+        trigger, words = found["trigger"], [str(found[key]) for key in ("controller", "remark")]
+    return ExecutedRun(words[0], execution, trigger, real=True, remark=words[1])
+
+
+def _planned(name: str, method: str, settings: Settings, folder: Path) -> Path:
+    """The plan of a method: an earlier one, or made now; one that Ctrl-C ended early is none."""
     from planner.cli.plan import make_plan
     from planner.cli.poses import make_poses
     from planner.poses.request import Method, PoseRequest
     from planner.request import Request
 
+    plan = folder / "plans" / method
     starts, seed = settings.starts, settings.seed
-    if method == "Q5M":
+    if (plan / "plan.json").is_file():
+        pass
+    elif settings.plans is not None:
+        _copied(settings.plans / "plans" / method, plan)
+    elif method == "Q5M":
         make_poses(PoseRequest(name, method=Method.ALL), plan, quiet=True)
     elif method == "Q5N":
         make_poses(PoseRequest(name, criterion="N", count=30, method=Method.BACKWARD), plan, quiet=True)
@@ -112,13 +210,17 @@ def _plan(name: str, method: str, settings: Settings, plan: Path) -> None:
             "ptp": Request(name, family="ptp", starts=starts, seed=seed),
             "spline": Request(name, family="spline", starts=starts, seed=seed),
         }
-        make_plan(requests[method], plan, quiet=True)
+        if make_plan(requests[method], plan, quiet=True)["interrupted"]:
+            shutil.rmtree(plan)
+            raise Interrupted
+    return plan
 
 
 def _copied(source: Path, plan: Path) -> None:
     from cases.errors import FileProblem
+    from cases.files import PLAN, atomic_folder
 
     if not (source / "plan.json").is_file():
         raise FileProblem(f"{source}: holds no plan; name the folder of a validation that ran this method")
-    plan.parent.mkdir(exist_ok=True)
-    shutil.copytree(source, plan)
+    with atomic_folder(plan, PLAN) as part:
+        shutil.copytree(source, part, dirs_exist_ok=True)

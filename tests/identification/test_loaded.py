@@ -15,7 +15,7 @@ from identification.loaded import (
     joined_body,
     loaded_truth,
     mode_frequency,
-    pose_error,
+    pose_fields,
     rippled,
     vibrating,
 )
@@ -83,12 +83,11 @@ def test_the_mode_falls_with_the_root_of_the_mass():
 
 def test_the_pose_error_has_its_size_and_grows_with_the_payload_alone():
     poses = random_poses(20_000)
-    bare = pose_error(FOUND, HOME, poses, 0.0)
-    of_load = pose_error(FOUND, HOME, poses, 1000.0) - bare
+    fields = pose_fields(FOUND, HOME, poses)
+    bare, of_load = fields.of(0.0), fields.of(1000.0) - fields.of(0.0)
     assert np.sqrt(np.mean(bare**2)) == pytest.approx(FOUND.pose_error_N, rel=0.05)
     assert np.sqrt(np.mean(of_load**2)) == pytest.approx(1000.0 * FOUND.pose_error_of_load, rel=0.05)
-    twice = pose_error(FOUND, HOME, poses, 2000.0) - bare
-    np.testing.assert_allclose(twice, 2 * of_load, atol=1e-12)
+    np.testing.assert_allclose(fields.of(2000.0) - bare, 2 * of_load, atol=1e-12)
 
 
 def test_averaging_does_not_remove_the_pose_error():

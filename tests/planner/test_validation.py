@@ -1,18 +1,20 @@
 """The payload experiment: an ideal machine meets theory exactly, a disturbed one errs as far as it is told why."""
 
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
+from typing import NoReturn
 
 import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
-from cases.errors import HexciteError
+from cases.errors import FileProblem, HexciteError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.conditioning import Conditioning
-from identification.executed import PoseExecution
+from identification.executed import PoseExecution, StrutExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.loaded import Circumstances
@@ -20,11 +22,15 @@ from identification.motion import Joined, Standstill, Trajectory
 from identification.profile import StraightMove
 from identification.recording import STRUTS
 from identification.simulate import simulate_standstills
+from planner.cli.validate import run_validation
+from planner.cli.validate_runs import Settings, _keep, _kept, unfinished
+from planner.interruption import Interrupted
 from planner.report_validation import _rounded
 from planner.validation import SHOWN, Excitation, Step, mounted_weights, steps
 from planner.validation_causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from planner.validation_remedy import remedies
 from planner.validation_verdict import findings, off_rows
+from postprocessors.execute.executed_run import ExecutedRun
 from tests.helpers import Harmonic, ideal, paper_poses
 from tests.planner.browser import opened
 from tests.planner.command_line import call, hexcite, refused
@@ -237,6 +243,76 @@ def test_the_command_prints_table_7_and_says_what_machine_it_was(tmp_path: Path,
     with opened(browser, Path(answer["report"]), 400) as tab:
         assert (tab.errors, tab.requests) == ([], [])
         assert "100 kg" in tab.page.locator("table").nth(1).inner_text()
+
+
+class Stopped(Exception):
+    """Something that ends a validation."""
+
+
+def test_an_interrupted_validation_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    words = ("hexapod", "Q5N", "0", None, Settings("virtual", 1, 0), False, tmp_path / "v", True)
+    kept = tmp_path / "v.unfinished"
+
+    def ends(by: BaseException) -> None:
+        def steps(*_: object) -> NoReturn:
+            raise by
+
+        monkeypatch.setattr("planner.validation.steps", steps)
+        with pytest.raises(type(by)) as raised:
+            run_validation(*words)
+        assert [p.name for p in tmp_path.iterdir()] == ["v.unfinished"]
+        if isinstance(by, Interrupted):
+            assert "kept in v.unfinished, the same command goes on" in str(raised.value)
+
+    ends(Interrupted())
+    plan = (kept / "plans" / "Q5N" / "plan.json").read_bytes()
+    with monkeypatch.context() as patched:
+        patched.setattr("planner.cli.poses.make_poses", None)  # nothing is planned again
+        ends(Stopped())
+    assert (kept / "plans" / "Q5N" / "plan.json").read_bytes() == plan
+    monkeypatch.undo()
+    run_validation(*words)
+    assert [p.name for p in tmp_path.iterdir()] == ["v"]
+    assert (tmp_path / "v" / "plans" / "Q5N" / "plan.json").read_bytes() == plan
+
+
+def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
+    def left(settings: Settings, make: bool) -> bool:
+        with suppress(Stopped), unfinished(tmp_path / "v", CASE, settings) as folder:
+            known = (folder / "plans" / "ptp" / "plan.json").is_file()
+            if make:
+                (folder / "plans" / "ptp").mkdir(exist_ok=True)
+                (folder / "plans" / "ptp" / "plan.json").touch()
+            raise Stopped
+        return known
+
+    assert not left(Settings("virtual", 2, 0), True)
+    assert left(Settings("linuxcnc", 2, 0), True)  # plans are the same, whatever executes them
+    assert not left(Settings("virtual", 2, 1), False)
+    assert not (tmp_path / "v.unfinished").exists()  # nothing in it is worth keeping
+    (tmp_path / "v.unfinished").mkdir()
+    (tmp_path / "v.unfinished" / "diary.txt").touch()
+    with pytest.raises(FileProblem, match=r"v\.unfinished: is not an unfinished validation .*diary\.txt"):
+        left(Settings("virtual", 2, 0), False)
+
+
+def test_the_run_of_a_real_controller_is_kept_for_exactly_its_program(tmp_path: Path):
+    program, kept = tmp_path / "p.ngc", tmp_path / "p.npz"
+    program.write_text("G1 X1\n", encoding="ascii")
+    assert _kept(program, CASE, kept) is None
+    t = np.arange(500) * 1e-3
+    lengths = Hexapod.of(CASE).strut_lengths(Harmonic(seed=1, duration=0.5).at(t).pose)
+    execution = StrutExecution.of_log(Hexapod.of(CASE), 1e-3, lengths)
+    run = ExecutedRun("LinuxCNC 2.9", execution, np.array([[0.1, 0.4]]), real=True, remark="late")
+    _keep(run, execution, program, kept)
+    again = _kept(program, CASE, kept)
+    assert again is not None
+    assert (again.controller, again.remark, again.real) == ("LinuxCNC 2.9", "late", True)
+    np.testing.assert_array_equal(again.trigger, run.trigger)
+    for order in (0, 1, 2):
+        np.testing.assert_array_equal(again.execution.struts(t, order), execution.struts(t, order))
+    program.write_text("G1 X2\n", encoding="ascii")
+    assert _kept(program, CASE, kept) is None
 
 
 def write_standstills(case: Case, file: Path, weights: int) -> None:
