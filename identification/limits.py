@@ -142,6 +142,22 @@ def shares_at(trajectory: Trajectory, case: Case, instants: Array, in_box: bool 
     return np.concatenate(parts)
 
 
+def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple[Array, Array, Array]:
+    """Share that is used at each instant of any limit of velocities, of accelerations and of jerks, each of shape (n,).
+
+    These are the limits that another pace helps against: they shrink with its first, second and third power.
+    """
+    parts = [
+        [
+            np.max([q.ratio.max(axis=1) for q in quantities if q.name.endswith(word)], axis=0)
+            for word in ("velocity", "acceleration", "jerk")
+        ]
+        for quantities, _ in _evaluated(trajectory, case, instants, True)
+    ]
+    velocity, acceleration, jerk = (np.concatenate(found) for found in zip(*parts, strict=True))
+    return velocity, acceleration, jerk
+
+
 def _evaluated(
     trajectory: Trajectory, case: Case, instants: Array, in_box: bool
 ) -> Iterator[tuple[tuple[Quantity, ...], Array]]:

@@ -103,6 +103,12 @@ class Plan:
         if len(tried) > 1:
             own = f"order {self.settings['order']} with period {self.settings['period_s']:g} s"
             notes.append(f"{own} is the best of {len(tried)} choices of order and period")
+        if (method := self.settings.get("retimed_with")) is not None:
+            before, off_mm, off_deg = (
+                float(self.settings[k]) for k in ("duration_before_s", "off_path_mm", "off_path_deg")
+            )
+            off = f", up to {off_mm:.2g} mm and {off_deg:.2g} deg off its path" if off_mm or off_deg else ""
+            notes.append(f"re-timed with {method}: {self.motion.duration:.2f} s instead of {before:.2f} s{off}")
         if all(s.converged is False for s in self.starts) and self.starts:
             notes.append("no start converged within its iterations; more --starts or another --solver may find more")
         if self.family != self.request.family:

@@ -177,7 +177,6 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
         Interrupted: Ctrl-C before any start was done.
     """
     require_plannable(request, case)
-    model = identification_model(case, request.model)
     began = perf_counter()
     found = _made_by_hand(request, case) if request.family == "manual" else search(request, case, listener, run)
     seconds = perf_counter() - began
@@ -186,6 +185,24 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)}")
     if not found.motion.duration <= LONGEST:
         raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
+    return rated(request, case, case_file, found, seconds)
+
+
+def rated(request: Request, case: Case, case_file: str, found: Found, seconds: float) -> Plan:
+    """The plan of a motion that keeps all limits: what it is worth.
+
+    Args:
+        request: what was asked for.
+        case: machine and limits.
+        case_file: name or file that finds the case again from any folder.
+        found: the motion, and where it comes from.
+        seconds: spent on it [s].
+
+    Raises:
+        IdentificationError: the motion does not excite all parameters of the model.
+        CaseError: the case has no machine or no limits.
+    """
+    model = identification_model(case, request.model)
     scaling = reference_scaling(case, model)
     information = mean_information(model, scaling, found.motion)
     mu = singular_values(information, model.names)

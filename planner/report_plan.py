@@ -55,6 +55,8 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         *provenance([])["versions"].items(),
     ]
     made = "made by hand" if plan.family == "manual" else f"optimised for criterion {request.criterion}"
+    if (method := settings.get("retimed_with")) is not None:
+        made += f", re-timed with {method}"
     return Page(
         title=f"Plan: {case.title}",
         lead=f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {made}, to identify model {request.model} "
@@ -246,7 +248,9 @@ def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
     bound = plan["bound"]
     words = f"Log det of the mean information in reference scaling; bound {bound['logdet']:.3f} ({bound['method']})."
     if not plan["starts"]:
-        return (Note(f"Made by hand, nothing was searched. {words}"),)
+        source = plan["settings"].get("retimed_from")
+        how = "Made by hand, nothing was searched" if source is None else f"Re-timed from {source}"
+        return (Note(f"{how}. {words}"),)
     columns = ("seed", "stage", "log det at start", "log det at end", "iterations", "time", "solver")
     rows = tuple(
         (str(s["seed"]), s["stage"], _logdet(s["start_logdet"]), f"{s['logdet']:.3f}", str(s["iterations"]),

@@ -1,13 +1,17 @@
-"""`hexcite retime`: the pace at which a controller, or the limits of the struts, let a motion run."""
+"""`hexcite retime`: the pace at which a controller, or the limits of the machine, let a motion run."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status
+from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status_text
 
 if TYPE_CHECKING:
+    from cases.schema import Case
+    from identification.motion import Trajectory
+    from planner.request import Request
     from planner.retiming import Rating
 
 
@@ -16,14 +20,22 @@ def retime(
     case: Annotated[str | None, typer.Option(help="Built-in name, folder or case file; a plan knows its own.")] = None,
     method: Annotated[
         str | None,
-        typer.Option(help="ruckig: moves as a jerk-limited controller times them; toppra: paths under strut limits."),
+        typer.Option(
+            help="ruckig: moves as a jerk-limited controller times them; ipopt: paths under every limit; toppra: paths "
+            "under every limit but that of jerk. By default what fits."
+        ),
     ] = None,
-    fastest: Annotated[bool, typer.Option("--fastest", help="toppra: as fast as the limits allow.")] = False,
+    fastest: Annotated[
+        bool, typer.Option("--fastest", help="ipopt, toppra: as fast as the limits allow, not only as slow as needed.")
+    ] = False,
     model: Annotated[int | None, typer.Option(help="Identification model; a plan's own by default, else 9.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Table of the re-timed motion, 1 kHz.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Plan folder of the re-timed motion; or NAME.csv for its table at 1 kHz."),
+    ] = None,
     json: Json = False,
 ) -> None:
-    """Re-time a motion; tell criteria and limits before and after."""
+    """Re-time a motion; tell criteria and limits before and after, and write it as a plan."""
     answer = make_retimed(source, case, method, fastest, model, output, quiet=json)
     if json:
         print_json(answer)
@@ -39,49 +51,110 @@ def make_retimed(
     quiet: bool,
 ) -> dict[str, Any]:
     """Re-times, writes, prints unless `quiet`; returns the JSON answer."""
+    from time import perf_counter
+
     from cases.errors import HexciteError
-    from cases.files import check_file, write_text
-    from cases.loading import load_case
+    from cases.files import write_text
+    from cases.units import DEG, MM
     from identification.model import identification_model
-    from identification.motion import Trajectory, sample
-    from planner.plan import SAMPLE_RATE, load_plan, motion_csv
-    from planner.retiming import Method, fitting_method, read_motion, retimed
+    from identification.motion import sample
+    from planner.plan import SAMPLE_RATE, motion_csv, save_plan
+    from planner.retimed_plan import retimed_plan
+    from planner.retiming import Method, fitting_method, retimed
 
     if method is not None and method not in list(Method):
-        raise HexciteError(f"method {method!r} is unknown; choose {' or '.join(Method)}")
-    if output is not None:
-        check_file(output, [".csv"], [source, *source.glob("*")] if source.is_dir() else [source])
-    motion: Trajectory
-    if source.is_dir():
-        saved = load_plan(source)
-        loaded = saved.case if case is None else load_case(case)
-        if saved.data["family"] == "poses":
-            raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
-        motion, number = saved.motion, int(saved.data["model"])
-    else:
-        if case is None:
-            raise HexciteError(f"{source}: a table does not know its machine; name it with --case")
-        loaded, motion, number = load_case(case), read_motion(source), 9
-    chosen = Method(method) if method is not None else fitting_method(motion)
-    if fastest and chosen is not Method.TOPPRA:
-        raise HexciteError("--fastest belongs to --method toppra; a controller's moves are as fast as its limits allow")
-    number = number if model is None else model
-    with status(f"re-timing with {chosen}", quiet):
-        found = retimed(motion, loaded, identification_model(loaded, number), chosen, fastest)
-    if output is not None:
-        write_text(output, motion_csv(sample(found.motion, SAMPLE_RATE)))
+        raise HexciteError(f"method {method!r} is unknown; choose {', '.join(Method)}")
+    table = _checked(source, output)
+    given = _given(source, case, model)
+    chosen = Method(method) if method is not None else fitting_method(given.motion)
+    if fastest and chosen is Method.RUCKIG:
+        raise HexciteError(
+            "--fastest belongs to --method ipopt or toppra; a controller's moves are as fast as its limits allow"
+        )
+    if output is not None and not table and chosen is Method.TOPPRA:
+        raise HexciteError(
+            f"{output}: toppra's accelerations step, without limit of jerk, and make no plan; use --method ipopt, or "
+            "name a table (-o after.csv)"
+        )
+    began = perf_counter()
+    with status_text(f"re-timing with {chosen}", quiet) as told:
+        wanted = identification_model(given.case, given.request.model)
+        found = retimed(given.motion, given.case, wanted, chosen, fastest, told)
+        seconds = perf_counter() - began
+        if output is not None and table:
+            write_text(output, motion_csv(sample(found.motion, SAMPLE_RATE)))
+        elif output is not None:
+            told("writing")
+            save_plan(retimed_plan(found, given.request, given.case, given.case_file, source, seconds), output)
     answer = {
         "source": str(source),
         "method": str(found.method),
-        "model": number,
+        "model": given.request.model,
         "before": _rating(found.before),
         "after": _rating(found.after),
-        "jerk_limited": found.method is Method.RUCKIG,
+        "jerk_limited": found.method is not Method.TOPPRA,
+        "off_path_mm": found.off_path[0] / MM,
+        "off_path_deg": found.off_path[1] / DEG,
+        "remarks": list(found.remarks),
+        "solve_s": seconds,
         "output": str(output) if output is not None else None,
+        "plan": str(output) if output is not None and not table else None,
     }
     if not quiet:
         _show(answer)
     return answer
+
+
+class _Given(NamedTuple):
+    """What is to be re-timed, and for whom."""
+
+    motion: "Trajectory"
+    case: "Case"
+    case_file: str
+    request: "Request"
+
+
+def _checked(source: Path, output: Path | None) -> bool:
+    """Whether a table is to be written; refuses a place that cannot be written before the work starts."""
+    from cases.files import PLAN, check_file, check_folder
+
+    if output is None:
+        return False
+    inputs = [source, *source.glob("*")] if source.is_dir() else [source]
+    if output.suffix and not output.is_dir():
+        check_file(output, [".csv"], inputs)
+        return True
+    check_folder(output, PLAN, [source])
+    return False
+
+
+def _given(source: Path, case: str | None, model: int | None) -> _Given:
+    from cases.errors import HexciteError
+    from cases.loading import find_case, load_case
+    from planner.motion_table import read_motion
+    from planner.plan import load_plan
+    from planner.request import Request
+
+    if source.is_dir():
+        saved = load_plan(source)
+        data, case_file = saved.data, saved.case_file
+        if data["family"] == "poses":
+            raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
+        number = int(data["model"]) if model is None else model
+        request = Request(
+            case_file, family=data["family"], criterion=data["criterion"], model=number, payload=int(data["payload"])
+        )
+        if case is None:
+            return _Given(saved.motion, saved.case, case_file, request)
+        motion, request = saved.motion, replace(request, case_file=case)
+    else:
+        if case is None:
+            raise HexciteError(f"{source}: a table does not know its machine; name it with --case")
+        request = Request(case, family="manual", model=9 if model is None else model)
+        motion = read_motion(source)
+    loaded, file = load_case(case), find_case(case)
+    lasting = case if not Path(case).exists() and not file.is_relative_to(Path.cwd()) else str(file.resolve())
+    return _Given(motion, loaded, lasting, request)
 
 
 def _rating(rating: "Rating") -> dict[str, Any]:
@@ -105,9 +178,9 @@ def _show(answer: dict[str, Any]) -> None:
         for sentence in rating["violations"]:
             print(f"{when}: {sentence}")
     print_table("Limits after re-timing", LIMIT_COLUMNS, limit_rows(after["limits"]))
-    if not answer["jerk_limited"]:
-        print(
-            "toppra knows no jerk limit: accelerations step, and the jerk there has no bound; the table shows a slope"
-        )
+    for remark in answer["remarks"]:
+        print(f"note: {remark}")
+    if answer["off_path_mm"] or answer["off_path_deg"]:
+        print(f"up to {answer['off_path_mm']:.2g} mm and {answer['off_path_deg']:.2g} deg from the planned path")
     if answer["output"] is not None:
-        print(f"motion written: {answer['output']}")
+        print(f"{'motion' if answer['plan'] is None else 'plan'} written: {answer['output']}")

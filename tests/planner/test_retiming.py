@@ -9,11 +9,16 @@ import pytest
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import load_case
 from identification.circle import CircularMove, Plane
+from identification.limits import prove
 from identification.model import identification_model
 from identification.motion import Joined, Standstill, TimedPoints, sample
 from identification.profile import StraightMove, fastest_profile
-from planner.plan import motion_csv
-from planner.retiming import Method, by_controller, fitting_method, read_motion, retimed
+from planner.motion_table import read_motion
+from planner.plan import load_plan, motion_csv
+from planner.request import Request
+from planner.retimed_moves import by_controller
+from planner.retimed_plan import retimed_plan
+from planner.retiming import Method, fitting_method, retimed
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -32,6 +37,15 @@ WAYS = np.array(
 )
 
 
+LIMITS = (BOX.rate, BOX.acceleration, BOX.jerk)
+POSES = """x_mm,y_mm,z_mm,a_deg,b_deg,c_deg
+100,50,920,10,-5,5
+-100,80,870,-10,10,-5
+50,-100,910,5,-10,10
+0,60,880,0,12,-10
+"""
+
+
 def moves(hurry: float) -> Joined:
     """A closed sequence of moves, `hurry` times as fast as the coordinates may, and a pause."""
     poses = HOME + np.vstack([np.zeros(6), WAYS, np.zeros(6)])
@@ -45,7 +59,8 @@ def slowed_moves() -> Joined:
 
 def test_a_controller_takes_whole_cycles_and_is_faster_than_a_slow_plan():
     plan = slowed_moves()
-    after = by_controller(plan, CASE)
+    after, slowed = by_controller(plan, CASE)
+    assert slowed == 0  # the coordinates' limits are the narrower ones here
     for part in after.parts:
         assert part.duration / 1e-3 == pytest.approx(round(part.duration / 1e-3), abs=1e-6)
     assert after.parts[-1].duration == pytest.approx(0.124)
@@ -55,28 +70,41 @@ def test_a_controller_takes_whole_cycles_and_is_faster_than_a_slow_plan():
         assert np.allclose(*ends, atol=1e-12)
 
 
-def test_what_a_controller_makes_of_a_hasty_plan_keeps_the_limits_of_the_coordinates():
+def test_what_a_controller_makes_of_a_hasty_plan_keeps_the_limits_of_coordinates_and_struts():
     found = retimed(moves(1.4), CASE, MODEL, Method.RUCKIG, False)
     passed = [c.name.split(" (")[0] for c in found.before.limits.violations]
     assert {"velocity", "acceleration", "jerk"} <= set(passed)
-    still = {c.name.split(" (")[0] for c in found.after.limits.violations}
-    assert still <= {"strut velocity", "strut acceleration"}  # ruckig does not know struts
+    assert found.after.limits.kept
     assert found.after.duration > found.before.duration
     assert found.after.criteria["D"] < found.before.criteria["D"]  # who slows down learns less
+
+
+def test_moves_are_as_slow_as_their_struts_need_and_no_slower():
+    case = slow_struts()
+    after, slowed = by_controller(moves(1.0), case)
+    assert 0 < slowed < len(after.parts)
+    report = prove(after, case)
+    assert report.kept
+    assert max(c.ratio for c in report.checks if c.name.startswith("strut velocity")) > 0.99
+    assert retimed(moves(1.0), case, MODEL, Method.RUCKIG, False).remarks[0].startswith(f"{slowed} of 7 moves")
+
+
+def slow_struts():
+    drives = {f"controller__{name}__ptp": None for name in ("sinumerik", "twincat")}  # they would be too fast
+    return changed(CASE, limits__motion__strut_velocity_m_s=0.5, **drives)
 
 
 def test_arcs_keep_their_circle():
     law = fastest_profile(1.0, 1.0, 5.0, 50.0)
     arc = CircularMove(HOME, HOME[3:], Plane.XY, np.array([0.1, 0.0]), 2 * np.pi, law)
-    (after,) = by_controller(Joined((arc,)), CASE).parts
+    (after,) = by_controller(Joined((arc,)), CASE)[0].parts
     assert law.duration <= after.duration <= law.duration + 1.001e-3
     pose = after.at(np.linspace(0.0, after.duration, 50)).pose
     assert np.allclose(np.hypot(pose[:, 0] - 0.1, pose[:, 1]), 0.1)
 
 
 def test_toppra_slows_a_hasty_motion_down_and_says_what_it_would_have_passed():
-    drives = {f"controller__{name}__ptp": None for name in ("sinumerik", "twincat")}  # they would be too fast
-    case = changed(CASE, limits__motion__strut_velocity_m_s=0.5, **drives)
+    case = slow_struts()
     found = retimed(moves(1.0), case, MODEL, Method.TOPPRA, False)
     assert "strut velocity" in {c.name.split(" (")[0] for c in found.before.limits.violations}
     left = {c.name.split(" (")[0] for c in found.after.limits.violations}
@@ -87,14 +115,14 @@ def test_toppra_slows_a_hasty_motion_down_and_says_what_it_would_have_passed():
 
 def test_each_kind_of_motion_has_its_method():
     assert fitting_method(moves(1.0)) is Method.RUCKIG
-    assert fitting_method(TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))) is Method.TOPPRA
+    assert fitting_method(TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))) is Method.IPOPT
 
 
 def test_a_continuous_path_is_nothing_for_ruckig():
     points = TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))
-    with pytest.raises(InfeasiblePlan, match="use toppra"):
+    with pytest.raises(InfeasiblePlan, match="use --method ipopt"):
         retimed(points, CASE, MODEL, Method.RUCKIG, False)
-    with pytest.raises(InfeasiblePlan, match="use toppra"):
+    with pytest.raises(InfeasiblePlan, match="use --method ipopt"):
         retimed(Joined((points,)), CASE, MODEL, Method.RUCKIG, False)
 
 
@@ -146,27 +174,64 @@ def test_a_damaged_table_is_refused_by_line(damage, words: tuple[str, ...], tmp_
 def test_the_command_tells_before_and_after(cache: Path, tmp_path: Path):
     out = tmp_path / "after.csv"
     arguments = (written(tmp_path), "--case", "hexapod", "--model", 0)
-    answer = call("retime", *arguments, "--fastest", "--json", "-o", out).json()
+    answer = call("retime", *arguments, "--method", "toppra", "--fastest", "--json", "-o", out).json()
     assert answer["method"] == "toppra"
     assert not answer["jerk_limited"]
     assert answer["after"]["duration_s"] < answer["before"]["duration_s"]
     assert answer["after"]["d_efficiency"] > answer["before"]["d_efficiency"]
     assert read_motion(out).duration == pytest.approx(answer["after"]["duration_s"], abs=1e-6)
-    told = call("retime", *arguments)
+    told = call("retime", *arguments, "--method", "toppra")
     assert told.code == 0
     assert "no jerk limit" in told.out
     assert "before" in told.out
 
 
+@pytest.mark.parametrize("family", ["manual", "table"])
+def test_a_retimed_motion_is_a_plan_that_can_be_posted(family: str, cache: Path, tmp_path: Path):
+    """Moves as a controller times them, and a table of poses as a spline."""
+    source = written(tmp_path)
+    if family == "manual":
+        poses = tmp_path / "poses.csv"
+        poses.write_text(POSES)
+        by_hand = ("--family", "manual", "--sequence", poses, "--model", 0)
+        assert call("plan", "hexapod", *by_hand, "-o", tmp_path / "by hand").code == 0
+        source = tmp_path / "by hand"
+    out = tmp_path / "after"
+    which = () if family == "manual" else ("--case", "hexapod", "--model", 0, "--fastest")
+    answer = call("retime", source, *which, "-o", out, "--json").json()
+    assert answer["method"] == ("ruckig" if family == "manual" else "ipopt")
+    assert answer["plan"] == str(out)
+    assert answer["jerk_limited"]
+    assert answer["after"]["violations"] == []
+    saved = load_plan(out)  # its figures are those of its motion
+    assert saved.motion.duration == pytest.approx(answer["after"]["duration_s"], abs=1e-6)
+    assert saved.data["d_efficiency"] == pytest.approx(answer["after"]["d_efficiency"], rel=1e-3)
+    assert saved.data["notes"][0].startswith(f"re-timed with {answer['method']}")
+    assert "re-timed with" in (out / "report.html").read_text(encoding="utf-8")
+    accept = ("--accept", "acceleration,jerk,strut-acceleration,sensor-force,strut-velocity,velocity")
+    program = call("post", out, *accept, "-o", tmp_path / "run.ngc", "--json").json()
+    assert program["excitation_s"] == pytest.approx(saved.motion.duration, rel=1e-2)
+
+
+def test_a_plan_that_passes_a_limit_is_not_written(tmp_path: Path):
+    far = StraightMove.fastest(HOME, HOME + np.array([0.0, 0.0, 0.15, 0.0, 0.0, 0.0]), *LIMITS)
+    found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, Method.RUCKIG, False)
+    request = Request("hexapod", family="manual", model=0)
+    with pytest.raises(InfeasiblePlan, match="is no plan: position"):
+        retimed_plan(found, request, CASE, "hexapod", tmp_path, 0.0)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--case", "hexapod", "--method", "magic"), ("magic", "ruckig or toppra")),
-        (("--case", "hexapod", "--method", "ruckig"), ("use toppra",)),
+        (("--case", "hexapod", "--method", "magic"), ("magic", "ruckig, ipopt, toppra")),
+        (("--case", "hexapod", "--method", "ruckig"), ("use --method ipopt",)),
         (("--case", "hexapod", "--method", "ruckig", "--fastest"), ("--fastest",)),
         (("--case", "hexapod", "--model", 11), ("model 11",)),
         (("--case", "ft_wrist"), ("machine",)),
         ((), ("--case",)),
+        (("--case", "hexapod", "--method", "toppra", "-o", "folder"), ("folder", "--method ipopt", "after.csv")),
+        (("--case", "hexapod", "-o", "after.txt"), ("after.txt", ".csv")),
     ],
 )
 def test_bad_requests_are_refused_in_one_line(
