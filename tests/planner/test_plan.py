@@ -128,7 +128,7 @@ def test_a_spline_that_lost_against_the_moves_it_began_from_is_told():
     """The best motion found is kept, whatever its family; nobody should take it for a spline."""
     request = Request("hexapod", family="spline")
     found = SimpleNamespace(
-        motion=None, starts=(), family="ptp", request=request, noise_note=(), limits=LimitReport(())
+        motion=None, starts=(), family="ptp", settings={}, request=request, noise_note=(), limits=LimitReport(())
     )
     (note,) = vars(Plan)["notes"].fget(found)
     assert "this is a ptp plan: no spline found carries more" in note
