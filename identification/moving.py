@@ -98,6 +98,7 @@ def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
     selection, whitening = how.selection(model), None
+    weighted: Array | None = None  # the values that W was found with, which it depends on in turn
     for _ in range(DELAY_STEPS):
         # The effect of the delay is that of the best forces of the moment, whatever parameters make them.
         left = (forces - matrices @ selection.offset) * scale
@@ -106,11 +107,12 @@ def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.
         values = selection.offset + selection.basis @ free
         effect = run.nuisance_columns(delay, matrices, values)[:, :, :beside]
         if problem.noise is not None:
-            whitening = problem.noise.whitening(values)
+            whitening = problem.noise.whitening(values if weighted is None else weighted)
         augmented = np.dstack([matrices, effect])
         first = np.dstack([matrices @ selection.basis, effect])
         rest = forces - matrices @ selection.offset
         fit = search(*whitened(whitening, first, rest), [*selection.names, *run.nuisances[:beside]])
+        weighted = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
         if delay == 0.0:
             require_wiring(first, rest, of_forces(whitening, fit, first, rest))
         if held is not None:

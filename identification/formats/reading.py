@@ -70,7 +70,9 @@ def read_tables(file: Path, form: RecordingFormat) -> tuple[Table, ...]:
         if numbers > MOST_NUMBERS:
             raise RecordingError(
                 f"{file}: holds {file.stat().st_size / 1e9:.2g} GB, too much to be read at once (at most "
-                f"{MOST_NUMBERS // len(table.values):,} rows of {len(table.values)} columns); cut the run into parts"
+                f"{MOST_NUMBERS // len(table.values):,} rows of {len(table.values)} columns); cut the run into parts, "
+                "or identify one file by the estimator gauss-markov, which may be of any length (not with --prior, "
+                "--biases, --period, --accelerated, --flexible, --plan)"
             )
     return tuple(pile.joined() for pile in piles.values())
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from cases.files import RESULT, atomic_folder, check_folder, json_text
 from cases.schema import Case
+from identification.estimators import Method
 from identification.force import external_force
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
@@ -16,7 +17,7 @@ from identification.recording import files_of, read_recording, read_run
 from identification.residuals import residuals_of
 from identification.result import Estimate
 from identification.saved import load_result
-from identification.streaming import identify_long, is_long
+from identification.streaming import identify_long, in_blocks, is_long
 from planner.cli.console import print_table, status
 from planner.cli.wishes import Wish, method_of
 from planner.fingerprints import plan_of_recording
@@ -55,8 +56,9 @@ def make_result(
     check_folder(folder, RESULT, paths)
     with status("identifying", quiet):
         standing = None
-        if len(paths) == 1 and wish == Wish(wish.model) and is_long(paths[0]) and not knows_poses(paths[0], still):
-            estimate, recording = identify_long(paths[0], loaded, wish.model)
+        how = _for_blocks(paths, wish, loaded, plan)
+        if how is not None and not knows_poses(paths[0], still):
+            estimate, recording = identify_long(paths[0], loaded, wish.model, how, wish.terms)
         else:
             recording, standing = standing_of(on_one_clock(read_run(paths, loaded), loaded), loaded, paths[0], still)
             number = default_model(recording) if wish.model is None else wish.model
@@ -80,6 +82,14 @@ def make_result(
     if not quiet:
         show_result(answer)
     return answer, estimate
+
+
+def _for_blocks(paths: Sequence[Path], wish: Wish, case: Case, plan: Path | None) -> Method | None:
+    """The method for a run that is read in blocks; None for one that is read at once: shorter, or asked for more."""
+    if len(paths) > 1 or plan is not None or not is_long(paths[0]):
+        return None
+    how = method_of(wish, identification_model(case, 9 if wish.model is None else wish.model, wish.terms), case)
+    return how if in_blocks(how, wish.conditioning) else None
 
 
 def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:

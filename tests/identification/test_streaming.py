@@ -13,13 +13,16 @@ from cases.errors import HexciteError
 from cases.loading import load_case
 from cases.schema import Case
 from identification import blocks, contact_free, streaming
+from identification.estimators import Method, method
 from identification.executed import PoseExecution
-from identification.formats import parquet
+from identification.formats import parquet, reading
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
+from identification.model import identification_model
 from identification.recording import Recording, read_recording, write_recording
 from identification.result import Estimate
+from identification.selection import symmetric_platform
 from identification.simulate import simulate_recording
 from identification.streaming import identify_long
 from tests.helpers import Harmonic, one_line
@@ -138,10 +141,56 @@ def test_without_a_trigger_the_window_is_the_motion_as_in_a_whole_run(tmp_path: 
     assert_same(identify_long(file, CASE).estimate, identify(read_recording(file, CASE), CASE))
 
 
-def test_weights_from_stated_noise_and_missing_channels_are_refused(tmp_path: Path) -> None:
-    stated = CASE.sensors.model_copy(update={"weights": "stated", "force_noise_N": 1.0})
-    with pytest.raises(HexciteError, match="weights from stated noise need that"):
-        identify_long(written(tmp_path), CASE.model_copy(update={"sensors": stated}))
+STATED = CASE.model_copy(
+    update={
+        "sensors": CASE.sensors.model_copy(
+            update={"force_noise_N": 1.0, "acceleration_noise_m_s2": 0.02, "angular_acceleration_noise_rad_s2": 0.1}
+        )
+    }
+)
+
+
+@pytest.mark.parametrize(
+    ("how", "terms"),
+    [
+        (method(known={"m": 31.9, "xC": 0.0}), ()),
+        (method(dropped=("k2", "k3", "I12")), ()),
+        (method(known=symmetric_platform(identification_model(CASE, 9)), weights="per_channel"), ()),
+        (method(weights="stated"), ()),
+        (method(weights="stated", dropped=("k0", "k1")), ()),
+        (method(), ("K2",)),
+    ],
+    ids=["fix", "drop", "symmetric, per_channel", "stated", "stated, drop", "terms"],
+)
+def test_what_is_known_left_out_or_stated_gives_what_the_whole_run_gives(
+    how: Method, terms: tuple[str, ...], tmp_path: Path
+) -> None:
+    """Values and covariance, also of what follows from what was estimated; stated weights settle to 1e-4."""
+    file = written(tmp_path)
+    whole = identify(read_recording(file, STATED), STATED, 9, how, terms)
+    long = identify_long(file, STATED, 9, how, terms).estimate
+    std = np.sqrt(np.diag(whole.covariance))
+    free = std > 0.0
+    assert 6 < free.sum() <= len(std)
+    assert np.abs((long.values - whole.values)[free] / std[free]).max() < 5e-3
+    np.testing.assert_allclose(long.values[~free], whole.values[~free], rtol=1e-12)
+    np.testing.assert_allclose(long.covariance, whole.covariance, rtol=1e-3, atol=1e-3 * np.outer(std, std).max())
+    np.testing.assert_allclose(np.sqrt(np.diag(long.covariance))[free], std[free], rtol=1e-3)
+    assert np.all(np.diag(long.covariance_robust)[~free] == 0.0)
+    assert long.s0 == pytest.approx(whole.s0, rel=1e-3)
+    assert (long.rank, long.freedom) == (whole.rank, pytest.approx(whole.freedom))
+    assert long.condition == pytest.approx(whole.condition, rel=1e-2)
+    assert long.physical.keys() == whole.physical.keys()
+    np.testing.assert_allclose(long.w, whole.w, rtol=1e-3)
+
+
+def test_a_known_value_that_the_model_does_not_have_is_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(HexciteError, match="'mass' is no parameter here; choose from m, ") as caught:
+        identify_long(written(tmp_path), CASE, 9, method(known={"mass": 1.0}))
+    assert "run.parquet" in one_line(caught.value)
+
+
+def test_missing_channels_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "poses.csv"
     file.write_text("t_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg," + ",".join(f"f{k}_N" for k in range(1, 7)) + "\n")
     with file.open("a") as rows:
@@ -211,9 +260,37 @@ def test_long_files_are_evaluated_in_blocks_from_the_command_line(
     words = ("identify", file, "--case", "hexapod", "--json")
     short = call(*words, "-o", tmp_path / "short").json()
     monkeypatch.setattr(streaming, "LONG", 1000)
+    monkeypatch.setattr(reading, "MOST_NUMBERS", 1000)  # what reads it at once now fails
     long = call(*words, "-o", tmp_path / "long").json()
     assert long["linear"]["values"] == pytest.approx(short["linear"]["values"], rel=1e-5)
     assert long["warnings"] == short["warnings"] == []
+
+
+@pytest.mark.parametrize(
+    "wish", [("--fix", "m=31.9kg", "--drop", "k2", "--drop", "k3"), ("--symmetric", "--terms", "K2")]
+)
+def test_what_is_known_or_left_out_is_evaluated_in_blocks_from_the_command_line(
+    wish: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ("identify", written(tmp_path), "--case", "hexapod", *wish, "--json")
+    short = call(*words, "-o", tmp_path / "short").json()
+    monkeypatch.setattr(streaming, "LONG", 1000)
+    monkeypatch.setattr(reading, "MOST_NUMBERS", 1000)
+    long = call(*words, "-o", tmp_path / "long").json()
+    assert long["linear"]["values"] == pytest.approx(short["linear"]["values"], rel=1e-5)
+    assert (long["known"], long["dropped"], long["error_terms"]) == (
+        short["known"], short["dropped"], short["error_terms"]
+    )  # fmt: skip
+
+
+def test_what_needs_the_whole_run_says_so_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(streaming, "LONG", 1000)
+    monkeypatch.setattr(reading, "MOST_NUMBERS", 1000)
+    words = ("identify", written(tmp_path), "--case", "hexapod", "--estimator", "robust", "-o", tmp_path / "r")
+    failed = call(*words)
+    assert failed.code == 1
+    assert "too much to be read at once" in failed.err
+    assert "estimator gauss-markov" in failed.err
 
 
 def test_the_smoothing_of_forces_that_leap_is_that_of_the_whole_run(tmp_path: Path) -> None:
