@@ -120,7 +120,7 @@ class _Writer:
             "contour": ([f"#CONTOUR MODE [DEV {deviations}]", "G261"], "G260"),
         }[s.path]
         lines = [*comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), *before, "G93"]
-        steps = np.diff(path.times)
+        steps = np.diff(np.round(path.times, TIME_DECIMALS))  # rounding of many blocks does not add up
         for k, (pose, step) in enumerate(zip(path.poses[1:], steps, strict=True), start=1):
             stop = "G60 " if k == len(steps) else ""
             lines.append(f"G01 {stop}{self.pose(pose)} F{number(step, TIME_DECIMALS)}")
