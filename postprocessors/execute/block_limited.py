@@ -1,7 +1,9 @@
-"""Timed paths on a controller without look-ahead: a rule measured on LinuxCNC, not a model of its planner.
+"""Timed paths on a controller without look-ahead: LinuxCNC's way to plan turning blocks (tp.c), measured on 2.9.
 
-Over a block of length L such a controller sustains sqrt(a L / 2), a being the acceleration limit along the block, so
-that no block takes less than sqrt(2 L / a). It rounds the corners between blocks, by parabolas, as far as it may.
+Each block is a trapezoid at half the acceleration limit along it, so that no block of length L is faster than
+sqrt(a L / 2). While one slows down the next speeds up, for as long as each has room, and only below the speed at which
+the corner between them is cut by the tolerance of G64; the slowing down above that speed is time lost. Corners
+are rounded by parabolas. Durations agree with LinuxCNC within 1 % for blocks of 10 to 210 ms.
 """
 
 import numpy as np
@@ -14,16 +16,41 @@ from identification.path_timing import RetimedMotion, retime
 Array = NDArray[np.float64]
 
 ROUNDED = 1 / 8  # of the change of velocity times the block: how far from its corner a parabola passes
+CUT = 1e-3  # [m] G64 P1, as programs of ours have it
+NOTHING = 1e-9  # [m, rad] of a block's way
 
 
-def least_durations(poses: Array, acceleration: Array) -> Array:
-    """Shortest durations of straight blocks between poses, shape (k - 1,) [s].
+def block_durations(times: Array, poses: Array, acceleration: Array) -> Array:
+    """How long straight blocks between poses take, from rest to rest, shape (k - 1,) [s].
 
     Args:
+        times: at which the poses are wanted, shape (k,) [s].
         poses: shape (k, 6) [m, rad].
         acceleration: limits of the coordinates, shape (6,).
     """
-    return np.asarray(np.sqrt(2.0 * (np.abs(np.diff(poses, axis=0)) / acceleration).max(axis=1)))
+    steps, ways = np.diff(times), np.diff(poses, axis=0)
+    linear, turning = (np.linalg.norm(ways[:, axes], axis=1) for axes in (slice(0, 3), slice(3, 6)))
+    length = np.where(linear > NOTHING, linear, turning)
+    standing = length <= NOTHING
+    ways, length = np.where(standing[:, None], 1.0, ways), np.where(standing, 1.0, length)
+    slope = 0.5 / (np.abs(ways) / length[:, None] / acceleration).max(axis=1)
+    speed = np.minimum(length / steps, np.sqrt(slope * length))
+    alone, ramp = length / speed, speed / slope
+    room = np.minimum(alone[:-1], alone[1:])
+    together = np.minimum(ramp[:-1], np.minimum(np.maximum(ramp[:-1], ramp[1:]), room))
+    direction = ways[:, :3] / np.where(linear > NOTHING, linear, np.inf)[:, None]
+    bend = np.sqrt(np.maximum(0.0, 1.0 - np.sum(direction[:-1] * direction[1:], axis=1)) / 2)
+    bend = np.where(np.minimum(linear[:-1], linear[1:]) > NOTHING, bend, 0.0)
+    corner = 2.0 * np.sqrt(np.divide(CUT, slope[:-1] * bend, out=np.full(len(bend), np.inf), where=bend > 0.0))
+    together = np.where(standing[:-1] | standing[1:], 0.0, np.minimum(together, corner))
+    return np.where(standing, steps, alone + ramp - np.append(together, 0.0))
+
+
+def largest_cut(times: Array, poses: Array) -> float:
+    """How far the origin passes from the corners between blocks, at most [m]."""
+    steps = np.diff(times)
+    turns = np.diff(np.diff(poses[:, :3], axis=0) / steps[:, None], axis=0)
+    return float(np.max(ROUNDED * np.linalg.norm(turns, axis=1) * np.minimum(steps[:-1], steps[1:]), initial=0.0))
 
 
 def rounded(points: TimedPoints, tolerance: tuple[float, float]) -> TimedPoints:
@@ -58,7 +85,7 @@ def block_limited(points: TimedPoints, case: Case, tolerance: tuple[float, float
     """
     acceleration = case.need_machine("a run")[2].motion.acceleration
     steps = np.diff(points.times)
-    needed = np.maximum(least_durations(points.poses, acceleration), steps)
+    needed = np.maximum(block_durations(points.times, points.poses, acceleration), steps)
 
     def slowed(times: Array) -> Array:
         block = np.clip(np.searchsorted(points.times, times, side="right") - 1, 0, len(steps) - 1)

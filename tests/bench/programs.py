@@ -8,7 +8,7 @@ from subprocess import CalledProcessError
 from cases.loading import load_case
 from planner.running import linuxcnc_missing
 from postprocessors.execute.linuxcnc.running import run_linuxcnc
-from postprocessors.execute.linuxcnc.stretching import predicted_stretch
+from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import read_program
 from tests.bench.long_programs import long_programs
@@ -94,7 +94,7 @@ def dense(folder: Path, command: Command) -> list[list[str]]:
         rows += wide_open("fourier", program, command)
         case = load_case("hexapod")
         read = read_program(program, case)
-        expected = predicted_stretch(read.reading, case, 1.0)
+        expected = predicted_stretch(triggered_paths(read.reading), case, 1.0)
         assert expected is not None
         log = run_linuxcnc(program, case, read.content, headroom=1.0)
         measured = float(log.trigger.sum()) * log.period / 12.0

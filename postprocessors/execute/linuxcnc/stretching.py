@@ -1,8 +1,6 @@
-"""How much LinuxCNC will stretch a timed path, told before it runs.
+"""How much LinuxCNC will stretch a timed path, told before it runs, and what keeps its time.
 
-It plans a turning path block by block, without look-ahead, so that it could come to rest at the end of each. Over a
-block of length L it sustains sqrt(a L / 2), a being the acceleration limit along the block, so that no block takes less
-than sqrt(2 L / a); measured on LinuxCNC 2.9.
+It plans a turning path block by block, without look-ahead; see `block_limited`.
 """
 
 import math
@@ -12,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from postprocessors.execute.block_limited import least_durations
+from identification.motion import TimedPoints
+from postprocessors.execute.block_limited import block_durations, largest_cut
 from postprocessors.execute.linuxcnc.configuration import PURPOSE
-from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
+from postprocessors.execute.linuxcnc.guarantees import LONGEST_BLOCK, acceleration_headroom
 from postprocessors.guarantees import Forecast
 from postprocessors.reading.words import Reading
 from postprocessors.stretches import Timed, stretches
@@ -22,63 +21,118 @@ from postprocessors.stretches import Timed, stretches
 Array = NDArray[np.float64]
 
 NOTICEABLE = 1.01
+CUT = 2e-3
+"""How far longer blocks may leave the path to be named as a remedy [m]."""
+
+LONGER = 1.1
+MOST_HEADROOM = 1e6
 
 
 class Stretch(NamedTuple):
     """The timed paths of a program under a controller's limits.
 
     Args:
-        factor: predicted duration over planned duration of the excitation.
-        block: duration of blocks at which nothing would be stretched any more [s].
-        headroom: multiple of the case's acceleration limits at which these blocks would not be stretched.
+        planned: duration of those that run with the trigger on [s].
+        expected: what they will take [s].
     """
 
-    factor: float
-    block: float
-    headroom: float
+    planned: float
+    expected: float
+
+    @property
+    def factor(self) -> float:
+        """Predicted duration over the planned one, 1 where the plan's is kept."""
+        return max(1.0, self.expected / self.planned)
 
 
-def predicted_stretch(reading: Reading, case: Case, headroom: float) -> Stretch | None:
-    """What becomes of the timed paths that run with the trigger on; None where there are none.
+class LongerBlocks(NamedTuple):
+    """Blocks that keep their time.
 
     Args:
-        reading: the program.
+        duration: of one [s].
+        cut: how far they leave the path [m].
+    """
+
+    duration: float
+    cut: float
+
+
+def triggered_paths(reading: Reading) -> list[TimedPoints]:
+    """The timed paths that run with the trigger on.
+
+    Raises:
+        ProgramError: the motion is not defined.
+    """
+    timed = [s.points for s in stretches(reading) if isinstance(s, Timed) and s.trigger]
+    return [points for points in timed if isinstance(points, TimedPoints)]  # LinuxCNC has no other
+
+
+def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> Stretch | None:
+    """What becomes of timed paths; None where there are none.
+
+    Args:
+        paths: of a program.
         case: its acceleration limits.
         headroom: what LinuxCNC gets, as a multiple of them.
 
     Raises:
-        ProgramError: the motion is not defined.
         CaseError: the case has no machine.
     """
-    limits = case.need_machine(PURPOSE)[2].motion
-    planned: list[Array] = []
-    least: list[Array] = []
-    for part in stretches(reading):
-        if isinstance(part, Timed) and part.trigger:
-            times = part.points.times
-            planned.append(np.diff(times))
-            least.append(least_durations(part.points.at(times).pose, limits.acceleration))
-    if not planned:
+    if not paths:
         return None
-    steps, shortest = np.concatenate(planned), np.concatenate(least)
-    factor = float(np.maximum(steps, shortest / np.sqrt(headroom)).sum() / steps.sum())
-    # way = rate * step: the least duration grows with the root of a block's, so the block must grow with its square.
-    ratio = float(np.max(shortest / steps))
-    return Stretch(factor, float(steps.max()) * ratio**2 / headroom, ratio**2)
+    acceleration = headroom * case.need_machine(PURPOSE)[2].motion.acceleration
+    taken = sum(float(block_durations(p.times, p.poses, acceleration).sum()) for p in paths)
+    return Stretch(sum(p.duration for p in paths), taken)
+
+
+def sufficient_headroom(paths: list[TimedPoints], case: Case, headroom: float) -> int:
+    """The least whole multiple of the case's acceleration limits, above `headroom`, that keeps the paths' time."""
+
+    def late(multiple: float) -> bool:
+        found = predicted_stretch(paths, case, multiple)
+        return found is not None and found.factor > NOTICEABLE
+
+    low, high = math.floor(headroom), math.ceil(headroom) + 1
+    while late(high) and high < MOST_HEADROOM:
+        low, high = high, 2 * high
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if late(middle) else (low, middle)
+    return high
+
+
+def longer_blocks(paths: list[TimedPoints], case: Case, headroom: float) -> LongerBlocks | None:
+    """The shortest longer blocks that keep the paths' time near the path; None where there are none."""
+    block = max(float(np.diff(p.times).max()) for p in paths)
+    while (block := math.ceil(1e3 * LONGER * block) / 1e3) <= LONGEST_BLOCK:
+        coarse = [_in_blocks(p, block) for p in paths]
+        cut = max(largest_cut(p.times, p.poses) for p in coarse)
+        if cut > CUT:
+            return None
+        found = predicted_stretch(coarse, case, headroom)
+        if found is not None and found.factor <= NOTICEABLE:
+            return LongerBlocks(block, cut)
+    return None
+
+
+def _in_blocks(path: TimedPoints, block: float) -> TimedPoints:
+    times = np.linspace(0.0, path.duration, max(2, math.ceil(path.duration / block)) + 1)
+    return TimedPoints(times, path.at(times).pose, path.spline)
 
 
 def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
     """How much LinuxCNC will stretch a program, as it is set up and under the case's own acceleration limits."""
-    headroom = acceleration_headroom(reading, case)
-    stretch, own = predicted_stretch(reading, case, headroom), predicted_stretch(reading, case, 1.0)
+    headroom, paths = acceleration_headroom(reading, case), triggered_paths(reading)
+    stretch, own = predicted_stretch(paths, case, headroom), predicted_stretch(paths, case, 1.0)
     if stretch is None or own is None:
         return Forecast()
     remarks = []
     if stretch.factor > NOTICEABLE:
         remarks.append(
-            f"LinuxCNC will take {stretch.factor:.2f} times as long for the timed path; it keeps time with blocks of "
-            f"{math.ceil(1e3 * stretch.block)} ms (controller.block_ms), with acceleration_headroom = "
-            f"{math.ceil(stretch.headroom)}, or plan point-to-point moves"
+            f"LinuxCNC will take {stretch.factor:.2f} times as long for the timed path ({stretch.expected:.1f} s, not "
+            f"{stretch.planned:.1f} s); what keeps its time: controller.linuxcnc.acceleration_headroom = "
+            f"{sufficient_headroom(paths, case, headroom)}, or point-to-point moves (hexcite plan --family ptp)"
+            f"{_about(longer_blocks(paths, case, headroom))}"
         )
     if own.factor > NOTICEABLE and headroom > 1.0:
         remarks.append(
@@ -86,3 +140,12 @@ def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
             f"(acceleration_headroom is {headroom:g}); point-to-point moves keep their time and these limits"
         )
     return Forecast(stretch.factor, tuple(remarks))
+
+
+def _about(longer: LongerBlocks | None) -> str:
+    if longer is None:
+        return f"; longer blocks that do would leave the path by more than {1e3 * CUT:g} mm"
+    return (
+        f", or blocks of {1e3 * longer.duration:.0f} ms (controller.block_ms), which leave the path by "
+        f"{1e3 * longer.cut:.1f} mm"
+    )

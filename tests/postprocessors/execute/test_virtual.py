@@ -11,7 +11,7 @@ from identification.path import path_error
 from postprocessors.execute.block_limited import rounded
 from postprocessors.execute.executed_run import ExecutedRun, windows
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
-from postprocessors.execute.linuxcnc.stretching import predicted_stretch
+from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
 from postprocessors.execute.virtual import REST, run_virtual
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.stretches import Timed
@@ -126,7 +126,7 @@ def test_without_look_ahead_a_dense_path_takes_as_long_as_is_predicted_of_linuxc
     slow = without_look_ahead(hexapod_case)
     text = small_excitation(hexapod_case)
     late, exact = run(text, slow), run(text, hexapod_case)
-    expected = predicted_stretch(read_linuxcnc(text, "p.ngc"), slow, 1.0).factor
+    expected = predicted_stretch(triggered_paths(read_linuxcnc(text, "p.ngc")), slow, 1.0).factor
     assert late.excitation / exact.excitation == pytest.approx(expected, rel=0.02)
     assert expected > 1.5
     assert "without look-ahead" in late.controller
