@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +11,17 @@ from cases.errors import RecordingError
 from cases.schema import Case
 from identification.evaluation import MOVING, Run, checked_filter, spoilt_by
 from identification.formats.stream import UNIFORMITY, Recording, Stream
-from identification.formats.table import Lines
 from identification.hexapod import Hexapod
+from identification.long_feed import LongFeed
+from identification.long_rates import at_their_samples, joined, last_rows
 from identification.model import Model
 from identification.plausibility import bridged, scan
+from identification.rates import HELD_CHANGES, Rhythm, changes_of, rhythm_of
 from identification.recording import read_batches
 from identification.signals import Filter
 
 HEAD = 60_000  # rows that give the delay to start from
+_ALWAYS = (-np.inf, np.inf)
 
 Rows = NDArray[np.bool_]
 
@@ -34,6 +36,8 @@ class Blocks:
         warnings: what is wrong with single samples, with their rows; known after the first reading.
         bad: rows of each batch that no estimate may use; known after the first reading.
         moving: first and last instant of movement [s], which stand for a trigger; None where there is one.
+        held: how struts are held that come at a lower rate than the rows; known once the file has been looked at.
+        feed: what the file says of the feed; known after the first reading.
     """
 
     path: Path
@@ -41,6 +45,8 @@ class Blocks:
     warnings: list[str] = field(default_factory=list)
     bad: list[NDArray[np.int64]] = field(default_factory=list)
     moving: tuple[float, float] | None = None
+    held: Rhythm | None = None
+    feed: LongFeed = field(default_factory=LongFeed)
 
     def head(self) -> tuple[Recording, Filter]:
         """The first rows of the window, with what the filter needs around them, and the filter.
@@ -48,8 +54,8 @@ class Blocks:
         Raises:
             RecordingError: as the reader; channels are missing; the trigger is never on.
         """
-        if self.moving is None:
-            self._find_movement()
+        self.held = self._rhythm()
+        self._find_movement()
         parts: list[Recording] = []
         on = 0
         for batch in self._batches():
@@ -60,7 +66,7 @@ class Blocks:
             on += int(batch.trigger.sum())
             if on >= HEAD:
                 break
-        head = _joined(parts)
+        head = joined(parts)
         if not np.any(head.trigger):
             raise RecordingError(f"{self.path}, trigger: is never 1; record with the trigger or leave it out")
         return head, checked_filter(head, self.case)
@@ -75,12 +81,14 @@ class Blocks:
             if first:
                 found = scan(batch, self.case)
                 self.warnings += found.warnings
+                # Without a trigger every recorded override counts, as in a whole run.
+                self.feed.add(batch if self.moving is None else replace(batch, trigger=None))
                 self.bad.append(np.flatnonzero(found.bad))
             bad = np.zeros(len(batch.forces), dtype=bool)
             bad[self.bad[number]] = True
             part, _ = mended(batch, bad)
             if before is not None:
-                part, bad = _joined([before[0], part]), np.r_[before[1], bad]
+                part, bad = joined([before[0], part]), np.r_[before[1], bad]
             assert part.t is not None
             step = part.step if step is None else step
             uneven = np.abs(np.diff(part.t) - step) > UNIFORMITY * step
@@ -90,23 +98,47 @@ class Blocks:
                 run = block_run(part, bad, model, hexapod, low_pass, passed)
                 passed += run.passed
                 yield run.run
-                part, bad = _last(part, 2 * low_pass.margin), bad[len(bad) - 2 * low_pass.margin :]
+                part, bad = last_rows(part, 2 * low_pass.margin), bad[len(bad) - 2 * low_pass.margin :]
             before = part, bad
 
     def _batches(self) -> Iterator[Recording]:
+        yield from self._batches_of(self.moving)
+
+    def _batches_of(self, moving: tuple[float, float] | None) -> Iterator[Recording]:
+        parts = (_recording(stream, moving) for stream in read_batches(self.path, self.case))
+        return parts if self.held is None else at_their_samples(parts, self.held, self.case)
+
+    def _rhythm(self) -> Rhythm | None:
+        """How struts are held, by the first rows in which they change."""
+        parts: list[Recording] = []
+        rows = passed = 0
         for stream in read_batches(self.path, self.case):
-            yield _recording(stream, self.moving)
+            parts.append(_recording(stream, _ALWAYS))
+            rows += len(parts[-1].forces)
+            if rows >= HEAD:
+                struts = joined(parts).struts
+                assert struts is not None
+                if len(changes_of(struts)) >= HELD_CHANGES:
+                    break
+                parts, rows, passed = [], 0, passed + rows
+        if not parts:
+            return None
+        struts = joined(parts).struts
+        assert struts is not None
+        found = rhythm_of(struts)
+        return None if found is None else Rhythm(found.ratio, (found.phase + passed) % found.ratio)
 
     def _find_movement(self) -> None:
         """Reads the file once for the first and last movement, where it has no trigger."""
-        before: Recording | None = None
-        low_pass = None
-        start = end = None
         for stream in read_batches(self.path, self.case):
             if stream.trigger is not None:
                 return
-            part = _recording(stream, (-np.inf, np.inf))
-            part = part if before is None else _joined([before, part])
+            break
+        before: Recording | None = None
+        low_pass = None
+        start = end = None
+        for batch in self._batches_of(_ALWAYS):
+            part = batch if before is None else joined([before, batch])
             low_pass = checked_filter(part, self.case) if low_pass is None else low_pass
             if len(part.forces) > 2 * low_pass.margin + 1:
                 assert part.t is not None
@@ -115,9 +147,9 @@ class Blocks:
                 moves = inner[np.abs(low_pass.apply(part.struts, 1)).max(axis=1) > MOVING]
                 if len(moves):
                     start, end = float(moves[0]) if start is None else start, float(moves[-1])
-                part = _last(part, 2 * low_pass.margin)
+                part = last_rows(part, 2 * low_pass.margin)
             before = part
-        self.moving = (-np.inf, np.inf) if start is None or end is None else (start, end)
+        self.moving = _ALWAYS if start is None or end is None else (start, end)
 
 
 def mended(recording: Recording, bad: Rows) -> tuple[Recording, Rows]:
@@ -166,30 +198,8 @@ def _recording(stream: Stream, moving: tuple[float, float] | None) -> Recording:
         )
     on = stream.trigger
     if on is None:
-        start, end = (-np.inf, np.inf) if moving is None else moving
+        start, end = _ALWAYS if moving is None else moving
         on = (stream.t >= start) & (stream.t <= end)
-    return Recording(stream.source, stream.t, stream.struts, None, stream.forces, on, lines=stream.lines)
-
-
-def _joined(parts: list[Recording]) -> Recording:
-    if len(parts) == 1:
-        return parts[0]
-    arrays: dict[str, Any] = {
-        n: np.concatenate([getattr(p, n) for p in parts]) for n in ("t", "struts", "forces", "trigger")
-    }
-    skipped = tuple(s for p in parts for s in p.lines.skipped)
-    return replace(parts[0], **arrays, lines=replace(parts[0].lines, skipped=skipped))
-
-
-def _last(recording: Recording, count: int) -> Recording:
-    """The last rows of a recording."""
-    rows = len(recording.forces) - count
-    assert recording.t is not None
-    assert recording.struts is not None
-    assert recording.trigger is not None
-    place = int(recording.lines.place(rows).rsplit(" ", 1)[1])
-    later = tuple(s for s in recording.lines.skipped if s > place)
-    return replace(
-        recording, t=recording.t[rows:], struts=recording.struts[rows:], forces=recording.forces[rows:],
-        trigger=recording.trigger[rows:], lines=Lines(place, later, recording.lines.word),
-    )  # fmt: skip
+    return Recording(
+        stream.source, stream.t, stream.struts, None, stream.forces, on, lines=stream.lines, override=stream.override
+    )

@@ -5,6 +5,7 @@ run is; the ratio of speeds there is the local scale of time. It says how fast, 
 control that slows down look alike.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from identification.evaluation import MOST_BRIDGED, MOVING, checked_filter
 from identification.formats.stream import Recording
 from identification.hexapod import Hexapod
 from identification.motion import Trajectory
-from identification.plausibility import bridged, places, scan
+from identification.plausibility import bridged, scan
 
 Array = NDArray[np.float64]
 
@@ -158,16 +159,48 @@ def about_feed(recording: Recording, stretches: tuple[Stretch, ...], against: st
         stretches: found in it.
         against: what they were found by.
     """
-    if not stretches or recording.t is None:
+    return about_pieces([piece_of(recording, stretch) for stretch in stretches], against)
+
+
+class Piece(NamedTuple):
+    """A stretch as it is told: from when to when [s], from which row to which, and its feed over the planned one."""
+
+    start: float
+    end: float
+    first: str
+    last: str
+    scale: float
+
+    @property
+    def where(self) -> str:
+        """Its rows, `line 12` or `lines 12 to 40`."""
+        if self.first == self.last:
+            return self.first
+        word, first = self.first.rsplit(" ", 1)
+        return f"{word}s {first} to {self.last.rsplit(' ', 1)[1]}"
+
+
+def piece_of(recording: Recording, stretch: Stretch) -> Piece:
+    """A stretch of a recording with a clock as it is told."""
+    assert recording.t is not None
+    first, last = (int(k) for k in np.flatnonzero(stretch.rows)[[0, -1]])
+    place = recording.lines.place
+    return Piece(float(recording.t[first]), float(recording.t[last]), place(first), place(last), stretch.scale)
+
+
+def about_pieces(pieces: Sequence[Piece], against: str, more: int = 0) -> tuple[list[str], dict[str, Any]]:
+    """The same of stretches that are told already.
+
+    Args:
+        pieces: in the order of time.
+        against: what they were found by.
+        more: stretches beyond them.
+    """
+    if not pieces:
         return [], {}
-    t = recording.t
-    told: list[dict[str, Any]] = []
-    named: list[str] = []
-    for stretch in stretches:
-        start, end = float(t[stretch.rows][0]), float(t[stretch.rows][-1])
-        where = places(recording.lines, stretch.rows)
-        told.append({"from_s": start, "to_s": end, "feed": stretch.scale, "where": where})
-        named.append(f"{where} ({start:.3f} to {end:.3f} s) at {100 * stretch.scale:.3g} %")
-    more = f" and {len(told) - MOST_NAMED} more stretches" if len(told) > MOST_NAMED else ""
-    sentence = f"feed other than 100 %, by {against}: {', '.join(named[:MOST_NAMED])}{more}; {CONSEQUENCE}"
-    return [sentence], {"feed": {"found_by": against, "stretches": told}}
+    told = [{"from_s": p.start, "to_s": p.end, "feed": p.scale, "where": p.where} for p in pieces]
+    named = [f"{p.where} ({p.start:.3f} to {p.end:.3f} s) at {100 * p.scale:.3g} %" for p in pieces[:MOST_NAMED]]
+    left = len(pieces) + more - len(named)
+    beyond = f" and {left} more stretches" if left else ""
+    sentence = f"feed other than 100 %, by {against}: {', '.join(named)}{beyond}; {CONSEQUENCE}"
+    return [sentence], {"feed": {"found_by": against, "stretches": told} | ({"more": more} if more else {})}

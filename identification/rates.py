@@ -8,7 +8,7 @@ sampled faster than the forces are read from the cubic spline through them at th
 """
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ GAP = 1.6  # usual steps of the forces without a sample, which an average would 
 HELD_CHANGES = 50  # that tell that struts are held
 HELD = 0.98  # of the changes, that keep the rhythm
 FULL_RANGE = 0.999
+ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
 
 
 def on_one_clock(recording: Recording, case: Case) -> Recording:
@@ -59,25 +60,75 @@ def _motion(recording: Recording, case: Case) -> Stream | None:
     return replace(found, struts=Hexapod.of(case).strut_lengths(found.poses))
 
 
-def _released(recording: Recording) -> Stream | None:
-    """The samples of struts that a file holds until the next one comes; None where every row has its own."""
-    assert recording.struts is not None
-    assert recording.t is not None
-    changes = np.flatnonzero(np.any(np.diff(recording.struts, axis=0) != 0.0, axis=1)) + 1
+class Rhythm(NamedTuple):
+    """Struts that a file holds until the next ones come.
+
+    Args:
+        ratio: rows for each sample of the struts.
+        phase: their first row, 0 to ratio - 1.
+    """
+
+    ratio: int
+    phase: int
+
+
+def changes_of(struts: Array) -> NDArray[np.int64]:
+    """Rows that differ from the one before."""
+    return np.flatnonzero(np.any(np.diff(struts, axis=0) != 0.0, axis=1)) + 1
+
+
+def rhythm_of(struts: Array) -> Rhythm | None:
+    """How struts are held, shape (n, 6); None where every row has its own."""
+    changes = changes_of(struts)
     if len(changes) < HELD_CHANGES:
         return None
     ratio = int(np.median(np.diff(changes)))
     phase = int(np.bincount(changes % ratio).argmax())
     if ratio < 2 or np.mean(changes % ratio == phase) < HELD or np.mean(np.diff(changes) == ratio) < HELD / 2:
         return None
-    rows = slice(phase, None, ratio)
+    return Rhythm(ratio, phase)
+
+
+def _released(recording: Recording) -> Stream | None:
+    """The samples of struts that a file holds until the next one comes; None where every row has its own."""
+    assert recording.struts is not None
+    rhythm = rhythm_of(recording.struts)
+    return None if rhythm is None else _samples(recording, rhythm)
+
+
+def _samples(recording: Recording, rhythm: Rhythm) -> Stream:
+    assert recording.struts is not None
+    assert recording.t is not None
+    rows = slice(rhythm.phase, None, rhythm.ratio)
     trigger = None if recording.trigger is None else recording.trigger[rows]
     velocities = None if recording.strut_velocities is None else recording.strut_velocities[rows]
-    lines = recording.lines
+    lines = replace(recording.lines, first=recording.lines.first + rhythm.phase, every=rhythm.ratio)
     return Stream(
         recording.source, recording.t[rows], recording.struts[rows], trigger=trigger, strut_velocities=velocities,
-        lines=replace(lines, first=lines.first + phase, every=ratio),
+        lines=lines,
     )  # fmt: skip
+
+
+def released(recording: Recording, rhythm: Rhythm, case: Case) -> Recording | None:
+    """A piece of a run whose struts are held, at their samples, with forces averaged; None where it is too short.
+
+    Its first two and last two samples of the struts only serve the averages, as in a whole run.
+
+    Args:
+        recording: struts and forces of one clock.
+        rhythm: counted from its first row.
+        case: range of the sensors.
+
+    Raises:
+        RecordingError: as `on_one_clock`.
+    """
+    motion = _samples(recording, rhythm)
+    assert motion.t is not None
+    assert recording.t is not None
+    if len(motion.t) < 5:
+        return None
+    interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
+    return _at_the_motion(recording, motion, interval, step, case)
 
 
 def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
@@ -92,8 +143,9 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
             f"forces have {step * 1e3:.4g} ms; an average would hide it: export the run without gaps"
         )
     half = interval / 2.0
-    # A sample more on either side for the curvature.
-    inside = np.flatnonzero((motion.t - half >= t[0]) & (motion.t + half <= t[-1]))
+    # A sample more on either side for the curvature; whether the first reaches the edge is no matter of rounding.
+    room = half - ROUNDING * step
+    inside = np.flatnonzero((motion.t - room >= t[0]) & (motion.t + room <= t[-1]))
     if len(inside) < 3:
         raise RecordingError(f"{recording.source}: its forces cover less than 3 samples of the motion; record together")
     means = interval_means(t, forces, motion.t[inside], interval)

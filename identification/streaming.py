@@ -153,9 +153,12 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
     require_sense(model, fit)
     std = float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))
     smoothing = smoothing_of(begin, fit) if begin.smoothing else None
-    notes, told = [] if smoothing is None else smoothing.notes, {}
+    notes: list[str] = [] if smoothing is None else smoothing.notes
+    slower, told = blocks.feed.told()
     if smoothing is not None:
         told["smoothing_s2"] = smoothing._asdict()
+    if head.averaged is not None:
+        notes, told = [*notes, head.averaged.note(total.root.T @ total.root, fit.s0)], told | head.averaged.to_json()
     about = Evaluation(
         total.samples, total.kept, Delay(total.delay + float(found[-1]), std), notes=tuple(notes), told=told
     )
@@ -163,6 +166,7 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
         *blocks.warnings[:MOST_WARNINGS],
         *(f"{_told(t)}; left out" for t in total.found[:MOST_WARNINGS]),
         *doubts(fit, total.kept_forces),
+        *slower,
     )
     more = len(total.found) - MOST_WARNINGS
     if more > 0:

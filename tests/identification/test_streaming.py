@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -19,7 +20,9 @@ from identification.formats import parquet, reading
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
+from identification.long_feed import MOST_TOLD, LongFeed
 from identification.model import identification_model
+from identification.rates import on_one_clock
 from identification.recording import Recording, read_recording, write_recording
 from identification.result import Estimate
 from identification.selection import symmetric_platform
@@ -303,3 +306,83 @@ def test_the_smoothing_of_forces_that_leap_is_that_of_the_whole_run(tmp_path: Pa
     assert long.told["smoothing_s2"]["value"] == pytest.approx(whole.told["smoothing_s2"]["value"], rel=1e-3)
     assert long.delay.value == pytest.approx(whole.delay.value, abs=1e-9)
     assert_same(long, whole, share=5e-3)
+
+
+def held(ratio: int, dropped: int = 2) -> Recording:
+    """The run with struts that come every `ratio` rows and are held until then; the file begins within a sample."""
+    rows = np.arange(len(RUN.forces)) // ratio * ratio
+    assert RUN.struts is not None
+    assert RUN.t is not None
+    assert RUN.trigger is not None
+    later = slice(dropped, None)
+    return replace(
+        RUN, t=RUN.t[later] - RUN.t[dropped], struts=RUN.struts[rows][later], forces=RUN.forces[later],
+        trigger=RUN.trigger[later],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("batch", "trigger"), [(97, True), (700, True), (700, False), (100_000, True)])
+def test_struts_that_are_held_are_taken_when_they_are_new_as_in_a_whole_run(
+    batch: int, trigger: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(parquet, "_BATCH", batch)
+    file = written(tmp_path, held(4))
+    if not trigger:
+        pq.write_table(pq.read_table(file).drop_columns(["trigger"]), file)
+    whole = identify(on_one_clock(read_recording(file, CASE), CASE), CASE)
+    long = identify_long(file, CASE).estimate
+    assert np.linalg.norm(long.values - whole.values) < 1e-9 * np.linalg.norm(whole.values)
+    assert long.samples == whole.samples
+    assert long.told["averaged"]["ratio"] == pytest.approx(4.0)
+    assert long.told["averaged"].keys() == whole.told["averaged"].keys()
+    assert any("4 samples averaged" in note for note in long.notes)
+
+
+def test_rows_of_held_struts_are_named_as_they_stand_in_the_file(tmp_path: Path) -> None:
+    recording = held(4)
+    forces = recording.forces.copy()
+    forces[1500:1560, 4] = 5000.0  # at the end of its range
+    estimate = identify_long(written(tmp_path, replace(recording, forces=forces)), CASE).estimate
+    (warning,) = [w for w in estimate.warnings if "end of its range" in w]
+    first, last = map(int, re.findall(r"rows (\d+) to (\d+):", warning)[0])
+    assert abs(first - 1501) <= 4
+    assert abs(last - 1560) <= 4
+
+
+def test_struts_that_lose_their_rhythm_are_refused_with_the_row(tmp_path: Path) -> None:
+    recording = held(4)
+    rows = np.arange(len(recording.forces))
+    rows[2500:] = 2500 + (rows[2500:] - 2500) // 4 * 4 + 2
+    assert recording.struts is not None
+    struts = recording.struts[np.minimum(rows, len(rows) - 1)]
+    with pytest.raises(HexciteError, match=r"row 2\d\d\d: the struts were held for 4 rows each, from here") as caught:
+        identify_long(written(tmp_path, replace(recording, struts=struts)), CASE)
+    one_line(caught.value)
+
+
+@pytest.mark.parametrize("trigger", [True, False])
+def test_a_recorded_override_is_told_as_in_a_whole_run(trigger: bool, tmp_path: Path) -> None:
+    """Stretches within blocks, across their ends, next to each other, and outside the window."""
+    override = np.ones(len(RUN.forces))
+    override[650:1500], override[1500:1650], override[2900:3000], override[:100] = 0.7, 0.4, 1.2, 0.5
+    file = written(tmp_path)
+    table = pq.read_table(file).append_column("override_percent", pa.array(100.0 * override))
+    pq.write_table(table if trigger else table.drop_columns(["trigger"]), file)
+    whole, long = identify(read_recording(file, CASE), CASE), identify_long(file, CASE).estimate
+    assert long.told["feed"] == whole.told["feed"]
+    assert len(long.told["feed"]["stretches"]) == 3 + (not trigger)
+    assert [w for w in long.warnings if "feed" in w] == [w for w in whole.warnings if "feed" in w]
+    assert_same(long, whole)
+
+
+def test_of_ever_changing_feed_the_first_stretches_are_told_and_the_others_counted() -> None:
+    feed, rows = LongFeed(), np.arange(3000)
+    override = np.where(rows % 2, 1.0, 0.5)
+    for start in range(0, 3000, 700):
+        part = slice(start, start + 700)
+        block = Recording("run", rows[part] / 1e3, None, None, np.zeros((len(rows[part]), 6)), None)
+        feed.add(replace(block, override=override[part]))
+    (sentence,), told = feed.told()
+    assert len(told["feed"]["stretches"]) == MOST_TOLD
+    assert told["feed"]["more"] == 1500 - MOST_TOLD
+    assert f"and {1500 - 3} more stretches" in sentence
