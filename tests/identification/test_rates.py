@@ -110,8 +110,10 @@ def test_held_struts_are_taken_when_they_are_new(ratio: int) -> None:
     joined = on_one_clock(recording, CASE)
     assert joined.averaged.ratio == pytest.approx(ratio)
     np.testing.assert_allclose(joined.struts, EXECUTION.struts(joined.t), atol=1e-12)
-    assert joined.lines.place(7) == f"line {2 + 3 % ratio + ratio + 7 * ratio}"  # the first average needs what is before it
-    assert joined.t[7] == recording.t[3 + ratio + 7 * ratio]
+    assert (
+        joined.lines.place(7) == f"line {2 + 3 % ratio + ratio + 7 * ratio}"
+    )  # the first average needs what is before it
+    assert joined.t[7] == recording.t[3 % ratio + ratio + 7 * ratio]
     estimate = identify(joined, CASE)
     assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
     assert estimate.physical["m"].value == pytest.approx(31.83, abs=3e-3)
