@@ -88,8 +88,12 @@ class Sensors(Part):
         """Of white errors of a recorded strut length, a step q counting q^2 / 12 [m^2]; None where none is stated."""
         if self.encoder_resolution_um is None and self.strut_noise_um is None:
             return None
-        step, noise = ((v or 0.0) * UM for v in (self.encoder_resolution_um, self.strut_noise_um))
-        return step**2 / 12 + noise**2
+        return self.strut_step**2 / 12 + ((self.strut_noise_um or 0.0) * UM) ** 2
+
+    @property
+    def strut_step(self) -> float:
+        """Step of a recorded strut length [m]; 0 where none is stated."""
+        return (self.encoder_resolution_um or 0.0) * UM
 
     @property
     def acceleration_noise(self) -> Array | None:

@@ -205,7 +205,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     warnings += doubts(moving.fit, moving.run.forces)
     warnings += systematic(moving.fit, moving.run.noise_correlation)
     noise = None
-    if case.sensors.state_noise and isinstance(moving.run, Run):
+    if case.sensors.state_noise and not isinstance(moving.run, WristRun):
         if how.name in SANDWICHED and not how.priors:
             noise = noise_sources(moving.run, moving.fit, moving.w, moving.delay.value, case.sensors)
             warnings += noise.doubts

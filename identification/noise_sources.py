@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.sensors import Sensors
-from identification.evaluate import over_samples
 from identification.evaluation import Run
 from identification.fit import Fit
-from identification.hexapod import Kinematics
-from identification.model import Model, regressors
+from identification.noise_effects import acceleration_effects, twist_rate_effects
 from identification.parameters import PhysicalForm
+from identification.periodic import PeriodicRun
+from identification.periodic_noise import strut_noise_moment
 
 Array = NDArray[np.float64]
 
@@ -99,7 +99,7 @@ class NoiseSources:
         }
 
 
-def noise_sources(run: Run, fit: Fit, w: Array, delay: float, sensors: Sensors) -> NoiseSources:
+def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sensors: Sensors) -> NoiseSources:
     """Compares what a case states about its noise with what a Gauss-Markov fit left.
 
     Args:
@@ -115,16 +115,22 @@ def noise_sources(run: Run, fit: Fit, w: Array, delay: float, sensors: Sensors) 
         force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
     if sensors.strut_variance is None and sensors.acceleration_noise is None:
         return NoiseSources(force_share, None, None, None, None)
-    unknowns = len(run.model.parameters)
-    estimated, samples = fit.values[:unknowns], len(run.rows)
-    inverse = fit.covariance[:unknowns, :unknowns] * run.filter.stride / squared  # F^-1; singular where some are given
+    unknowns, filtered = len(run.model.parameters), run.filtered
+    estimated = fit.values[:unknowns]
+    inverse = fit.covariance[:unknowns, :unknowns] * filtered.stride / squared  # F^-1; singular where some are given
     moment = np.zeros((unknowns, unknowns))  # D
     motion = run.kinematics(delay)
-    variance = (sensors.strut_variance or 0.0) * run.filter.acceleration_noise_gain
-    for change in acceleration_effects(run, motion) if variance else []:
-        moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
+    samples = len(motion.pose)
+    variance = 0.0
+    if isinstance(run, PeriodicRun):
+        if sensors.strut_variance is not None:
+            moment, variance = strut_noise_moment(run, run.fine_kinematics(delay), sensors, w)
+    elif sensors.strut_variance is not None:
+        variance = sensors.strut_variance * run.filter.acceleration_noise_gain
+        for change in acceleration_effects(run.hexapod, run.model, motion):
+            moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     if sensors.acceleration_noise is not None:
-        felt = sensors.acceleration_noise**2 * run.filter.noise_gain
+        felt = sensors.acceleration_noise**2 * filtered.gain
         for change, size in zip(twist_rate_effects(run.model, motion), felt, strict=True):
             moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     lost = inverse @ moment
@@ -133,7 +139,7 @@ def noise_sources(run: Run, fit: Fit, w: Array, delay: float, sensors: Sensors) 
         bias = np.asarray(-np.linalg.solve(np.eye(unknowns) - lost, lost @ estimated))
     true = estimated if bias is None else estimated - bias
     # Of dA u the fit hides what it is drawn by: u^T D u + u^T D b is left.
-    equivalent = float(true @ moment @ estimated) / (6 * samples * run.filter.noise_gain)
+    equivalent = float(true @ moment @ estimated) / (6 * samples * filtered.gain)
     return NoiseSources(
         force_share,
         equivalent / squared,
@@ -141,26 +147,6 @@ def noise_sources(run: Run, fit: Fit, w: Array, delay: float, sensors: Sensors) 
         float(np.sqrt(max(equivalent, 0.0))),
         bias,
     )
-
-
-def acceleration_effects(run: Run, motion: Kinematics) -> list[Array]:
-    """dA/dq''_s for each strut s, shape (n, 6, u) [per m/s^2]; exact, A is affine in the accelerations."""
-    to_twist_rate = np.linalg.inv(over_samples(run.hexapod.inverse_jacobian, motion.pose)[1])
-    return _effects(run.model, motion, to_twist_rate.astype(np.float64))
-
-
-def twist_rate_effects(model: Model, motion: Kinematics) -> list[Array]:
-    """The same for each component of the twist rate [per m/s^2, rad/s^2]."""
-    return _effects(model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
-
-
-def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]:
-    """What a step of the twist rate along each column of `directions`, shape (n, 6, 6), changes A by."""
-    here = regressors(model, motion)
-    return [
-        regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - here
-        for k in range(6)
-    ]
 
 
 def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, Attenuation]:

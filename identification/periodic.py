@@ -23,7 +23,7 @@ from identification.conditioning import Periodic
 from identification.evaluation import DELAY_STEP, LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
 from identification.fit import Filtered, Fit
 from identification.fourier import FourierSeries, fit_series
-from identification.hexapod import Hexapod, StrutsDoNotClose
+from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.periodicity import Part, find_part, given_part
 from identification.periods import PeriodScatter, each_period, strangers
@@ -111,14 +111,24 @@ class PeriodicRun:
 
     def regressors(self, delay: float) -> Array:
         """A at the instants less the delay, reduced to the harmonics, shape (2 H + 1, 6, u)."""
-        t = self._instants(FINER * self.points)
+        fine = regressors(self.model, self.fine_kinematics(delay))
+        spectrum = rfft(fine, axis=0)[: self.harmonics + 1]
+        return np.asarray(irfft(spectrum, self.points, axis=0) / FINER)
+
+    def kinematics(self, delay: float) -> Kinematics:
+        """Motion of the platform at the evaluated instants less the delay."""
+        return self._kinematics(self.t, delay)
+
+    def fine_kinematics(self, delay: float) -> Kinematics:
+        """The same at so many instants that the regressor's harmonics do not fold back."""
+        return self._kinematics(self._instants(FINER * self.points), delay)
+
+    def _kinematics(self, t: Array, delay: float) -> Kinematics:
         try:
-            fine = regressors(self.model, self.hexapod.kinematics(*(self.struts.at(t - delay, k) for k in range(3))))
+            return self.hexapod.kinematics(*(self.struts.at(t - delay, k) for k in range(3)))
         except StrutsDoNotClose as error:
             row = int(np.searchsorted(self._clock, t[error.sample]))
             raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
-        spectrum = rfft(fine, axis=0)[: self.harmonics + 1]
-        return np.asarray(irfft(spectrum, self.points, axis=0) / FINER)
 
     @property
     def _clock(self) -> Array:

@@ -14,7 +14,7 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model, regressors
 from identification.motion import Motion
-from identification.noise_sources import acceleration_effects
+from identification.noise_effects import acceleration_effects
 from identification.recording import Recording
 from identification.signals import Filter
 from identification.simulate import simulate_recording
@@ -99,7 +99,7 @@ def test_effect_of_the_accelerations_is_that_of_changed_struts() -> None:
     case = ideal(CASE)
     made = moving_run(run(case), case, identification_model(case, 9))
     struts = [made.filter.apply(made.recording.struts, k)[made.rows] for k in range(3)]
-    effects = acceleration_effects(made, made.kinematics(0.0))
+    effects = acceleration_effects(made.hexapod, made.model, made.kinematics(0.0))
     rng = np.random.default_rng(0)
     change = rng.normal(size=struts[2].shape)
     other = regressors(made.model, made.hexapod.kinematics(struts[0], struts[1], struts[2] + change))
