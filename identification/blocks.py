@@ -13,7 +13,7 @@ from identification.evaluation import MOVING, Run, checked_filter, spoilt_by
 from identification.formats.stream import UNIFORMITY, Recording, Stream
 from identification.hexapod import Hexapod
 from identification.long_feed import LongFeed
-from identification.long_rates import at_their_samples, joined, last_rows
+from identification.long_rates import at_their_samples, gathered, joined, last_rows
 from identification.model import Model
 from identification.plausibility import bridged, scan
 from identification.rates import HELD_CHANGES, Rhythm, changes_of, rhythm_of
@@ -21,6 +21,7 @@ from identification.recording import read_batches
 from identification.signals import Filter
 
 HEAD = 60_000  # rows that give the delay to start from
+LEAST = 16_384  # rows of a block: what blocks have in common, the filter's length, is then a small part of them
 _ALWAYS = (-np.inf, np.inf)
 
 Rows = NDArray[np.bool_]
@@ -105,15 +106,15 @@ class Blocks:
         yield from self._batches_of(self.moving)
 
     def _batches_of(self, moving: tuple[float, float] | None) -> Iterator[Recording]:
-        parts = (_recording(stream, moving) for stream in read_batches(self.path, self.case))
-        return parts if self.held is None else at_their_samples(parts, self.held, self.case)
+        parts = (_recording(stream, self.case, moving) for stream in read_batches(self.path, self.case))
+        return gathered(parts if self.held is None else at_their_samples(parts, self.held, self.case), LEAST)
 
     def _rhythm(self) -> Rhythm | None:
         """How struts are held, by the first rows in which they change."""
         parts: list[Recording] = []
         rows = passed = 0
         for stream in read_batches(self.path, self.case):
-            parts.append(_recording(stream, _ALWAYS))
+            parts.append(_recording(stream, self.case, _ALWAYS))
             rows += len(parts[-1].forces)
             if rows >= HEAD:
                 struts = joined(parts).struts
@@ -189,17 +190,32 @@ def block_run(
     return Part(Run(recording, model, hexapod, low_pass, rows, len(inside)), len(inside))
 
 
-def _recording(stream: Stream, moving: tuple[float, float] | None) -> Recording:
+def fits_blocks(path: Path, case: Case) -> bool:
+    """Whether one file holds struts or poses, forces and a clock for all of them.
+
+    Raises:
+        RecordingError: as the reader.
+    """
+    for stream in read_batches(path, case):
+        placed = stream.struts is not None or stream.poses is not None
+        return placed and stream.t is not None and stream.forces is not None
+    return True
+
+
+def _recording(stream: Stream, case: Case, moving: tuple[float, float] | None) -> Recording:
     """A batch as a recording; raises RecordingError where a channel is not there."""
-    if stream.t is None or stream.struts is None or stream.forces is None:
+    struts = stream.struts
+    if struts is None and stream.poses is not None:
+        struts = Hexapod.of(case).strut_lengths(stream.poses)
+    if stream.t is None or struts is None or stream.forces is None:
         raise RecordingError(
-            f"{stream.source}: is too long to be read at once; in blocks it needs t_s, struts and forces in one file: "
-            "add what is missing, or cut the run"
+            f"{stream.source}: is too long to be read at once; in blocks it needs t_s, struts or poses, and forces in "
+            "one file: add what is missing, or cut the run"
         )
     on = stream.trigger
     if on is None:
         start, end = _ALWAYS if moving is None else moving
         on = (stream.t >= start) & (stream.t <= end)
     return Recording(
-        stream.source, stream.t, stream.struts, None, stream.forces, on, lines=stream.lines, override=stream.override
+        stream.source, stream.t, struts, None, stream.forces, on, lines=stream.lines, override=stream.override
     )

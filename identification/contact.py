@@ -39,8 +39,55 @@ class Contact(NamedTuple):
     peak: float
 
 
+class Calm(NamedTuple):
+    """What noise leaves of the forces.
+
+    The covariance is that of the inner half of the residuals, so that up to half of them may be touched; the median of
+    the distances, which noise fixes, removes what trimming took from it.
+
+    Args:
+        centre: median of each channel, shape (6,) [N, or N and N m].
+        metric: distance^2 = away^T metric away is 1 for what noise exceeds with the probability `CHANCE`, shape (6, 6);
+            0 where nothing is left.
+        noise: standard deviation of each channel, shape (6,).
+    """
+
+    centre: Array
+    metric: Array
+    noise: Array
+
+    @classmethod
+    def of(cls, residuals: Array) -> "Calm":
+        """By residuals, shape (m, 6), of which contacts may have touched less than half."""
+        centre = np.median(residuals, axis=0)
+        centred = residuals - centre
+        noise = np.quantile(np.abs(centred), CALM, axis=0) / stats.norm.ppf((1 + CALM) / 2)
+        scale = np.maximum(np.median(np.abs(centred), axis=0), np.finfo(float).tiny)
+        scaled = centred / scale
+        size = np.sum(scaled**2, axis=1)
+        inverse = np.eye(6)
+        for _ in range(3):
+            inner = scaled[size <= np.median(size)]
+            covariance = inner.T @ inner / max(len(inner), 1)
+            covariance += 1e-9 * np.trace(covariance) * np.eye(6) + np.finfo(float).tiny * np.eye(6)
+            inverse = np.linalg.inv(covariance)
+            size = np.sum((scaled @ inverse) * scaled, axis=1)
+        middle = float(np.median(size))
+        if middle <= 0.0:
+            return cls(centre, np.zeros((6, 6)), noise)
+        # Residuals of a real run have a spread that changes; the upper quartile keeps calm where the median would not.
+        upper = float(np.quantile(size, 0.75)) / float(stats.chi2.ppf(0.75, 6))
+        spread = max(middle / float(stats.chi2.ppf(0.5, 6)), upper)
+        return cls(centre, inverse / np.outer(scale, scale) / spread / float(stats.chi2.isf(CHANCE, 6)), noise)
+
+    def distance(self, residuals: Array) -> Array:
+        """Squared residuals over what noise exceeds with the probability `CHANCE`, shape (n,)."""
+        away = residuals - self.centre
+        return np.asarray(np.sum((away @ self.metric) * away, axis=1))
+
+
 def find_contacts(
-    t: Array, residuals: Array, structure: Array, expected: Array, usual: Array | None = None
+    t: Array, residuals: Array, structure: Array, expected: Array, calm: Calm | None = None
 ) -> tuple[Contact, ...]:
     """Looks for contacts.
 
@@ -50,13 +97,13 @@ def find_contacts(
         structure: J^-T, shape (6, 6), for the external force.
         expected: forces of the model, shape (n, 6): where they change fast, a little error of time or of the model is
             no contact.
-        usual: residuals that tell the noise, shape (m, 6); by default these.
+        calm: what noise leaves; by default as these residuals tell it.
     """
-    usual = residuals if usual is None else usual
-    distance = _distance(residuals, usual)
+    calm = Calm.of(residuals) if calm is None else calm
+    distance = calm.distance(residuals)
     # Where all channels but one leap, noise of the one that hardly changes is no contact.
-    noise = np.quantile(np.abs(usual - np.median(usual, axis=0)), CALM, axis=0) / stats.norm.ppf((1 + CALM) / 2)
-    clear = (distance >= CLEAR) & np.any(np.abs(residuals) > SHARE * _change(t, expected) + OWN * noise, axis=1)
+    own = np.any(np.abs(residuals) > SHARE * _change(t, expected) + OWN * calm.noise, axis=1)
+    clear = (distance >= CLEAR) & own
     above = distance > 1.0
     edges = np.flatnonzero(np.diff(np.r_[False, above, False].astype(np.int8)))
     wrench = np.linalg.norm((residuals @ structure.T)[:, :3], axis=1)
@@ -85,33 +132,3 @@ def _change(t: Array, forces: Array) -> Array:
     step = float(np.median(np.diff(t))) if len(t) > 1 else NEARBY
     width = 2 * max(1, round(NEARBY / step)) + 1
     return np.asarray(maximum_filter1d(forces, width, axis=0) - minimum_filter1d(forces, width, axis=0))
-
-
-def _distance(residuals: Array, usual: Array) -> Array:
-    """Squared residuals over what noise exceeds with the probability `CHANCE`, shape (n,).
-
-    The covariance is that of the inner half of the usual ones, so that up to half of them may be touched; the median of
-    the distances, which noise fixes, removes what trimming took from it.
-
-    Args:
-        residuals: shape (n, 6).
-        usual: those that tell the noise, shape (m, 6).
-    """
-    centre = np.median(usual, axis=0)
-    centred = usual - centre
-    scale = np.maximum(np.median(np.abs(centred), axis=0), np.finfo(float).tiny)
-    size = np.sum((centred / scale) ** 2, axis=1)
-    inverse = np.eye(6)
-    for _ in range(3):
-        inner = centred[size <= np.median(size)] / scale
-        covariance = inner.T @ inner / max(len(inner), 1)
-        covariance += 1e-9 * np.trace(covariance) * np.eye(6) + np.finfo(float).tiny * np.eye(6)
-        inverse = np.linalg.inv(covariance)
-        size = np.einsum("ni,ij,nj->n", centred / scale, inverse, centred / scale)
-    middle = float(np.median(size))
-    if middle <= 0.0:
-        return np.zeros(len(residuals))
-    # Residuals of a real run have a spread that changes; the upper quartile keeps calm where the median would not.
-    spread = max(middle / stats.chi2.ppf(0.5, 6), float(np.quantile(size, 0.75)) / float(stats.chi2.ppf(0.75, 6)))
-    away = (residuals - centre) / scale
-    return np.asarray(np.einsum("ni,ij,nj->n", away, inverse, away) / spread / stats.chi2.isf(CHANCE, 6))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.contact import Contact, find_contacts, touched
+from identification.contact import Calm, Contact, find_contacts, touched
 from identification.doubts import systematic
 from identification.estimators import Method, Problem, robust_of
 from identification.evaluation import Run
@@ -75,7 +75,7 @@ def _long_contacts(run: Run | WristRun, moving: Moving) -> tuple[Contact, ...]:
     if half is None:
         return ()
     left = half.residuals
-    return find_contacts(run.t, left, run.model.structure, run.forces - left, left[half.explained])
+    return find_contacts(run.t, left, run.model.structure, run.forces - left, Calm.of(left[half.explained]))
 
 
 def _spread(moving: Moving) -> float:

@@ -1,4 +1,4 @@
-"""Struts of a long run that are held over several rows, block by block: at their samples, with forces averaged."""
+"""Pieces of a long run: put together, cut, and, where struts are held over several rows, brought to their samples."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -52,6 +52,18 @@ def _require_rhythm(rows: Recording, rhythm: Rhythm) -> None:
             f"{rows.source}, {rows.lines.place(int(changes[off][0]))}: the struts were held for {rhythm.ratio} rows "
             "each, from here on they change at others; export the run at one rate of the struts, or cut it here"
         )
+
+
+def gathered(parts: Iterator[Recording], rows: int) -> Iterator[Recording]:
+    """Consecutive pieces of a file, so many of them together that they have at least `rows`; the last may have less."""
+    pile: list[Recording] = []
+    for part in parts:
+        pile.append(part)
+        if sum(len(p.forces) for p in pile) >= rows:
+            yield joined(pile)
+            pile = []
+    if pile:
+        yield joined(pile)
 
 
 def joined(parts: list[Recording]) -> Recording:

@@ -19,6 +19,7 @@ from cases.schema import Case
 from identification.blocks import Blocks, block_run, mended
 from identification.compressed import degrees_of_freedom, determined, inverse_root
 from identification.conditioning import USUAL, Conditioning
+from identification.contact import Calm
 from identification.contact_free import require_free
 from identification.doubts import doubts, require_sense
 from identification.estimator import best_values
@@ -128,8 +129,8 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
     for number in range(PASSES):
         free = _Free.of(selection, begin.nuisances)
         # The first reading has the parameters of its head only, too little to tell a contact by.
-        usual = total.kept if number else None
-        total = Total(delay, values, root, weighing, usual, contacts, begin.smoothing, bend)
+        calm = Calm.of(total.kept) if number else None
+        total = Total(delay, values, root, weighing, calm, contacts, begin.smoothing, bend)
         for run in blocks.runs(model, low_pass):
             total.add(run)
         if total.looked_at:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from identification.compressed import Compressed, scores, triangle
-from identification.contact import NEAR, Contact, find_contacts, touched
+from identification.contact import NEAR, Calm, Contact, find_contacts, touched
 from identification.estimator import WEIGHT_ROUNDS, WEIGHT_TOLERANCE
 from identification.evaluation import Run
 from identification.fit import long_run_covariance
@@ -48,7 +48,7 @@ class Total:
         values: u whose residuals are judged, shape (u,).
         root: C with W = C^T C for one sample, shape (6, 6).
         weighing: whether the weights are to be estimated from what the channels leave.
-        usual: what the reading before left, shape (k, 6); by it contacts are told from noise. None: do not look.
+        calm: what noise leaves of the forces, as the reading before told; None: do not look for contacts.
         known: contacts that the reading before found.
         smoothing: whether that of the forces is estimated.
         bend: what the reading before found of it [s^2].
@@ -58,7 +58,7 @@ class Total:
     values: Array
     root: Array
     weighing: bool
-    usual: Array | None = None
+    calm: Calm | None = None
     known: tuple[Touch, ...] = ()
     smoothing: bool = False
     bend: float = 0.0
@@ -86,7 +86,7 @@ class Total:
         left = forces - matrices @ self.values
         if self.bend:
             left -= self.bend * nuisances[:, :, 0]
-        if self.usual is not None:
+        if self.calm is not None:
             keep = ~self._contacts(run, forces, left)
             self.looked_at, self.touched = self.looked_at + len(keep), self.touched + int(np.sum(~keep))
             if not keep.all():
@@ -116,7 +116,7 @@ class Total:
 
     def _contacts(self, run: Run, forces: Array, left: Array) -> NDArray[np.bool_]:
         """Samples of a block that a contact may have moved; what is found is kept with its rows."""
-        here = find_contacts(run.t, left, run.model.structure, forces - left, self.usual)
+        here = find_contacts(run.t, left, run.model.structure, forces - left, self.calm)
         rows = [self._rows_of(run, contact) for contact in here]
         self.found = _merged(self.found, [Touch(c, *r) for c, r in zip(here, rows, strict=True)])
         return touched(run.t, (*here, *(t.contact for t in self.known)))

@@ -6,6 +6,7 @@ from typing import Any
 
 from cases.files import RESULT, atomic_folder, check_folder, json_text
 from cases.schema import Case
+from identification.blocks import fits_blocks
 from identification.estimators import Method
 from identification.force import external_force
 from identification.identify import default_model, identifiability
@@ -89,7 +90,7 @@ def _for_blocks(paths: Sequence[Path], wish: Wish, case: Case, plan: Path | None
     if len(paths) > 1 or plan is not None or not is_long(paths[0]):
         return None
     how = method_of(wish, identification_model(case, 9 if wish.model is None else wish.model, wish.terms), case)
-    return how if in_blocks(how, wish.conditioning) else None
+    return how if in_blocks(how, wish.conditioning) and fits_blocks(paths[0], case) else None
 
 
 def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:

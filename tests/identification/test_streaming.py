@@ -14,6 +14,7 @@ from cases.errors import HexciteError
 from cases.loading import load_case
 from cases.schema import Case
 from identification import blocks, contact_free, streaming
+from identification.blocks import Blocks, fits_blocks
 from identification.estimators import Method, method
 from identification.executed import PoseExecution
 from identification.formats import parquet, reading
@@ -26,6 +27,7 @@ from identification.rates import on_one_clock
 from identification.recording import Recording, read_recording, write_recording
 from identification.result import Estimate
 from identification.selection import symmetric_platform
+from identification.signals import Filter
 from identification.simulate import simulate_recording
 from identification.streaming import identify_long
 from tests.helpers import Harmonic, one_line
@@ -33,6 +35,7 @@ from tests.identification.leaping import moves_without_jerk_limit
 from tests.planner.command_line import call
 
 CASE = load_case("hexapod")
+MODEL = identification_model(CASE, 9)
 RUN = simulate_recording(
     CASE, PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0)), np.array([[0.2, 1.7], [2.0, 3.8]]), 0
 )
@@ -42,6 +45,7 @@ RUN = simulate_recording(
 def _small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lengths that let a short run go through many blocks."""
     monkeypatch.setattr(blocks, "HEAD", 2000)
+    monkeypatch.setattr(blocks, "LEAST", 1)
     monkeypatch.setattr(parquet, "_BATCH", 700)
 
 
@@ -158,7 +162,7 @@ STATED = CASE.model_copy(
     [
         (method(known={"m": 31.9, "xC": 0.0}), ()),
         (method(dropped=("k2", "k3", "I12")), ()),
-        (method(known=symmetric_platform(identification_model(CASE, 9)), weights="per_channel"), ()),
+        (method(known=symmetric_platform(MODEL), weights="per_channel"), ()),
         (method(weights="stated"), ()),
         (method(weights="stated", dropped=("k0", "k1")), ()),
         (method(), ("K2",)),
@@ -193,13 +197,46 @@ def test_a_known_value_that_the_model_does_not_have_is_refused_by_name(tmp_path:
     assert "run.parquet" in one_line(caught.value)
 
 
+def with_columns(file: Path, columns: dict[str, np.ndarray], without: str) -> None:
+    """Writes a file anew with other columns in the place of some."""
+    table = pq.read_table(file)
+    table = table.drop_columns([n for n in table.column_names if n.startswith(without)])
+    for name, values in columns.items():
+        table = table.append_column(name, pa.array(values))
+    pq.write_table(table, file)
+
+
+def test_poses_stand_for_struts_as_in_a_whole_run(tmp_path: Path) -> None:
+    file, hexapod = written(tmp_path), Hexapod.of(CASE)
+    poses = hexapod.poses(RUN.struts)
+    columns = dict(zip(("x_mm", "y_mm", "z_mm"), 1e3 * poses[:, :3].T, strict=True))
+    columns |= dict(zip(("a_deg", "b_deg", "c_deg"), np.degrees(poses[:, 3:]).T, strict=True))
+    with_columns(file, columns, "l")
+    whole = identify(on_one_clock(read_recording(file, CASE), CASE), CASE)
+    long = identify_long(file, CASE).estimate
+    assert fits_blocks(file, CASE)
+    assert np.linalg.norm(long.values - whole.values) < 1e-9 * np.linalg.norm(whole.values)
+
+
 def test_missing_channels_are_refused(tmp_path: Path) -> None:
-    file = tmp_path / "poses.csv"
-    file.write_text("t_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg," + ",".join(f"f{k}_N" for k in range(1, 7)) + "\n")
-    with file.open("a") as rows:
-        rows.writelines(f"{k / 1000},0,0,900,0,0,0,1,2,3,4,5,6\n" for k in range(2000))
-    with pytest.raises(HexciteError, match="needs t_s, struts and forces in one file"):
+    file = written(tmp_path)
+    turns = np.tile(np.eye(3).ravel(), (len(RUN.forces), 1)).T
+    with_columns(file, {f"r{k // 3 + 1}{k % 3 + 1}": column for k, column in enumerate(turns)}, "l")
+    assert not fits_blocks(file, CASE)  # the command line reads it at once
+    with pytest.raises(HexciteError, match="needs t_s, struts or poses, and forces in one file"):
         identify_long(file, CASE)
+
+
+def test_small_pieces_of_a_file_are_put_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of tables with hundreds of columns, of which a batch holds few rows."""
+    monkeypatch.setattr(parquet, "_BATCH", 97)
+    monkeypatch.setattr(blocks, "LEAST", 1000)
+    file = written(tmp_path)
+    sizes = [len(run.recording.forces) for run in Blocks(file, CASE).runs(MODEL, Filter(40.0, 1e-3))]
+    assert max(sizes) < 2000
+    assert len(sizes) == -(-len(RUN.forces) // (11 * 97))
+    whole, long = identify(read_recording(file, CASE), CASE), identify_long(file, CASE).estimate
+    assert np.linalg.norm(long.values - whole.values) < 1e-9 * np.linalg.norm(whole.values)
 
 
 def pushed(starts: Sequence[float], duration: float = 0.2) -> Recording:
