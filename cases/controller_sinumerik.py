@@ -1,5 +1,6 @@
 """What a SINUMERIK 840D sl / ONE with a hexapod transformation needs to be told; nothing of it can be guessed."""
 
+import re
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
@@ -11,27 +12,71 @@ from cases.units import DEG, MM, MS
 
 PROGRAM_NAME = r"^(?:[A-Z]{2}|_[A-Z])[A-Z0-9_]{0,22}$"
 TRANSFORMATION = r"^[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?$"
-_NOT_WORDS = set("FGHLMNPRSTXYZ")
+_NOT_WORDS = {
+    *"DFGHIJKLMNPRSTXYZ",
+    "LEAD",
+    "TILT",
+    "THETA",
+    "PHI",
+    "PSI",
+    "AR",
+    "CR",
+    "PL",
+    "PO",
+    "PW",
+    "SD",
+    "ACC",
+    "OVR",
+}
+_VECTORS = re.compile(r"[ABC][3-7]")
+
+
+def _program_name(name: str) -> str:
+    if re.fullmatch(PROGRAM_NAME, name) is None:
+        raise ValueError(
+            f"{name!r} is no program name; write 2 to 24 of A-Z, 0-9 and _, beginning with two letters or _ and a "
+            "letter"
+        )
+    return name
+
+
+def _transformation(call: str) -> str:
+    if re.fullmatch(TRANSFORMATION, call) is None:
+        raise ValueError(f"{call!r} switches no transformation; write a name as TRAORI or a call as TRAORI(2)")
+    return call
 
 
 def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
+    vector = next((word for word in words if _VECTORS.fullmatch(word)), None)
+    if vector is not None:
+        raise ValueError(
+            f"{vector} takes a component of a vector, not an angle; write the words for roll, pitch and yaw, such as "
+            "A2, B2, C2"
+        )
     if len(set(words)) < 3 or _NOT_WORDS & set(words):
         raise ValueError(f"{', '.join(words)} do not name three angles; write the words for roll, pitch and yaw")
     return words
 
 
-Word = Annotated[str, Field(pattern=r"^[A-Z][A-Z]*[0-9]?$", max_length=8)]
+def _word(word: str) -> str:
+    if re.fullmatch(r"[A-Z]{1,7}[0-9]?", word) is None:
+        raise ValueError(f"{word!r} is no address; write capitals and at most one digit, such as A or A2")
+    return word
+
+
+Word = Annotated[str, AfterValidator(_word)]
+Call = Annotated[str, AfterValidator(_transformation)]
 AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
 
 
 class Sinumerik(Part):
     """Settings of SINUMERIK programs. The transformation of a hexapod is the machine builder's: ask for these words."""
 
-    program_name: Annotated[str, Field(pattern=PROGRAM_NAME)]
+    program_name: Annotated[str, AfterValidator(_program_name)]
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
-    transformation: Annotated[str, Field(pattern=TRANSFORMATION)]
+    transformation: Call
     """What switches the transformation on: `TRAORI`, `TRAORI(2)` or the builder's own name."""
-    transformation_off: Annotated[str, Field(pattern=TRANSFORMATION)]
+    transformation_off: Call
     orientation_words: AngleWords
     """Roll, pitch, yaw in blocks: `A2 B2 C2` (written `A2=`, read under ORIRPY), or `A B C` if the transformation
     takes the angles as axes."""

@@ -1,5 +1,6 @@
 """What a TwinCAT 3 CNC (TF5200) or another ISG kernel needs to be told; nothing of it can be guessed."""
 
+import re
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
@@ -11,6 +12,14 @@ from cases.units import MS
 
 PROGRAM_NAME = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}$"
 _TAKEN = {0, 1, 2, 3, 4, 5, 6, 17, 19, 29, 30}
+
+
+def _program_name(name: str) -> str:
+    if re.fullmatch(PROGRAM_NAME, name) is None:
+        raise ValueError(
+            f"{name!r} is no program name; write up to 63 letters, digits, _, . and -, not . or - at the beginning"
+        )
+    return name
 
 
 def _free(number: int) -> int:
@@ -25,7 +34,7 @@ MFunction = Annotated[int, Field(strict=True, ge=7, le=999), AfterValidator(_fre
 class TwinCat(Part):
     """Settings of TF5200 / ISG programs. Channel parameters are named as in Beckhoff's manuals."""
 
-    program_name: Annotated[str, Field(pattern=PROGRAM_NAME)]
+    program_name: Annotated[str, AfterValidator(_program_name)]
     """Name in the `%` line."""
     kinematic_id: Annotated[int, Field(strict=True, ge=1, le=999)]
     """Of the hexapod's transformation: no manual names one, it is what `trafo[i].id` says."""

@@ -60,6 +60,7 @@ class Guarantees:
         jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
         drives: of the struts in moves that are straight in them; None where there are none or nothing is known.
         rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
+        block_key: setting that the length of timed blocks comes from.
     """
 
     controller: str
@@ -73,6 +74,7 @@ class Guarantees:
     jerk_time: float
     drives: StrutDrives | None = None
     rounding: tuple[float, float] = (0.0, 0.0)
+    block_key: str = "controller.block_ms"
 
 
 @dataclass(frozen=True, slots=True)

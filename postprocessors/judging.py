@@ -66,7 +66,7 @@ def _require_timing(part: Timed, by: Answering) -> None:
             part.lines[k],
             0,
             f"the block takes {1e3 * steps[k]:.4g} ms, less than a cycle of {guarantees.controller} "
-            f"({1e3 * guarantees.shortest_block:g} ms); write longer blocks",
+            f"({1e3 * guarantees.shortest_block:g} ms); write longer blocks ({guarantees.block_key})",
         )
     long = steps > guarantees.longest_block * (1 + 1e-6)
     if long.any():
@@ -76,7 +76,8 @@ def _require_timing(part: Timed, by: Answering) -> None:
             part.lines[k],
             0,
             f"the timed block takes {steps[k]:.4g} s; how {guarantees.controller} moves within more than "
-            f"{guarantees.longest_block:g} s is not known: write shorter blocks, or a move at a feed (G94, G61)",
+            f"{guarantees.longest_block:g} s is not known: write shorter blocks ({guarantees.block_key}), "
+            "or a move at a feed (G94) with an exact stop",
         )
 
 

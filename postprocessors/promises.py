@@ -61,6 +61,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         jerk_time=0.0,
         drives=_drives(settings.ptp, case),
         rounding=(settings.contour_tolerance_mm * MM, settings.orientation_tolerance_deg * DEG),
+        block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
     )
 
 

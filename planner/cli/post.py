@@ -112,7 +112,8 @@ def make_program(
         **changed,
     }
     if not quiet:
-        print(f"program written: {file} ({written.reading.blocks} blocks, {proof.duration:.2f} s, read back)")
+        unit = "rows" if dialect_name == "setpoints" else "blocks"
+        print(f"program written: {file} ({written.reading.blocks} {unit}, {proof.duration:.2f} s, read back)")
         print(f"limits: {proof.verdict}{' (accepted)' if proof.relies_on else ''}")
         for remark in forecast.remarks:
             print(remark)

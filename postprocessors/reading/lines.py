@@ -29,6 +29,10 @@ def program_lines(content: bytes, file: str, longest: int, most: int) -> list[st
         used += bool(text.strip())
         if used > most:
             raise ProgramError(
-                file, number, 0, f"more than {most} blocks, the controller's memory (most_blocks); write longer blocks"
+                file,
+                number,
+                0,
+                f"more than {most} blocks, which is what the controller's memory holds (most_blocks); make the program "
+                "shorter, its timed blocks longer, or the memory larger",
             )
     return lines

@@ -58,7 +58,9 @@ def read_table(content: bytes, file: str, most: int) -> Table:
     table = _parquet(content, file) if content[:4] == PARQUET else _csv(content, file)
     rows, _ = table.values.shape
     if rows > most:
-        raise ProgramError(file, 0, 0, f"{rows} rows, the controller's memory holds {most} (most_rows); shorten it")
+        raise ProgramError(
+            file, 0, 0, f"{rows} rows, the controller's memory holds {most} (most_rows); plan a shorter motion"
+        )
     if rows < 2:
         raise ProgramError(file, 0, 0, "fewer than two rows; the file is truncated")
     bad = ~(np.abs(table.values) <= LARGEST)

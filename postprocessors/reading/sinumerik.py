@@ -256,7 +256,9 @@ class _Interpreter:
         if timing is Timing.DURATION and exact and not np.isnan(self.pose).any():
             self.fail(first, "a timed block under G60 stops at its end and does not keep the time; write G64")
         if timing is not Timing.DURATION and not exact:
-            self.fail(first, "a move at a feed is blended into the next (G64), its path is not known; write G60")
+            self.fail(
+                first, "a move at a feed is blended into the next (G64), its path is not known; write G60, or G93"
+            )
         if timing is not Timing.DURATION:
             self._require_standing(first)
         self._flush_trigger(before_motion=True)

@@ -164,7 +164,7 @@ def test_lines_longer_than_the_controller_takes_are_refused(typed: Typed):
 @both
 def test_more_blocks_than_the_memory_holds_are_refused(typed: Typed):
     small = changed(CASE, **{f"controller__{typed.name}__most_blocks": 20})
-    with pytest.raises(ProgramError, match="more than 20 blocks, the controller's memory"):
+    with pytest.raises(ProgramError, match=r"more than 20 blocks, .* memory holds \(most_blocks\); make the program shorter"):
         typed.read(typed.text("G1 G60 X1 F300\n" * 20), small)
 
 
@@ -179,12 +179,20 @@ def test_a_case_without_settings_of_a_dialect_is_told_the_missing_table(name: st
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
-        ("sinumerik__program_name", "2FAST", "should match pattern"),
-        ("sinumerik__program_name", "A" * 25, "should match pattern"),
-        ("sinumerik__transformation", "TRAORI; G0 Z0", "should match pattern"),
+        ("sinumerik__program_name", "2FAST", "'2FAST' is no program name; write 2 to 24 of A-Z"),
+        ("sinumerik__program_name", "A" * 25, "is no program name"),
+        ("sinumerik__program_name", "AB\n", "is no program name"),
+        ("sinumerik__transformation", "TRAORI; G0 Z0", "switches no transformation"),
+        ("sinumerik__transformation_off", "TRAFOOF()", "switches no transformation"),
+        ("sinumerik__orientation_words", ("a2", "b2", "c2"), "'a2' is no address"),
+        ("sinumerik__orientation_words", ("A3", "B3", "C3"), "A3 takes a component of a vector, not an angle"),
+        ("sinumerik__orientation_words", ("A2", "B2", "C6"), "C6 takes a component of a vector"),
+        ("sinumerik__orientation_words", ("LEAD", "TILT", "C2"), "do not name three angles"),
+        ("sinumerik__orientation_words", ("I", "J", "K"), "do not name three angles"),
         ("sinumerik__orientation_words", ("A", "B", "B"), "do not name three angles"),
         ("sinumerik__orientation_words", ("X", "B", "C"), "do not name three angles"),
-        ("twincat__program_name", "A B", "should match pattern"),
+        ("twincat__program_name", "A B", "'A B' is no program name; write up to 63 letters"),
+        ("twincat__program_name", ".A", "is no program name"),
         ("twincat__trigger_on_m", 30, "means something else to the controller"),
         ("twincat__trigger_on_m", 101, "are both 101"),
         ("twincat__angle_sign_b", 0, "1"),
