@@ -164,7 +164,9 @@ def test_lines_longer_than_the_controller_takes_are_refused(typed: Typed):
 @both
 def test_more_blocks_than_the_memory_holds_are_refused(typed: Typed):
     small = changed(CASE, **{f"controller__{typed.name}__most_blocks": 20})
-    with pytest.raises(ProgramError, match=r"more than 20 blocks, .* memory holds \(most_blocks\); make the program shorter"):
+    with pytest.raises(
+        ProgramError, match=r"more than 20 blocks, .* memory holds \(most_blocks\); make the program shorter"
+    ):
         typed.read(typed.text("G1 G60 X1 F300\n" * 20), small)
 
 
