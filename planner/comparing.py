@@ -1,18 +1,17 @@
-"""Plans, runs and results side by side: what each cost and tells, what belongs together, and which one to prefer."""
+"""Plans, runs and results as entries of a comparison: what each cost, and what it tells."""
 
 import hashlib
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from cases.errors import FileProblem, HexciteError, IdentificationError
-from cases.files import read_json
+from cases.errors import FileProblem, IdentificationError
+from cases.files import another_kind, read_json
 from cases.loading import load_case
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
@@ -31,12 +30,11 @@ from planner.plan import load_plan
 from planner.planning import SAMPLES_PER_SECOND, predicted_std
 from planner.poses.regressors import pose_regressors
 from planner.problem import mean_information
+from planner.recorded import Still, standing_of
 
 Array = NDArray[np.float64]
 
-SAME_PATH = 2e-3  # [m] a run that strays less from a plan, and the plan from it, is a run of that plan
 PATH_RATE = 500.0  # [1/s]
-NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one is as good
 
 
 class Level(IntEnum):
@@ -74,6 +72,10 @@ class Entry:
         path: positions on the way, shape (n, 3) [m]; None where it is unknown.
         hashes: fingerprints of the recordings that it is or was made of.
         plan: fingerprint of the plan that it is or followed; None where nothing says.
+        noise: of a force sample that predictions assume [N]; None for identified ones.
+        load: mass of the weights that are mounted [kg]; None where nothing tells.
+        machine: that was measured, in words; None for plans, and where nothing tells.
+        warnings: that its evaluation gave.
     """
 
     name: str
@@ -90,6 +92,10 @@ class Entry:
     path: Array | None
     hashes: frozenset[str]
     plan: str | None = None
+    noise: float | None = None
+    load: float | None = None
+    machine: str | None = None
+    warnings: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer."""
@@ -104,6 +110,10 @@ class Entry:
             "s0_N": self.s0,
             "parameters": {n: t._asdict() for n, t in self.parameters.items()},
             "execution": dict(self.notes),
+            "assumed_noise_N": self.noise,
+            "load_kg": self.load,
+            "machine": self.machine,
+            "warnings": list(self.warnings),
         }
 
 
@@ -118,7 +128,29 @@ def read_entry(path: Path) -> Entry:
     for file, reader in readers.items():
         if (path / file).is_file():
             return reader(path)
-    raise FileProblem(f"{path}: holds no plan, run or result; name folders that plan, poses, run or identify wrote")
+    wanted = "name folders that plan, poses, run or identify wrote"
+    if not path.exists():
+        raise FileProblem(f"{path}: does not exist; {wanted}")
+    if not path.is_dir():
+        raise FileProblem(f"{path}: is a file; {wanted}")
+    other = another_kind(path, "plan.json")
+    raise FileProblem(f"{path}: {other or 'holds no plan, run or result'}; {wanted}")
+
+
+def _case_of(file: Path, name: object, fingerprint: object, again: str) -> Case:
+    """The case that a run or result names, unless it is another one by now.
+
+    Raises:
+        FileProblem: it names none, or the case has changed.
+    """
+    if not isinstance(name, str):
+        raise FileProblem(f"{file}: names no case; {again}")
+    case = load_case(name)
+    if fingerprint != case.hash:
+        raise FileProblem(
+            f"{file}: case {name} has changed since (hash {case.hash}, was {fingerprint}); {again}, or restore the case"
+        )
+    return case
 
 
 def _plan(path: Path) -> Entry:
@@ -132,12 +164,16 @@ def _plan(path: Path) -> Entry:
     else:
         information = mean_information(model, scaling, saved.motion)
         samples = round(saved.motion.duration * SAMPLES_PER_SECOND)
-    units = _units(model)
+    units, noise, weights = _units(model), float(saved.data["assumed_noise_N"]), int(saved.data.get("payload", 0))
+    if saved.data["family"] == "poses":  # there it is that of averages
+        noise *= float(np.sqrt(max(float(saved.data["settings"]["average_s"]) * SAMPLES_PER_SECOND, 1.0)))
+    payloads = saved.case.payloads
+    load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
     told = {n: Told(None, float(s), units[n]) for n, s in saved.data["predicted_std"].items()}
     return Entry(
         str(path), Level.PLANNED, saved.case, model.number, str(saved.data["family"]), saved.motion.duration, samples,
         _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
-        plan_hash(path),
+        plan_hash(path), noise, float(load),
     )  # fmt: skip
 
 
@@ -153,9 +189,11 @@ def _criteria(information: Array, model: Model) -> dict[str, float]:
 
 
 def _run(path: Path) -> Entry:
-    about = read_json(path / "recording.json", "hexcite run")
-    case = load_case(str(about.get("case_file")))
-    recording = on_one_clock(read_recording(path, case), case)
+    file = path / "recording.json"
+    about = read_json(file, "hexcite run")
+    case = _case_of(file, about.get("case_file"), about.get("case_hash"), "run the program again")
+    recorded = on_one_clock(read_recording(path, case), case)
+    recording, _ = standing_of(recorded, case, path, Still())
     model = identification_model(case, default_model(recording))
     scaling = reference_scaling(case, model)
     matrices, way, samples = _matrices(recording, case, model)
@@ -163,18 +201,32 @@ def _run(path: Path) -> Entry:
     duration = about.get("executed_s")
     noise = expected_noise(case, model)
     seconds = samples / SAMPLES_PER_SECOND
+    if recording.t is None and recorded.t is not None and recorded.trigger is not None:
+        seconds = float(np.count_nonzero(recorded.trigger) * recorded.step)  # of standing still, averaged
     weighted = _seen(matrices, noise.whitening, scaling)
     scattered = None if noise.scatter is None else _seen(matrices, noise.scatter, scaling)
     units = _units(model)
     expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors, 0, scattered)
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
     return Entry(
-        str(path), Level.EXECUTED, case, model.number, str(about.get("controller", "recorded")),
+        str(path), Level.EXECUTED, case, model.number, str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
         {n: float(about[n]) for n in figures if about.get(n) is not None}, way, _fingerprints(path),
-        about.get("plan_hash"),
+        about.get("plan_hash"), noise.sensors, _mounted(about), _machine(about),
+        tuple(str(about[k]) for k in ("remark",) if about.get(k)),
     )  # fmt: skip
+
+
+def _mounted(about: Mapping[str, Any]) -> float | None:
+    payload = about.get("payload")
+    return float(payload["mass_kg"]) if isinstance(payload, dict) and "mass_kg" in payload else None
+
+
+def _machine(about: Mapping[str, Any]) -> str:
+    if not about.get("simulated"):
+        return "a real machine"
+    return "a simulated machine, disturbed" if about.get("disturbances") else "a simulated machine, undisturbed"
 
 
 def _seen(matrices: Array, root: Array | None, scaling: Array) -> Array:
@@ -203,8 +255,9 @@ def _fingerprints(path: Path) -> frozenset[str]:
 
 def _result(path: Path) -> Entry:
     saved = load_result(path)
-    data = read_json(path / "result.json", "hexcite identify")
-    case = load_case(saved.case_name)
+    file = path / "result.json"
+    data = read_json(file, "hexcite identify")
+    case = _case_of(file, data.get("case_file", saved.case_name), saved.case_hash, "identify again")
     model = identification_model(case, saved.model)
     samples, s0 = int(data["samples"]), float(data["s0"])
     criteria: dict[str, float] = {}
@@ -219,116 +272,10 @@ def _result(path: Path) -> Entry:
         n: Told(float(p["value"]), max(float(p["std"]), float(p["std_robust"])), str(p["unit"]))
         for n, p in data["parameters"].items()
     }
-    hashes = frozenset(str(i["sha256"]) for i in data.get("inputs", []))
+    seconds = data.get("measuring_s")
     return Entry(
-        str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")), None, samples, criteria, told,
-        float(data["s0_N"]), {}, None, hashes, data.get("plan_hash"),
+        str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")),
+        None if seconds is None else float(seconds), samples, criteria, told,
+        float(data["s0_N"]), {}, None, saved.recordings, data.get("plan_hash"),
+        warnings=tuple(str(w) for w in data.get("warnings", ())),
     )  # fmt: skip
-
-
-def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
-    """Entries that belong together: a result with the run it was made of (by hash), a run with the plan it followed.
-
-    A run follows the plan whose fingerprint it carries; where it carries none of these, one from whose path neither
-    strays. A result without its run belongs to the plan of that run. A result takes the measuring time of its run.
-    """
-    found = [[e] for e in entries if e.level is Level.PLANNED]
-    for run in (e for e in entries if e.level is Level.EXECUTED):
-        plans = [g for g in found if len(g) == 1 and g[0].level is Level.PLANNED]
-        named = [g for g in plans if run.plan is not None and run.plan == g[0].plan]
-        home = next((g for g in named or plans if named or _follows(run, g[0])), None)
-        if home is None:
-            found.append([run])
-        else:
-            home.append(run)
-    for result in (e for e in entries if e.level is Level.IDENTIFIED):
-        home = next((g for g in found if any(e.hashes & result.hashes for e in g)), None)
-        alone = [g for g in found if len(g) == 1 and result.plan is not None and g[0].plan == result.plan]
-        if home is None and alone and alone[0][0].level is Level.PLANNED:
-            alone[0].append(result)
-        elif home is None:
-            found.append([result])
-        else:
-            run = next(e for e in home if e.hashes & result.hashes)
-            home.append(replace(result, duration=run.duration))
-    return found
-
-
-def _follows(run: Entry, plan: Entry) -> bool:
-    if run.path is None or plan.path is None or run.level is plan.level:
-        return False
-    there, back = cKDTree(plan.path).query(run.path)[0], cKDTree(run.path).query(plan.path)[0]
-    return bool(max(there.max(), back.max()) < SAME_PATH * 5 and np.mean(there) < SAME_PATH)
-
-
-class Recommendation(NamedTuple):
-    """Which one to prefer.
-
-    Args:
-        best: its name; None where nothing can be compared.
-        per_second: the best per second of measuring time; None where times are unknown.
-        level: what the figures are: planned, executed or identified.
-        ratios: geometric mean of the standard deviations of each, over the best one's.
-        sentences: why.
-    """
-
-    best: str | None
-    per_second: str | None
-    level: str
-    ratios: Mapping[str, float]
-    sentences: tuple[str, ...]
-
-
-def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
-    """Recommends the excitation with the smallest standard deviations, by the best evidence that all of them have."""
-    if len(found) < 2:
-        return Recommendation(None, None, "", {}, ("there is nothing to choose from: name two excitations or more",))
-    common = [level for level in sorted(Level, reverse=True) if all(any(e.level is level for e in g) for g in found)]
-    remarks = []
-    if common:
-        chosen = [next(e for e in g if e.level is common[0]) for g in found]
-        level = common[0].name.lower()
-    else:
-        chosen = [max(g, key=lambda e: e.level) for g in found]
-        level = "mixed"
-        remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
-    names = [n for n in chosen[0].parameters if all(n in e.parameters for e in chosen)]
-    if not names:
-        return Recommendation(None, None, level, {}, ("they have no parameter in common",))
-    for entry in chosen:
-        missing = sorted({n for e in chosen for n in e.parameters} - set(entry.parameters))
-        if missing:
-            remarks.append(f"{entry.name} does not determine {', '.join(missing)}: not compared")
-    sizes = np.array([_size(e, names) for e in chosen])
-    order = np.argsort(sizes, kind="stable")
-    best, second = chosen[order[0]], chosen[order[1]]
-    ratio = float(np.exp(sizes[order[1]] - sizes[order[0]]))
-    times = [e.duration for e in chosen]
-    if ratio < NO_DIFFERENCE and best.duration and second.duration and second.duration < best.duration:
-        best, second = second, best
-        why = f"standard deviations of {second.name} are as small within {100 * (ratio - 1):.0f} %, but it takes longer"
-    else:
-        why = f"its {level} standard deviations are smallest: {second.name}'s are {ratio:.2f} times as large"
-    why += f" (geometric mean over {len(names)} parameters)"
-    sentences = [f"{best.name}: {why}{_times(best, second)}", *remarks]
-    fastest = None
-    if all(times):
-        rates = sizes + 0.5 * np.log([float(t or 1.0) for t in times])
-        fastest = chosen[int(np.argmin(rates))].name
-        if fastest != best.name:
-            sentences.append(f"per second of measuring time {fastest} tells most")
-    ratios = {e.name: float(np.exp(s - sizes.min())) for e, s in zip(chosen, sizes, strict=True)}
-    return Recommendation(best.name, fastest, level, ratios, tuple(sentences))
-
-
-def _size(entry: Entry, names: Iterable[str]) -> float:
-    deviations = [entry.parameters[n].std for n in names]
-    if not all(d > 0.0 for d in deviations):
-        raise HexciteError(f"{entry.name}: a parameter was given, not identified; compare without --fix")
-    return float(np.mean(np.log(deviations)))
-
-
-def _times(best: Entry, second: Entry) -> str:
-    if best.duration is None or second.duration is None:
-        return ""
-    return f", in {best.duration:.1f} s against {second.duration:.1f} s"

@@ -6,13 +6,14 @@ from typing import Any, NamedTuple
 
 from cases.errors import RecordingError
 from cases.files import another_kind, read_json
-from cases.loading import load_case
+from cases.loading import lasting_name, load_case
 from cases.schema import Case
 from identification.feed import about_feed, against_plan
 from identification.identify import placed
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.standing import average, find_standstills, match, stands_only
+from planner.fingerprints import plan_of_recording
 from planner.followed import followed_by_recording, followed_plan
 from planner.poses.expected import poses_of_plan, poses_of_recording
 
@@ -45,6 +46,24 @@ def case_of(path: Path, case: str | None) -> Case:
             f"{path}: case {about.get('case_file')} has changed since the recording; name the right one with --case"
         )
     return loaded
+
+
+def about_run(path: Path, case: str | None, recording: Recording, estimate: Estimate) -> dict[str, Any]:
+    """What a result says of its run: the file of the case, the plan that it followed, the time that it took.
+
+    Args:
+        path: of the recording.
+        case: as it was named; None where the recording's folder says.
+        recording: as it was identified.
+        estimate: of it.
+    """
+    file = path / "recording.json"
+    about = read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
+    taken = about.get("executed_s")
+    if taken is None and recording.t is not None:
+        taken = estimate.samples * recording.step
+    name = str(about.get("case_file")) if case is None else lasting_name(case)
+    return {"case_file": name, "plan_hash": plan_of_recording(path), "measuring_s": taken}
 
 
 def with_feed(estimate: Estimate, recording: Recording, case: Case, path: Path, plan: Path | None) -> Estimate:

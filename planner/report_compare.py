@@ -1,22 +1,25 @@
 """The page of a comparison: parameters side by side (Table 6), what controllers made of plans, and what to prefer."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import plotly.graph_objects as go
 from matplotlib.figure import Figure
 
 from identification.provenance import provenance
-from planner.comparing import Entry, Recommendation, Told
-from planner.report import Item, Note, Page, Plot, Section, Table, plain
+from planner.advising import Recommendation
+from planner.comparing import Entry, Level, Told
+from planner.report import Item, Note, Page, Plot, Section, Table, plain, rounded
 from planner.report_figures import COLOURS, GREY
+
+SAME_NOISE = 1.0001  # ratio of noises that are one
 
 
 def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Rows: what each entry is, costs and holds; criteria of the mean information in the reference scaling."""
     rows = [
         ["is", *(e.level.name.lower() for e in entries)],
-        ["family or controller", *(e.family for e in entries)],
+        ["family, controller, estimator", *(e.family for e in entries)],
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
@@ -36,13 +39,20 @@ def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str,
         yield name, *((1e3, "mm") if unit == "m" else (1.0, unit)), told
 
 
+def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """Heads of `parameter_rows`."""
+    labels = ((e.name, "std") if e.level is Level.IDENTIFIED else (f"std {e.name}",) for e in entries)
+    return ("parameter", *(label for each in labels for label in each))
+
+
 def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
-    """Table 6's layout: a row a parameter, value and standard deviation of each entry."""
+    """Table 6's layout: a row a parameter, of each entry the standard deviation, before it what was identified."""
     rows = []
     for name, scale, shown, told in _each_parameter(entries):
         row = [f"{name} [{shown}]"]
-        for t in told:
-            row.append("-" if t is None or t.value is None else f"{t.value * scale:.6g}")
+        for entry, t in zip(entries, told, strict=True):
+            if entry.level is Level.IDENTIFIED:
+                row.append("-" if t is None or t.value is None else rounded(t.value * scale, t.std * scale))
             row.append("-" if t is None else f"{t.std * scale:#.2g}")
         rows.append(row)
     return rows
@@ -78,7 +88,6 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
     """The page of `hexcite compare`."""
     entries = [e for g in groups for e in g]
     names = tuple(e.name for e in entries)
-    wide = ("parameter", *(label for n in names for label in (n, "std")))
     execution = execution_rows(groups)
     sections = [
         Section("Recommendation", tuple(Note(s) for s in advice.sentences)),
@@ -86,7 +95,7 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
             "Parameters side by side (Table 6)",
             (
                 _std_plot(groups),
-                Table(wide, tuple(map(tuple, parameter_rows(entries)))),
+                Table(parameter_columns(entries), tuple(map(tuple, parameter_rows(entries)))),
                 Note(
                     "std of plans and runs: predicted from the information alone, with white noise as the case states."
                 ),
@@ -118,13 +127,31 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
 
 
 def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """What keeps figures from being compared."""
+    """What keeps figures from being compared, and what the evaluations of runs and results warned of."""
     warnings = []
     if len({e.model for e in entries}) > 1:
         warnings.append("models differ: criteria of different models do not compare, standard deviations do")
     if len({e.case.hash for e in entries}) > 1:
         warnings.append("cases differ: the machines are not the same, or the case was changed between")
-    return tuple(warnings)
+    noises = [(e.noise, e) for e in entries if e.noise is not None]
+    if noises and max(n for n, _ in noises) > SAME_NOISE * min(n for n, _ in noises):
+        told = _listed((f"{noise:.3g} N", e) for noise, e in noises)
+        warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {told}")
+    if len({round(e.load, 3) for e in entries if e.load is not None}) > 1:
+        told = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
+        warnings.append(f"different weights are mounted, with which errors of the machine grow: {told}")
+    if len({e.machine for e in entries if e.machine is not None}) > 1:
+        told = _listed((e.machine, e) for e in entries if e.machine is not None)
+        warnings.append(f"not the same was measured, so that residuals do not compare: {told}")
+    return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
+
+
+def _listed(told: Iterable[tuple[str, Entry]]) -> str:
+    """Values with the names of the entries that have them."""
+    having: dict[str, list[str]] = {}
+    for value, entry in told:
+        having.setdefault(value, []).append(entry.name)
+    return "; ".join(f"{value} ({', '.join(names)})" for value, names in having.items())
 
 
 def _scaling_note() -> Note:

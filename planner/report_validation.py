@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from cases.schema import Case
 from identification.provenance import provenance
 from identification.result import Estimate
-from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
+from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of, with_deviation
 from planner.report_figures import COLOURS, GREY
 from planner.validation import COMPARED, SHOWN, Step
 from planner.validation_causes import SUSPICIOUS
@@ -222,12 +222,6 @@ def _s0_plot(steps: Sequence[Step]) -> Plot:
     return Plot("s0", figure.update_layout(height=340, showlegend=True))
 
 
-def _rounded(value: float, std: float) -> str:
-    """A value with its standard deviation, to two digits of that."""
-    digits = max(0, 1 - int(np.floor(np.log10(std)))) if std > 0.0 else 6
-    return f"{value:.{digits}f} ± {std:.{digits}f}"
-
-
 def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
     names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
@@ -235,7 +229,7 @@ def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
         scale, unit = SCALES.get(name, (1.0, ""))
         found = [e.physical.get(name) for e in columns.values()]
         unit = unit or next(v.unit for v in found if v is not None)
-        told = ("-" if v is None else _rounded(v.value * scale, v.reported * scale) for v in found)
+        told = ("-" if v is None else with_deviation(v.value * scale, v.reported * scale) for v in found)
         rows.append((f"{name} [{unit}]", *told))
     truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
     note = (

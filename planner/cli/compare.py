@@ -26,13 +26,15 @@ def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, 
     """Reads, compares, writes the page, prints unless `quiet`; returns the JSON answer."""
     from cases.errors import HexciteError
     from cases.files import COMPARISON, atomic_folder, check_folder, json_text
-    from planner.comparing import groups, read_entry, recommend
+    from planner.advising import groups, recommend
+    from planner.comparing import read_entry
     from planner.plots import save_figure
     from planner.report import render
     from planner.report_compare import compare_figure, compare_page, warnings_of
 
-    if len({f.resolve() for f in folders}) < len(folders):
-        raise HexciteError("a folder is named twice; name each once")
+    for k, folder in enumerate(folders):
+        if any(folder.resolve() == other.resolve() for other in folders[:k]):
+            raise HexciteError(f"{folder}: is named twice; name each folder once")
     check_folder(output, COMPARISON, folders)
     with status("comparing", quiet):
         found = groups([read_entry(folder) for folder in folders])
@@ -55,13 +57,13 @@ def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, 
 
 
 def _show(answer: dict[str, Any], found: Any) -> None:
-    from planner.report_compare import EXECUTION, execution_rows, figure_rows, parameter_rows
+    from planner.report_compare import EXECUTION, execution_rows, figure_rows, parameter_columns, parameter_rows
 
     entries = [e for g in found for e in g]
     names = [e.name for e in entries]
     print_table("Figures; criteria of the mean information, reference scaling", ("", *names), figure_rows(entries))
-    columns = ("parameter", *(label for n in names for label in (n, "std")))
-    print_table("Parameters side by side; std of plans and runs is predicted", columns, parameter_rows(entries))
+    title = "Parameters side by side; std of plans and runs is predicted"
+    print_table(title, parameter_columns(entries), parameter_rows(entries))
     if rows := execution_rows(found):
         print_table("Planned and executed", EXECUTION, rows)
     for warning in answer["warnings"]:

@@ -21,9 +21,8 @@ from identification.saved import load_result
 from identification.streaming import identify_long, in_blocks, is_long
 from planner.cli.console import print_table, status
 from planner.cli.wishes import Wish, method_of
-from planner.fingerprints import plan_of_recording
 from planner.plots import identifiability_figure, residual_figure, save_figure
-from planner.recorded import Still, case_of, knows_poses, standing_of, with_feed
+from planner.recorded import Still, about_run, case_of, knows_poses, standing_of, with_feed
 from planner.report import render
 from planner.report_identify import about_inputs, identify_page
 
@@ -67,7 +66,7 @@ def make_result(
             estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
             estimate = with_feed(estimate, recording, loaded, paths[0], plan)
         found = identifiability(recording, loaded, estimate)
-        content = estimate.to_json() | provenance(files_of(paths)) | {"plan_hash": plan_of_recording(paths[0])}
+        content = estimate.to_json() | provenance(files_of(paths)) | about_run(paths[0], case, recording, estimate)
         answer = {"result": str(folder), "report": str(folder / "report.html")} | content
         if standing is not None:
             content["standstills"] = answer["standstills"] = standing

@@ -1,5 +1,6 @@
 """`hexcite compare`: what belongs together is found by what it is, and the advice follows the figures."""
 
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -10,9 +11,10 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.schema import Case
-from planner.comparing import Entry, Level, Told, groups, read_entry, recommend
+from planner.advising import groups, recommend
+from planner.comparing import Entry, Level, Told, read_entry
 from planner.fingerprints import plan_hash, plan_of_program
-from planner.report_compare import _coloured
+from planner.report_compare import _coloured, warnings_of
 from postprocessors.dialects import DIALECTS
 from tests.planner.browser import opened
 from tests.planner.command_line import ACCEPT, call, refused
@@ -127,6 +129,85 @@ def test_the_command_compares_and_writes_a_page(chain: Chain, shared: Path, tmp_
         assert "smallest" in tab.page.locator(".note").first.inner_text()
 
 
+def test_every_run_of_a_plan_and_every_result_of_a_run_takes_part(hexapod_case: Case):
+    """Two controllers, and two evaluations of one of the runs: nothing is left out for having a sibling."""
+    plan = replace(entry(hexapod_case, "plan", 0.1, 12.0), level=Level.PLANNED, plan="p", hashes=frozenset())
+    runs = [replace(entry(hexapod_case, n, 0.1, 12.0), level=Level.EXECUTED, plan="p", load=2.0) for n in "rs"]
+    results = [
+        replace(entry(hexapod_case, n, std, 1.0), hashes=frozenset({of}), duration=None, plan="p")
+        for n, std, of in (("s1", 0.3, "s"), ("r1", 0.2, "r"), ("r2", 0.1, "r"), ("other", 0.4, "elsewhere"))
+    ]
+    (found,) = groups([*results, *runs, plan])
+    assert [e.name for e in found] == ["plan", "r", "r1", "r2", "s", "s1", "other"]
+    assert [(e.duration, e.load) for e in found if e.name in ("r1", "s1")] == [(12.0, 2.0)] * 2
+    advice = recommend([found])
+    assert (advice.best, advice.level) == ("r2", "identified")
+    assert advice.ratios == pytest.approx({"r2": 1.0, "r1": 2.0, "s1": 3.0, "other": 4.0})
+    assert recommend([[plan, runs[0], results[1]]]).best is None
+
+
+def test_warnings_of_the_best_are_told_with_the_best_without(hexapod_case: Case):
+    a, b = entry(hexapod_case, "a", 0.1, 12.0), entry(hexapod_case, "b", 0.2, 12.0)
+    doubtful = replace(a, warnings=("contact in rows 3 to 9",))
+    assert not any("warnings" in s for s in recommend([[a], [b]]).sentences)
+    advice = recommend([[doubtful], [b]])
+    assert advice.best == "a"
+    assert advice.sentences[1] == "see to the warnings of a before you rely on it; without warnings the best is b"
+    assert warnings_of([doubtful, b]) == ("a: contact in rows 3 to 9",)
+    both = recommend([[doubtful], [replace(b, warnings=("drift",))]])
+    assert both.sentences[1] == "see to the warnings of a before you rely on it"
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "said"),
+    [
+        ({"noise": 1.0}, {"noise": 2.0}, "different noise of a force sample, .*: 1 N \\(a\\); 2 N \\(b\\)"),
+        ({"load": 0.0}, {"load": 59.79}, "different weights .*: 0 kg \\(a\\); 59.79 kg \\(b\\)"),
+        ({"machine": "a real machine"}, {"machine": "a simulated machine"}, "not the same was measured"),
+        ({"model": 5}, {}, "models differ"),
+    ],
+)
+def test_what_keeps_figures_from_being_compared_is_told(
+    hexapod_case: Case, one: dict[str, Any], other: dict[str, Any], said: str
+):
+    a, b = entry(hexapod_case, "a", 0.1, 12.0), entry(hexapod_case, "b", 0.2, 12.0)
+    assert warnings_of([a, b]) == warnings_of([replace(a, **one), replace(b, name="c", **one)]) == ()
+    (warning,) = warnings_of([replace(a, **one), replace(b, **other)])
+    assert re.search(said, warning)
+
+
+def test_a_run_at_poses_is_compared_as_what_it_is(shared: Path, tmp_path: Path):
+    """Its plan, the run and its result see the same information: standstills, averaged, in a static model."""
+    few = ("--count", "6", "--method", "backward")
+    call("poses", "hexapod", *few, "-o", tmp_path / "p")
+    call("post", tmp_path / "p", "--dialect", "sinumerik", "-o", tmp_path / "p.mpf")
+    call("run", tmp_path / "p.mpf", "--case", "hexapod", "-o", tmp_path / "r")
+    call("identify", tmp_path / "r", "-o", tmp_path / "i")
+    plan, run, result = (read_entry(tmp_path / n) for n in ("p", "r", "i"))
+    (group,) = groups([plan, run, result])
+    assert [e.model for e in group] == [5, 5, 5]
+    assert [e.samples for e in group] == [6, 6, 6]
+    assert run.noise == pytest.approx(plan.noise)
+    assert result.duration == run.duration == pytest.approx(plan.duration, abs=0.1)
+    assert run.criteria["D"] == pytest.approx(plan.criteria["D"], abs=1e-3)
+    for name, told in plan.parameters.items():
+        assert run.parameters[name].std == pytest.approx(told.std, rel=0.01)
+    assert warnings_of(group) == ()
+
+
+def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shared: Path, hexapod_file: Path):
+    """From any folder, and no longer once the case has changed."""
+    hexapod_file.write_text(hexapod_file.read_text().replace('name = "hexapod"', 'name = "mine"'))
+    results = [hexapod_file.parent / f"result-{k}" for k in range(2)]
+    for result in results:
+        call("identify", shared / "recording" / "recording.csv", "--case", hexapod_file, "-o", result)
+    entries = [read_entry(result) for result in results]
+    assert [e.case.name for e in entries] == ["mine", "mine"]
+    assert entries[0].duration == pytest.approx(chain["run"]["duration_s"], abs=0.05)
+    hexapod_file.write_text(hexapod_file.read_text().replace("range_N = 5000.0", "range_N = 6000.0"))
+    assert "has changed since" in refused("compare", *results, "-o", hexapod_file.parent / "c")
+
+
 def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):
     found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
     other = replace(found[0][0], name="another", path=None)
@@ -143,5 +224,14 @@ def test_units_stand_in_the_tables(chain: Chain, shared: Path, tmp_path: Path):
 
 def test_what_cannot_be_compared_is_refused(chain: Chain, shared: Path, tmp_path: Path):
     assert "holds no plan, run or result" in refused("compare", tmp_path, "-o", tmp_path / "c")
+    assert "nowhere: does not exist" in refused("compare", tmp_path / "nowhere", "-o", tmp_path / "c")
+    assert "is a file" in refused("compare", shared / "excitation.ngc", "-o", tmp_path / "c")
+    call("compare", shared / "plan", shared / "result", "-o", tmp_path / "old")
+    assert "old: is a comparison" in refused("compare", tmp_path / "old", "-o", tmp_path / "c")
+    nameless = shutil.copytree(shared / "recording", tmp_path / "nameless")
+    (nameless / "recording.json").write_text("{}")
+    assert "recording.json: names no case; run the program again" in refused("compare", nameless, "-o", tmp_path / "c")
+    (nameless / "recording.json").write_text('{"case_file": "hexapod", "case_hash": "0"}')
+    assert "case hexapod has changed since" in refused("compare", nameless, "-o", tmp_path / "c")
     assert "named twice" in refused("compare", shared / "plan", shared / "plan", "-o", tmp_path / "c")
     assert not (tmp_path / "c").exists()

@@ -25,7 +25,7 @@ from identification.simulate import simulate_standstills
 from planner.cli.validate import run_validation
 from planner.cli.validate_runs import Settings, _keep, _kept, unfinished
 from planner.interruption import Interrupted
-from planner.report_validation import _rounded
+from planner.report import with_deviation
 from planner.validation import SHOWN, Excitation, Step, mounted_weights, steps
 from planner.validation_causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from planner.validation_remedy import remedies
@@ -206,9 +206,9 @@ def test_against_standing_still_the_measuring_time_counts():
 
 
 def test_values_are_rounded_to_two_digits_of_their_deviation():
-    assert _rounded(0.77256, 0.634) == "0.77 ± 0.63"
-    assert _rounded(31.8834, 0.0571) == "31.883 ± 0.057"
-    assert _rounded(131.88, 12.3) == "132 ± 12"
+    assert with_deviation(0.77256, 0.634) == "0.77 ± 0.63"
+    assert with_deviation(31.8834, 0.0571) == "31.883 ± 0.057"
+    assert with_deviation(131.88, 12.3) == "132 ± 12"
 
 
 def test_numbers_of_weights_are_chosen():
