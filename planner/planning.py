@@ -28,7 +28,7 @@ from planner.plan import Plan
 from planner.problem import mean_information
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
-from planner.solving import Failed, Stage, Start, Task, keep_limits, remedy, seeds_of
+from planner.solving import AT_HAND, Failed, Stage, Start, Task, keep_limits, remedy, seeds_of
 
 Array = NDArray[np.float64]
 
@@ -39,14 +39,16 @@ KEPT = 3  # of several orders and periods, the best are looked at from all start
 
 ANNEALING = 200  # proposals for each pair of moves: half a minute for 40 moves, worth more than as many more starts
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
-# last iterations bring. Splines begin from point-to-point motions: these reach in seconds what splines starting by
-# chance do not reach in minutes.
+# last iterations bring.
 STAGES = {
     "fourier": (Stage("explore", 100, False), Stage("refine", 150, True)),
     "ptp": (Stage("explore", 200, False, ANNEALING), Stage("refine", 300, True)),
-    "spline": (Stage("explore ptp", 200, False, ANNEALING), Stage("refine", 800, True)),
+    "spline": (Stage("explore", 500, False, barrier=1e-2), Stage("refine", 800, True, barrier=AT_HAND)),
 }
-MOVES_A_SECOND = 3.3  # of the point-to-point motions that splines begin from
+# Solvers that approximate second derivatives need minutes from splines that start by chance. For these they begin from
+# point-to-point motions, which reach in seconds what such splines do not.
+BEGIN_FROM_MOVES = ("sqp", "slsqp")
+MOVES_A_SECOND = 3.3
 
 
 class Found(NamedTuple):
@@ -77,6 +79,8 @@ def first_family(request: Request, case: Case) -> Family:
         middle, half = box_middle(case)
         periods = round(request.duration / request.period)
         return FourierFamily.lasting(request.order, request.period, periods, middle, half, COARSE, request.centred)
+    if request.family == "spline" and request.solver not in BEGIN_FROM_MOVES:
+        return SplineFamily.of(case, request.intervals, request.duration)
     if request.family == "spline":
         moves = int(np.clip(round(MOVES_A_SECOND * request.duration), FEWEST, MOST))
         return PointToPointFamily.of(case, moves, request.duration)
@@ -84,14 +88,14 @@ def first_family(request: Request, case: Case) -> Family:
 
 
 def _explore(request: Request, case: Case, seed: int) -> Task:
-    stage = STAGES[request.family][0]
     family = first_family(request, case)
+    stage = STAGES[family.name][0]
     return Task(case, request.model, family, request.criterion, request.solver, stage, seed, payload=request.payload)
 
 
 def _refine(request: Request, case: Case, start: Start) -> Task:
     family, unknowns = start.family, start.begin
-    if request.family == "spline":
+    if request.family == "spline" and family.name != "spline":
         family = SplineFamily.of(case, request.intervals, request.duration)
         unknowns = family.through(start.family.motion(start.begin))
     stage = STAGES[request.family][1]

@@ -48,6 +48,7 @@ class Problem:
     Args:
         sampling: unknowns, states and rows of the family.
         information: lower triangle of the mean of H A^T A H over the motion, an expression in the unknowns.
+        sample: that of one state: pose, rates, accelerations -> lower triangle of H A^T A H.
         state_limits: shares of the non-linear limits of one state, and their derivatives.
         size: number of parameters.
         loads: numbers of payloads with which sensor forces are among these limits.
@@ -55,6 +56,7 @@ class Problem:
 
     sampling: Sampling
     information: ca.MX
+    sample: ca.Function
     state_limits: StateLimits
     size: int
     loads: tuple[int, ...] = ()
@@ -129,8 +131,9 @@ def build_problem(case: Case, model: Model, family: Family, scaling: Array) -> P
     """
     sampling = family.sampling(case)
     states = sampling.states
-    information = sample_information(model, scaling).map(states.count)(*states.each) @ sampling.shares
-    return Problem(sampling, information, state_limits(case), len(scaling))
+    sample = sample_information(model, scaling)
+    information = sample.map(states.count)(*states.each) @ sampling.shares
+    return Problem(sampling, information, sample, state_limits(case), len(scaling))
 
 
 def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:

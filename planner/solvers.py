@@ -29,6 +29,9 @@ class Program:
         constraints: rows with their derivatives.
         lower: of each unknown.
         upper: of each unknown.
+        hessian: (unknowns, nothing, factor of the objective, multipliers of the rows) -> upper triangle of the second
+            derivative of the Lagrangian; None where it is to be approximated. IPOPT uses it.
+        barrier: with second derivatives, the height of the barrier before the limits with which IPOPT begins.
     """
 
     unknowns: ca.MX
@@ -36,6 +39,8 @@ class Program:
     constraints: Constraints
     lower: Array
     upper: Array
+    hessian: ca.Function | None = None
+    barrier: float = 1e-2
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,13 +100,15 @@ class _Callback(ca.Callback):  # type: ignore[misc]
         return [float(self.watch(float(arguments[1])))]
 
 
-def _casadi(plugin: str, options: dict[str, Any]) -> Solver:
+def _casadi(plugin: str, options: dict[str, Any], exact: dict[str, Any]) -> Solver:
     def solve(program: Program, start: Array, iterations: int, watch: Watch) -> Reached:
         x, c = program.unknowns, program.constraints
         p = ca.MX.sym("p", 0)
         rows, names = [c.rows, c.jacobian], ["g", "jac_g_x"]
         if plugin == "ipopt":
             derivatives = {"jac_g": ca.Function("nlp_jac_g", [x, p], rows, ["x", "p"], names)}
+            if program.hessian is not None:
+                derivatives["hess_lag"] = program.hessian
         else:
             slope = ca.densify(ca.gradient(program.objective, x))
             everything = [program.objective, slope, *rows]
@@ -110,9 +117,10 @@ def _casadi(plugin: str, options: dict[str, Any]) -> Solver:
             }
         callback = _Callback(x.shape[0], c.rows.shape[0], watch)
         common = {**derivatives, "iteration_callback": callback, "print_time": False, "show_eval_warnings": False}
-        limit = (
-            {"ipopt": {**options, "max_iter": iterations}} if plugin == "ipopt" else {**options, "max_iter": iterations}
-        )
+        limit = {**options, "max_iter": iterations}
+        if program.hessian is not None:
+            limit = {**limit, **exact, "mu_init": program.barrier, **(_PUSH if program.barrier < FAR else {})}
+        limit = {"ipopt": limit} if plugin == "ipopt" else limit
         solver = ca.nlpsol("solver", plugin, {"x": x, "f": program.objective, "g": c.rows}, {**common, **limit})
         at, taken = start, 0
         while True:
@@ -135,6 +143,16 @@ _IPOPT = {
     "print_level": 0,
     "sb": "yes",
 }
+# With exact second derivatives. The barrier falls slowly: following its minimum down from a height at which limits
+# repel from afar leads from a random start to better optima than going straight to those limits that are near.
+_IPOPT_EXACT = {
+    "hessian_approximation": "exact",
+    "tol": 1e-6,
+    "mu_linear_decrease_factor": 0.3,
+    "mu_superlinear_decrease_power": 1.05,
+}
+FAR = 1e-5  # barriers below it are for starts near an optimum, which must not be pushed away from their limits
+_PUSH = dict.fromkeys(("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac"), 1e-6)
 _SQP = {
     "qpsol": "daqp",
     "qpsol_options": {"error_on_fail": False},
@@ -206,4 +224,8 @@ def _slsqp(program: Program, start: Array, iterations: int, watch: Watch) -> Rea
     return Reached(np.asarray(done.x), str(done.message).lower(), bool(done.success), int(done.nit))
 
 
-SOLVERS: dict[str, Solver] = {"ipopt": _casadi("ipopt", _IPOPT), "sqp": _casadi("sqpmethod", _SQP), "slsqp": _slsqp}
+SOLVERS: dict[str, Solver] = {
+    "ipopt": _casadi("ipopt", _IPOPT, _IPOPT_EXACT),
+    "sqp": _casadi("sqpmethod", _SQP, {}),
+    "slsqp": _slsqp,
+}

@@ -22,6 +22,7 @@ from identification.reference import reference_scaling
 from planner.annealing import annealed_start
 from planner.families.family import Family, box_middle
 from planner.families.ptp import PointToPointFamily
+from planner.lifted import lifted
 from planner.noise import expected_noise, seen_through
 from planner.problem import Problem, build_problem, mean_information
 from planner.solvers import SOLVERS, Program, Reached, Watch
@@ -30,6 +31,9 @@ Array = NDArray[np.float64]
 
 LIMIT_ROUNDS = 5  # rounds of adding the non-linear limits that came close
 AGAIN = 3  # later rounds have one in so many of the first one's iterations: they begin where it has ended
+EXACT = 5  # with exact second derivatives one in so many iterations is enough
+AT_HAND = 1e-6  # barrier where a round begins from the result of the one before
+OUTSIDE = 1.1, 1e-3  # from this share of a non-linear limit on, a start is outside and the barrier at least so high
 NEAR = 0.9  # share of a non-linear limit from which it counts as close
 PASSED = 1e-3  # share by which a limit may be passed within a round's result: the final drawing back takes it
 MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion
@@ -50,12 +54,15 @@ class Stage(NamedTuple):
             them, and A, K and N begin from the D-optimal motion.
         annealing: proposals of the annealing that finds starts of point-to-point motions, for each pair of moves: what
             there is to choose grows with their number, and so does the cost of a choice. 0: starts are random.
+        barrier: with which IPOPT begins on criterion D, and then has exact second derivatives; high for starts far from
+            an optimum. 0: they are approximated.
     """
 
     name: str
     iterations: int
     fine: bool
     annealing: int = 0
+    barrier: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -284,18 +291,26 @@ def _optimise(
 
     for after in range(LIMIT_ROUNDS if task.stage.fine else 1):
         sampling = problem.sampling
-        program = Program(
-            problem.unknowns,
-            problem.objective(letter, halvings),
-            problem.constraints(active),
-            sampling.lower,
-            sampling.upper,
-        )
         most = task.stage.iterations if after == 0 else max(1, task.stage.iterations // AGAIN)
-        reached = SOLVERS[task.solver](program, unknowns, most, told)
+        if task.stage.barrier and letter == "D" and task.solver == "ipopt":
+            barrier = task.stage.barrier if after == 0 else AT_HAND
+            if problem.limit_shares(unknowns).max() > OUTSIDE[0]:
+                barrier = max(barrier, OUTSIDE[1])
+            raised = lifted(problem, active, barrier)
+            reached = SOLVERS[task.solver](raised.program, raised.start(unknowns), max(1, most // EXACT), told)
+        else:
+            program = Program(
+                problem.unknowns,
+                problem.objective(letter, halvings),
+                problem.constraints(active),
+                sampling.lower,
+                sampling.upper,
+            )
+            reached = SOLVERS[task.solver](program, unknowns, most, told)
         iterations += reached.iterations
-        if np.isfinite(reached.unknowns).all():
-            unknowns = np.clip(reached.unknowns, sampling.lower, sampling.upper)
+        found = reached.unknowns[: len(unknowns)]
+        if np.isfinite(found).all():
+            unknowns = np.clip(found, sampling.lower, sampling.upper)
         if task.stage.fine:
             problem = problem.with_loads(task.case, closest_load(task.case, family.motion(unknowns)))
         shares = problem.limit_shares(unknowns)

@@ -54,6 +54,7 @@ class Sampling:
         critical: states at which non-linear limits (struts, joints) are held where they come close.
         struts: at which of these struts' velocities and which their accelerations peak, so that these limits are held
             from the start, shape (2, number of critical states).
+        linear: whether the states are linear in the unknowns.
     """
 
     unknowns: ca.MX
@@ -65,6 +66,7 @@ class Sampling:
     zeros: ca.MX
     critical: States
     struts: NDArray[np.bool_]
+    linear: bool
 
 
 class Family(Protocol):

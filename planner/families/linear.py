@@ -88,4 +88,5 @@ def linear_sampling(case: Case, family: Maps) -> Sampling:
         zeros=ca.MX(0, 1),
         critical=critical,
         struts=family.struts(),
+        linear=True,
     )

@@ -166,6 +166,7 @@ class PointToPointFamily:
             struts=np.tile(
                 [[phase == 3 for phase, _ in _CRITICAL_POINTS], [p in _HOLDS for p in _CRITICAL_POINTS]], count
             ),
+            linear=False,
         )
 
     def _time_bounds(self) -> tuple[Array, Array]:

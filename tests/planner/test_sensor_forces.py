@@ -63,7 +63,7 @@ def test_rows_of_sensor_forces_are_newtons_and_eulers(name: str, weak: Case):
 
 
 def explored_and_refined(case: Case, name: str) -> tuple[Start, Start]:
-    stages = STAGES["ptp" if name == "ptp" else "fourier"]
+    stages = STAGES[name]
     first = run_start(Task(case, 0, family_of(case, name), "D", "ipopt", stages[0], seed=1))
     return first, run_start(Task(case, 0, first.family, "D", "ipopt", stages[1], 1, first.begin))
 

@@ -108,5 +108,5 @@ def test_improving_a_point_to_point_motion_yields_more_than_it(hexapod_case: Cas
     moves = PointToPointFamily.of(hexapod_case, 13, 4.0)
     first = run_start(Task(hexapod_case, 9, moves, "D", "ipopt", Stage("explore", 60, False), 1))
     unknowns = family.through(moves.motion(first.unknowns))
-    again = Task(hexapod_case, 9, family, "D", "ipopt", Stage("refine", 60, True), 1, unknowns)
+    again = Task(hexapod_case, 9, family, "D", "ipopt", Stage("refine", 300, True, barrier=1e-4), 1, unknowns)
     assert run_start(again).logdet > first.logdet
