@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from cases.errors import RecordingError
 from cases.schema import Case
+from identification.ahead import ahead
 from identification.evaluation import MOVING, Run, checked_filter, spoilt_by
 from identification.formats.stream import UNIFORMITY, Recording, Stream
 from identification.hexapod import Hexapod
@@ -106,7 +107,7 @@ class Blocks:
         yield from self._batches_of(self.moving)
 
     def _batches_of(self, moving: tuple[float, float] | None) -> Iterator[Recording]:
-        parts = (_recording(stream, self.case, moving) for stream in read_batches(self.path, self.case))
+        parts = (_recording(stream, self.case, moving) for stream in ahead(read_batches(self.path, self.case)))
         return gathered(parts if self.held is None else at_their_samples(parts, self.held, self.case), LEAST)
 
     def _rhythm(self) -> Rhythm | None:

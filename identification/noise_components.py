@@ -17,6 +17,7 @@ from identification.evaluation import Run
 from identification.fit import Fit
 from identification.model import Model
 from identification.noise_model import acceleration_to_force, inverse_root
+from identification.signals import Filter
 
 Array = NDArray[np.float64]
 
@@ -75,14 +76,30 @@ def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None
         fit: its values begin with u; its residuals are those of the forces behind the filter.
         wrench: whether the channels are three forces and three moments.
     """
-    independent = len(run.rows) * run.filter.noise_gain * run.filter.stride
-    freedom = independent - len(fit.values) / 6
+    products = fit.residuals.T @ fit.residuals
+    return components_of(products, len(run.rows), run.filter, run.model, fit.values, wrench)
+
+
+def components_of(
+    products: Array, rows: int, low_pass: Filter, model: Model, values: Array, wrench: bool
+) -> NoiseComponents | None:
+    """The same from the sums of the residuals' products.
+
+    Args:
+        products: over the samples, of each channel with each other, shape (6, 6).
+        rows: samples.
+        low_pass: that they went through.
+        model: of the first of the values.
+        values: of all that was estimated, shape (k,).
+        wrench: whether the channels are three forces and three moments.
+    """
+    freedom = rows * low_pass.noise_gain * low_pass.stride - len(values) / 6
     if freedom < LEAST:
         return None
-    found = fit.residuals.T @ fit.residuals * run.filter.stride / freedom
+    found = products * low_pass.stride / freedom
     if np.linalg.matrix_rank(found) < len(found):
         return None
-    return _taken_apart(found, run.model, fit.values[: len(run.model.parameters)], wrench)
+    return _taken_apart(found, model, values[: len(model.parameters)], wrench)
 
 
 def _taken_apart(found: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:

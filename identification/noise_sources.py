@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cases.sensors import Sensors
 from identification.evaluation import Run
-from identification.fit import Fit
+from identification.fit import Filtered, Fit
 from identification.noise_effects import acceleration_effects, twist_rate_effects
 from identification.parameters import PhysicalForm
 from identification.periodic import PeriodicRun
@@ -109,18 +109,48 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
         delay: of the forces [s].
         sensors: with noise of forces, of struts or both.
     """
-    squared = max(fit.s0**2, np.finfo(float).tiny)
-    force_share = None
-    if sensors.force_noise is not None:
-        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
-    if sensors.strut_variance is None and sensors.acceleration_noise is None:
-        return NoiseSources(force_share, None, None, None, None)
-    unknowns, filtered = len(run.model.parameters), run.filtered
-    estimated = fit.values[:unknowns]
-    inverse = fit.covariance[:unknowns, :unknowns] * filtered.stride / squared  # F^-1; singular where some are given
-    moment = np.zeros((unknowns, unknowns))  # D
+    effect = None
+    if sensors.strut_variance is not None or sensors.acceleration_noise is not None:
+        effect = regressor_noise(run, w, delay, sensors)
+    return sources_of(effect, fit, w, run.filtered, sensors)
+
+
+class RegressorNoise(NamedTuple):
+    """What stated noise of struts and accelerations does to the regressors of a run.
+
+    Args:
+        moment: D, the expected sum over its samples of dA^T W dA, shape (u, u).
+        samples: that it is of.
+        variance: of the accelerations of a strut, by noise of the struts [m^2/s^4].
+    """
+
+    moment: Array
+    samples: int
+    variance: float
+
+    def joined(self, other: "RegressorNoise | None") -> "RegressorNoise":
+        """That of both."""
+        if other is None:
+            return self
+        return RegressorNoise(self.moment + other.moment, self.samples + other.samples, self.variance)
+
+    def of_samples(self, samples: int) -> "RegressorNoise":
+        """That of more samples, of which these are a fair choice."""
+        return RegressorNoise(self.moment * (samples / self.samples), samples, self.variance)
+
+
+def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sensors) -> RegressorNoise:
+    """What a case states, in the regressors of a run.
+
+    Args:
+        run: gives the motion.
+        w: W for one sample, shape (6, 6).
+        delay: of the forces [s].
+        sensors: with noise of struts, of accelerations or both.
+    """
+    unknowns = len(run.model.parameters)
+    moment = np.zeros((unknowns, unknowns))
     motion = run.kinematics(delay)
-    samples = len(motion.pose)
     variance = 0.0
     if isinstance(run, PeriodicRun):
         if sensors.strut_variance is not None:
@@ -130,20 +160,42 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
         for change in acceleration_effects(run.hexapod, run.model, motion):
             moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     if sensors.acceleration_noise is not None:
-        felt = sensors.acceleration_noise**2 * filtered.gain
+        felt = sensors.acceleration_noise**2 * run.filtered.gain
         for change, size in zip(twist_rate_effects(run.model, motion), felt, strict=True):
             moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
+    return RegressorNoise(moment, len(motion.pose), variance)
+
+
+def sources_of(effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filtered, sensors: Sensors) -> NoiseSources:
+    """What a case states beside what a Gauss-Markov fit left.
+
+    Args:
+        effect: of noise of struts and accelerations; None where none is stated.
+        fit: its values begin with u; its covariance is (28).
+        w: W for one sample, shape (6, 6).
+        filtered: what the filter did to white noise.
+        sensors: with noise of forces, of struts or both.
+    """
+    squared = max(fit.s0**2, np.finfo(float).tiny)
+    force_share = None
+    if sensors.force_noise is not None:
+        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
+    if effect is None:
+        return NoiseSources(force_share, None, None, None, None)
+    moment, unknowns = effect.moment, len(effect.moment)
+    estimated = fit.values[:unknowns]
+    inverse = fit.covariance[:unknowns, :unknowns] * filtered.stride / squared  # F^-1; singular where some are given
     lost = inverse @ moment
     bias: Array | None = None
     if float(np.linalg.eigvals(lost).real.max()) < MOST_LOST:
         bias = np.asarray(-np.linalg.solve(np.eye(unknowns) - lost, lost @ estimated))
     true = estimated if bias is None else estimated - bias
     # Of dA u the fit hides what it is drawn by: u^T D u + u^T D b is left.
-    equivalent = float(true @ moment @ estimated) / (6 * samples * filtered.gain)
+    equivalent = float(true @ moment @ estimated) / (6 * effect.samples * filtered.gain)
     return NoiseSources(
         force_share,
         equivalent / squared,
-        float(np.sqrt(variance)) if variance else None,
+        float(np.sqrt(effect.variance)) if effect.variance else None,
         float(np.sqrt(max(equivalent, 0.0))),
         bias,
     )

@@ -31,6 +31,8 @@ from identification.hexapod import Hexapod
 from identification.identify import placed
 from identification.model import identification_model
 from identification.moving import GAUSS_MARKOV, fit_with_delay
+from identification.noise_components import components_of
+from identification.noise_sources import sources_of
 from identification.plausibility import scan
 from identification.recording import files_of
 from identification.result import Delay, Estimate, Evaluation, estimate_of
@@ -125,12 +127,14 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
     root = np.diag(np.sqrt(first.fit.weights)) if first.whitening is None else first.whitening
     weighing = not problem.pooled
     contacts: tuple[Touch, ...] = ()
+    sensors = case.sensors
+    shaken = sensors if sensors.strut_variance is not None or sensors.acceleration_noise is not None else None
     total = Total(delay, values, root, weighing)
     for number in range(PASSES):
         free = _Free.of(selection, begin.nuisances)
         # The first reading has the parameters of its head only, too little to tell a contact by.
         calm = Calm.of(total.kept) if number else None
-        total = Total(delay, values, root, weighing, calm, contacts, begin.smoothing, bend)
+        total = Total(delay, values, root, weighing, shaken if number else None, calm, contacts, begin.smoothing, bend)
         for run in blocks.runs(model, low_pass):
             total.add(run)
         if total.looked_at:
@@ -160,8 +164,17 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
         told["smoothing_s2"] = smoothing._asdict()
     if head.averaged is not None:
         notes, told = [*notes, head.averaged.note(total.root.T @ total.root, fit.s0)], told | head.averaged.to_json()
+    w = total.root.T @ total.root
+    noise = None
+    if sensors.state_noise:
+        effect = None if total.noise is None else total.noise.of_samples(total.rows)
+        noise = sources_of(effect, fit, w, Filtered(low_pass.noise_gain, low_pass.stride), sensors)
+    components = components_of(total.products, total.rows, low_pass, model, found, case.sensor_frame.bars is None)
+    if components is not None:
+        told["noise_components"] = components.to_json()
+        notes = [*notes, *components.notes(how.weights or sensors.weights)]
     about = Evaluation(
-        total.samples, total.kept, Delay(total.delay + float(found[-1]), std), notes=tuple(notes), told=told
+        total.samples, total.kept, Delay(total.delay + float(found[-1]), std), noise, notes=tuple(notes), told=told
     )
     warnings = (
         *blocks.warnings[:MOST_WARNINGS],
@@ -172,8 +185,8 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
     more = len(total.found) - MOST_WARNINGS
     if more > 0:
         warnings += (f"and {more} more contacts",)
-    if case.sensors.state_noise:
-        warnings += ("a long run, evaluated in blocks: s0 is not compared with the noise that the case states",)
+    if noise is not None:
+        warnings += tuple(noise.doubts)
     estimate = estimate_of(model, fit, str(path), case, about, how, warnings)
     rms = np.sqrt(total.squares / total.rows)
     return LongRun(replace(estimate, residual_rms=rms, s0_N=float(np.sqrt(np.mean(rms**2)))), head)

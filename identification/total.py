@@ -7,16 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from cases.sensors import Sensors
 from identification.compressed import Compressed, scores, triangle
 from identification.contact import NEAR, Calm, Contact, find_contacts, touched
 from identification.estimator import WEIGHT_ROUNDS, WEIGHT_TOLERANCE
 from identification.evaluation import Run
 from identification.fit import long_run_covariance
+from identification.noise_sources import RegressorNoise, regressor_noise
 from identification.signals import Filter
 
 Array = NDArray[np.float64]
 
 MOST_KEPT = 20_000  # residuals kept for the plots
+SAMPLED = 300  # samples of a block by which noise in the regressors is told: a mean over the run, to a percent or two
 
 
 class Touch(NamedTuple):
@@ -48,6 +51,7 @@ class Total:
         values: u whose residuals are judged, shape (u,).
         root: C with W = C^T C for one sample, shape (6, 6).
         weighing: whether the weights are to be estimated from what the channels leave.
+        sensors: with noise of struts or accelerations, whose effect is to be told; None: it is not.
         calm: what noise leaves of the forces, as the reading before told; None: do not look for contacts.
         known: contacts that the reading before found.
         smoothing: whether that of the forces is estimated.
@@ -58,6 +62,7 @@ class Total:
     values: Array
     root: Array
     weighing: bool
+    sensors: Sensors | None = None
     calm: Calm | None = None
     known: tuple[Touch, ...] = ()
     smoothing: bool = False
@@ -66,10 +71,11 @@ class Total:
     rows: int = 0
     samples: int = 0
     squares: Array = field(default_factory=lambda: np.zeros(6))
-    smooth_squares: Array = field(default_factory=lambda: np.zeros(6))
+    products: Array = field(default_factory=lambda: np.zeros((6, 6)))
     information: Array | None = None
     gradient: Array | None = None
     meat: Array | None = None
+    noise: RegressorNoise | None = None
     found: tuple[Touch, ...] = ()
     touched: int = 0
     looked_at: int = 0
@@ -101,7 +107,7 @@ class Total:
         self.rows += len(run.rows)
         self.samples += run.samples
         self.squares = self.squares + np.sum((run.recorded_forces - (forces - left)) ** 2, axis=0)
-        self.smooth_squares = self.smooth_squares + np.sum(left**2, axis=0)
+        self.products = self.products + left.T @ left
         if self.weighing:
             information = np.einsum("nku,nkv->kuv", augmented, augmented, optimize=True)
             self.information = information if self.information is None else self.information + information
@@ -109,6 +115,9 @@ class Total:
             self.gradient = slope if self.gradient is None else self.gradient + slope
         meat = long_run_covariance(scores(joined[:, :, :-1], left @ self.root.T, np.ones(6)))
         self.meat = meat if self.meat is None else self.meat + meat
+        if self.sensors is not None:
+            some = replace(run, rows=run.rows[:: max(1, len(run.rows) // SAMPLED)])
+            self.noise = regressor_noise(some, self.root.T @ self.root, self.delay, self.sensors).joined(self.noise)
         self.pieces.append(np.hstack([left, forces])[:: self.thinning])
         if sum(map(len, self.pieces)) > MOST_KEPT:
             self.pieces = [np.vstack(self.pieces)[::2]]
@@ -179,7 +188,7 @@ class Total:
         for _ in range(WEIGHT_ROUNDS):
             inverse = np.linalg.inv(np.einsum("k,kuv->uv", weights, own))
             step = inverse @ (weights @ slope)
-            left = self.smooth_squares - 2.0 * slope @ step + np.einsum("kuv,u,v->k", own, step, step)
+            left = np.diag(self.products) - 2.0 * slope @ step + np.einsum("kuv,u,v->k", own, step, step)
             freedom = self.rows * low_pass.noise_gain * low_pass.stride
             freedom_left = freedom - weights * np.einsum("kuv,uv->k", own, inverse)
             variance = same @ left * low_pass.stride / (same @ freedom_left)

@@ -13,7 +13,7 @@ import pytest
 from cases.errors import HexciteError
 from cases.loading import load_case
 from cases.schema import Case
-from identification import blocks, contact_free, streaming
+from identification import blocks, contact_free, streaming, total
 from identification.blocks import Blocks, fits_blocks
 from identification.estimators import Method, method
 from identification.executed import PoseExecution
@@ -189,6 +189,34 @@ def test_what_is_known_left_out_or_stated_gives_what_the_whole_run_gives(
     assert long.condition == pytest.approx(whole.condition, rel=1e-2)
     assert long.physical.keys() == whole.physical.keys()
     np.testing.assert_allclose(long.w, whole.w, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("sampled", "share"), [(10_000, 1e-6), (30, 0.05)])
+@pytest.mark.parametrize("weights", ["equal", "stated"])
+def test_what_s0_consists_of_is_that_of_the_whole_run(
+    weights: str, sampled: int, share: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of all samples to rounding, of some of each block to a few percent of itself."""
+    monkeypatch.setattr(total, "SAMPLED", sampled)
+    file = written(tmp_path)
+    case = STATED.model_copy(update={"sensors": STATED.sensors.model_copy(update={"strut_noise_um": 0.2})})
+    how = method(weights=weights)
+    whole = identify(read_recording(file, case), case, 9, how)
+    long = identify_long(file, case, 9, how).estimate
+    assert whole.noise_sources is not None
+    assert long.noise_sources is not None
+    assert long.noise_sources.force_sensors == pytest.approx(whole.noise_sources.force_sensors, rel=1e-4)
+    assert long.noise_sources.accelerations == pytest.approx(whole.noise_sources.accelerations, rel=1e-4 + share)
+    assert long.noise_sources.acceleration_std == pytest.approx(whole.noise_sources.acceleration_std)
+    assert whole.attenuation is not None
+    assert long.attenuation is not None
+    for name, expected in whole.attenuation.items():
+        assert long.attenuation[name].bias == pytest.approx(
+            expected.bias, rel=0.01 + 3 * share, abs=(1e-3 + share) * np.abs(expected.bias / expected.of_std)
+        )
+    assert [w for w in long.warnings if "noise" in w] == [w for w in whole.warnings if "noise" in w]
+    for key, value in whole.told["noise_components"].items():
+        assert long.told["noise_components"][key] == pytest.approx(value, rel=1e-3, abs=1e-6)
 
 
 def test_a_known_value_that_the_model_does_not_have_is_refused_by_name(tmp_path: Path) -> None:
