@@ -203,7 +203,9 @@ class Case(Part):
             self.missing("nominal", "the expected load")
         if not 0 <= payloads < len(self.bodies):
             raise CaseError(
-                f"case {self.name}", "payloads.weights", f"are {len(self.bodies) - 1}; {payloads} cannot be mounted"
+                f"case {self.name}",
+                "payloads.weights",
+                f"are {len(self.bodies) - 1}; {payloads} cannot be mounted: choose 0 to {len(self.bodies) - 1}",
             )
         return self.bodies[payloads]
 

@@ -9,7 +9,7 @@ from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner.families.manual import manual_motion, sequence_file
 from planner.plan import Plan
-from planner.planning import predicted_std_of
+from planner.planning import worst_std
 from planner.problem import mean_information
 
 
@@ -39,7 +39,7 @@ def beside_manual(plan: Plan) -> Beside | str:
         information = mean_information(model, scaling, motion)
         if np.linalg.matrix_rank(information) < len(scaling):
             return "the hand-made motion of this case does not determine all parameters of the model"
-        std = predicted_std_of(case, model, scaling, motion, plan.noise, plan.request.payload)
-        return Beside(motion.duration, std)
+        worst = worst_std(case, model, scaling, motion, plan.request.payloads)
+        return Beside(motion.duration, {name: std for name, (std, _) in worst.items()})
     except HexciteError as error:
         return f"there is no hand-made motion to compare with: {error}"

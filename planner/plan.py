@@ -54,6 +54,7 @@ class Plan:
         condition: mu_1 / mu_u, reference scaling.
         bound: what no motion can exceed.
         predicted_std: standard deviation of each physical parameter for one run [SI].
+        worst_payload: number of payloads with which that is so large, where a range was asked for.
         noise: of a force sample behind it, and how identification will weigh.
         noise_note: what noise of the accelerations does to it.
         limits: proof.
@@ -75,6 +76,7 @@ class Plan:
     condition: float
     bound: Bound
     predicted_std: dict[str, float]
+    worst_payload: dict[str, int]
     noise: ExpectedNoise
     noise_note: tuple[str, ...]
     limits: LimitReport
@@ -115,9 +117,17 @@ class Plan:
             notes.append(
                 f"this is a {self.family} plan: no {self.request.family} found carries more; more --knots may help"
             )
+        if len(self.request.payloads) > 1:
+            notes.append(f"predicted standard deviations are the largest with {self.request.mounted}: {self._by_load}")
         forces = [c for c in self.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
         notes += [f"{c.name} shapes the motion: with fewer weights in [payloads] it could tell more" for c in forces]
         return [*notes, *self.noise_note]
+
+    @property
+    def _by_load(self) -> str:
+        """Which number of payloads makes which parameters uncertain."""
+        by_load = {n: [p for p, worst in self.worst_payload.items() if worst == n] for n in self.request.payloads}
+        return "; ".join(f"with {n} those of {', '.join(names)}" for n, names in by_load.items() if names)
 
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
@@ -160,6 +170,7 @@ class Plan:
             "bound_tight": self.tight.to_json() if self.tight is not None else None,
             "predicted_std": self.predicted_std,
             "payload": self.request.payload,
+            "payload_from": self.request.payloads[0],
             "notes": self.notes,
             "targets": list(self.request.targets),
             "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],

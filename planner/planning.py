@@ -1,5 +1,6 @@
 """Plans an excitation from start to proof."""
 
+from collections.abc import Sequence
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -211,6 +212,7 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
     information = mean_information(model, scaling, found.motion)
     mu = singular_values(information, model.names)
     noise = expected_noise(case, model, request.payload)
+    worst = worst_std(case, model, scaling, found.motion, request.payloads)
     chosen = mu
     if noise.whitening is not None:
         weighted = mean_information(seen_through(model, noise.whitening), scaling, found.motion)
@@ -229,7 +231,8 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
         logdet=CRITERIA["D"].of(mu),
         condition=-CRITERIA["K"].of(mu),
         bound=box_bound(case, model),
-        predicted_std=predicted_std_of(case, model, scaling, found.motion, noise, request.payload),
+        predicted_std={name: std for name, (std, _) in worst.items()},
+        worst_payload={name: payload for name, (_, payload) in worst.items()},
         noise=noise,
         noise_note=_told(case, model, scaling, found.motion, noise, request.payload),
         limits=found.limits,
@@ -257,6 +260,25 @@ def predicted_std_of(
     if noise.scatter is not None:
         scattered = mean_information(seen_through(model, noise.scatter), scaling, motion)
     return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload, scattered)
+
+
+def worst_std(
+    case: Case, model: Model, scaling: Array, motion: Trajectory, payloads: Sequence[int]
+) -> dict[str, tuple[float, int]]:
+    """Largest predicted standard deviation of each parameter over numbers of payloads, and the number that has it.
+
+    Each run has the noise and weights of what is mounted; the fewest payloads count where several are alike.
+
+    Raises:
+        CaseError: the case has no nominal body, or fewer payloads.
+    """
+    found: dict[str, tuple[float, int]] = {}
+    for payload in payloads:
+        noise = expected_noise(case, model, payload)
+        for name, std in predicted_std_of(case, model, scaling, motion, noise, payload).items():
+            if name not in found or std > found[name][0] * (1.0 + 1e-6):
+                found[name] = (std, payload)
+    return found
 
 
 def _told(

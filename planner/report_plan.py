@@ -41,7 +41,6 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
     case, request = plan.case, plan.request
     model = identification_model(case, request.model)
     motion = sample(plan.motion, DRAWN_RATE)
-    mounted = f"{request.payload} payload{'' if request.payload == 1 else 's'}"
     settings = {k: v for k, v in plan.settings.items() if not isinstance(v, list | dict)}
     inputs = [
         ("case", f"{case.name} (hash {case.hash})"),
@@ -49,7 +48,7 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         *((k, str(v)) for k, v in settings.items()),
         ("criterion", request.criterion),
         ("model", str(request.model)),
-        ("payloads mounted", str(request.payload)),
+        ("mounted", request.mounted),
         ("targets", ", ".join(request.targets) or "none"),
         ("seed", str(request.seed)),
         *provenance([])["versions"].items(),
@@ -60,7 +59,7 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
     return Page(
         title=f"Plan: {case.title}",
         lead=f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {made}, to identify model {request.model} "
-        f"with {mounted} mounted; every limit is proven at 10 kHz.",
+        f"with {request.mounted} mounted; every limit is proven at 10 kHz.",
         inputs=tuple(inputs),
         warnings=_warnings(plan),
         sections=(

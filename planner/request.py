@@ -1,5 +1,6 @@
 """What to plan: settings as a user states them, refused before any work where they cannot be met."""
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -38,7 +39,8 @@ class Request:
         moves: family ptp.
         knots: family spline, intervals between knots; None for ten a second.
         sequence: family manual: file of steps or poses; None for the one beside the case.
-        payload: number of the case's payloads that are mounted, for the predicted standard deviations.
+        payload: number of the case's payloads that are mounted, at most.
+        payload_from: at least; None for just as many. Predicted standard deviations are the largest of the range.
         targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed.
         starts: random starts.
         seed: of these.
@@ -59,6 +61,7 @@ class Request:
     knots: int | None = None
     sequence: Path | None = None
     payload: int = 0
+    payload_from: int | None = None
     targets: tuple[str, ...] = ()
     starts: int = 8
     seed: int = 0
@@ -81,9 +84,24 @@ class Request:
             raise HexciteError(f"{self.starts} starts; choose 1 to 1000")
         if self.seed < 0:
             raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
+        if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
+            raise HexciteError(
+                f"payloads {self.payload_from}-{self.payload} are no range; give the fewest first, as 0-{self.payload}"
+            )
 
         if self.targets and self.family == "manual":
             raise HexciteError("targets need a family that is optimised; choose fourier, ptp or spline")
+
+    @property
+    def payloads(self) -> range:
+        """Numbers of payloads that may be mounted."""
+        return range(self.payload if self.payload_from is None else self.payload_from, self.payload + 1)
+
+    @property
+    def mounted(self) -> str:
+        """What is mounted, in words."""
+        first = "" if len(self.payloads) == 1 else f"{self.payloads[0]} to "
+        return f"{first}{self.payload} payload{'' if self.payload == 1 else 's'}"
 
     def allowed_duration(self, duration: float) -> float:
         """The next longer duration that the family can have [s]."""
@@ -158,3 +176,15 @@ def _one_of(what: str, value: str, allowed: object) -> None:
     names = list(allowed)  # type: ignore[call-overload]
     if value not in names:
         raise HexciteError(f"{what} {value!r} is unknown; choose {', '.join(names)}")
+
+
+def read_payloads(text: str) -> tuple[int, int | None]:
+    """The most payloads that may be mounted, and the fewest where `text` is a range such as 0-5.
+
+    Raises:
+        HexciteError: neither.
+    """
+    found = re.fullmatch(r"(?:(\d{1,4})-)?(\d{1,4})", text.strip())
+    if found is None:
+        raise HexciteError(f"payload {text!r} is neither a number of payloads nor a range of them; give 2, or 0-5")
+    return int(found[2]), None if found[1] is None else int(found[1])

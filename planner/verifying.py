@@ -13,7 +13,7 @@ from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
 from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.planning import predicted_std_of
+from planner.planning import worst_std
 from planner.poses.plan import predicted_std as predicted_std_of_poses
 from planner.poses.regressors import pose_regressors, total_information
 from planner.problem import mean_information
@@ -71,7 +71,9 @@ def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iter
     noise = expected_noise(case, model, payload)
     yield from _of_criterion(data, singular_values(_weighted(model, noise, scaling, motion, information), model.names))
     yield from _unlike("assumed_noise_N", data["assumed_noise_N"], noise.sensors)
-    yield from _unlike_deviations(data, predicted_std_of(case, model, scaling, motion, noise, payload))
+    first = _whole(data, "payload_from") if "payload_from" in data else payload
+    worst = worst_std(case, model, scaling, motion, range(first, payload + 1))
+    yield from _unlike_deviations(data, {name: std for name, (std, _) in worst.items()})
 
 
 def _weighted(model: Model, noise: ExpectedNoise, scaling: Array, motion: Trajectory, plain: Array) -> Array:

@@ -45,7 +45,9 @@ def plan(
         Path | None, typer.Option(help="manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
     ] = None,
     model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
-    payload: Annotated[int, typer.Option(help="How many of the case's payloads are mounted.")] = 0,
+    payload: Annotated[
+        str, typer.Option(help="How many of the case's payloads are mounted: a number, or a range such as 0-5.")
+    ] = "0",
     target: Annotated[
         list[str] | None,
         typer.Option(
@@ -61,11 +63,12 @@ def plan(
 
     Ctrl-C ends the search and keeps the best motion found so far; a second one gives up.
     """
-    from planner.request import FAMILIES, Request
+    from planner.request import FAMILIES, Request, read_payloads
 
     if family in FAMILIES:
         sources = {option: context.get_parameter_source(option) for option in BELONGS}
         refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
+    most, fewest = read_payloads(payload)
     request = Request(
         case,
         family=family,
@@ -81,7 +84,8 @@ def plan(
         moves=moves,
         knots=knots,
         sequence=sequence,
-        payload=payload,
+        payload=most,
+        payload_from=fewest,
         targets=tuple(target or ()),
         starts=starts,
         seed=seed,
@@ -193,10 +197,15 @@ def _show(answer: dict[str, Any]) -> None:
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
     if answer["noise_of_accelerations"]:
         noise += " and noise of the accelerations as the case states it"
-    print(f"predicted standard deviations ({noise}, 1 kHz, {answer['payload']} payloads, weights {answer['weights']}; "
+    print(f"predicted standard deviations ({noise}, 1 kHz, {_mounted(answer)}, weights {answer['weights']}; "
           "SI units unless named): " + ", ".join(std))  # fmt: skip
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
         f"{answer['report']}"
     )
+
+
+def _mounted(answer: dict[str, Any]) -> str:
+    first, last = answer["payload_from"], answer["payload"]
+    return f"{last} payloads" if first == last else f"the largest with {first} to {last} payloads"

@@ -135,14 +135,22 @@ def _given(source: Path, case: str | None, model: int | None) -> _Given:
     from planner.plan import load_plan
     from planner.request import Request
 
+    if not source.exists():
+        raise HexciteError(f"{source}: cannot be read (there is nothing); give a plan folder or a table of poses")
     if source.is_dir():
         saved = load_plan(source)
         data, case_file = saved.data, saved.case_file
         if data["family"] == "poses":
             raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
         number = int(data["model"]) if model is None else model
+        most, fewest = int(data["payload"]), int(data.get("payload_from", data["payload"]))
         request = Request(
-            case_file, family=data["family"], criterion=data["criterion"], model=number, payload=int(data["payload"])
+            case_file,
+            family=data["family"],
+            criterion=data["criterion"],
+            model=number,
+            payload=most,
+            payload_from=fewest,
         )
         if case is None:
             return _Given(saved.motion, saved.case, case_file, request)
