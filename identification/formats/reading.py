@@ -51,28 +51,30 @@ def read_batches(file: Path, form: RecordingFormat) -> Iterator[Table]:
     return _READERS[form.format](file, form)
 
 
-def read_tables(file: Path, form: RecordingFormat) -> tuple[Table, ...]:
+def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Table, ...]:
     """Reads a whole file: one table for each clock in it.
 
     Args:
         file: the file.
         form: how it is written.
+        held: numbers of the run's other files that are in memory already.
 
     Raises:
-        RecordingError: it cannot be read, or holds more than `MOST_NUMBERS`.
+        RecordingError: it cannot be read, or the run holds more than `MOST_NUMBERS`.
     """
     piles: dict[tuple[str, ...], _Pile] = {}
-    numbers = 0
+    numbers = held
     for table in read_batches(file, form):
         pile = piles.setdefault(tuple(table.values), _Pile(table))
         pile.add(table)
         numbers += table.rows * len(table.values)
         if numbers > MOST_NUMBERS:
+            others = " and the files before it hold" if held else ": holds"
             raise RecordingError(
-                f"{file}: holds {file.stat().st_size / 1e9:.2g} GB, too much to be read at once (at most "
+                f"{file}{others} too much to be read at once (this one {file.stat().st_size / 1e9:.2g} GB; at most "
                 f"{MOST_NUMBERS // len(table.values):,} rows of {len(table.values)} columns); cut the run into parts, "
-                "or identify one file by the estimator gauss-markov, which may be of any length (not with --prior, "
-                "--biases, --period, --accelerated, --flexible, --plan)"
+                "or put time, struts and forces into one file, which may be of any length (--estimator gauss-markov, "
+                "without --prior, --biases, --period, --accelerated, --flexible, --plan)"
             )
     return tuple(pile.joined() for pile in piles.values())
 

@@ -51,7 +51,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     tables: list[tuple[Table, RecordingFormat]] = []
     for path in paths:
         file, form = _file_of(path, case.recording)
-        tables += [(table, form) for table in read_tables(file, form)]
+        held = sum(table.rows * len(table.values) for table, _ in tables)
+        tables += [(table, form) for table in read_tables(file, form, held)]
     for table, form in tables:
         require_finite(table, form)  # before the first stamp is taken for the run's beginning
     starts = [start_of(table, form) for table, form in tables if table.stamps is not None]

@@ -24,11 +24,16 @@ ROWS, SHORTER, PERIOD, NOISY = 3_600_000, 1_200_000, 3000, 60_000  # both are re
 
 
 class Use(NamedTuple):
-    """What one command took: wall time, time of all processors [s], largest resident memory [byte]; its answer."""
+    """What one command took: wall time, time of all processors [s], largest resident memory [byte]; its answer.
+
+    `load` is the machine's mean load of that minute, this command's own included: beyond the number of cores others
+    had their share of the wall time.
+    """
 
     wall: float
     processors: float
     memory: float
+    load: float
     answer: str
 
 
@@ -46,7 +51,13 @@ def used(folder: Path, *words: str) -> Use:
     if process.returncode:
         raise RuntimeError(f"hexcite {' '.join(words)}: exit code {process.returncode}")
     wall = time.perf_counter() - began
-    return Use(wall, usage.ru_utime + usage.ru_stime, 1024.0 * usage.ru_maxrss, (folder / "answer.json").read_text())
+    return Use(
+        wall,
+        usage.ru_utime + usage.ru_stime,
+        1024.0 * usage.ru_maxrss,
+        os.getloadavg()[0],
+        (folder / "answer.json").read_text(),
+    )
 
 
 def long_recording(rows: int) -> Recording:
@@ -84,7 +95,7 @@ def hour_figures(folder: Path) -> list[list[str]]:
     return [
         [
             f"identification of {ROWS} rows, {size / 1e6:.0f} MB of CSV to result: wall time",
-            f"{hour.wall:.0f} s",
+            f"{hour.wall:.0f} s on {os.cpu_count()} cores, load {hour.load:.1f}",
             "60 s",
         ],
         ["  the same: time of all processors", f"{hour.processors:.0f} s", ""],

@@ -356,9 +356,24 @@ def test_what_needs_the_whole_run_says_so_in_one_line(tmp_path: Path, monkeypatc
     monkeypatch.setattr(reading, "MOST_NUMBERS", 1000)
     words = ("identify", written(tmp_path), "--case", "hexapod", "--estimator", "robust", "-o", tmp_path / "r")
     failed = call(*words)
-    assert failed.code == 1
-    assert "too much to be read at once" in failed.err
-    assert "estimator gauss-markov" in failed.err
+    assert "holds too much to be read at once" in failed.refusal()
+    assert "--estimator gauss-markov, without --prior" in failed.refusal()
+
+
+def test_several_files_of_one_run_that_are_too_long_together_are_refused_with_the_remedy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Blocks need struts and forces side by side; neither file alone is too long."""
+    table = pq.read_table(written(tmp_path))
+    struts, forces = tmp_path / "struts.parquet", tmp_path / "forces.parquet"
+    pq.write_table(table.drop_columns([f"f{k}_N" for k in range(1, 7)]), struts)
+    pq.write_table(table.select(["t_s", *(f"f{k}_N" for k in range(1, 7))]), forces)
+    monkeypatch.setattr(streaming, "LONG", 1000)
+    monkeypatch.setattr(reading, "MOST_NUMBERS", 35_000)
+    refused = call("identify", struts, forces, "--case", "hexapod", "-o", tmp_path / "r").refusal()
+    assert "forces.parquet and the files before it hold too much to be read at once" in refused
+    assert "put time, struts and forces into one file, which may be of any length" in refused
+    assert not (tmp_path / "r").exists()
 
 
 def test_the_smoothing_of_forces_that_leap_is_that_of_the_whole_run(tmp_path: Path) -> None:

@@ -60,7 +60,8 @@ def test_a_file_too_long_to_be_read_at_once_is_refused_before_memory_ends(
 ) -> None:
     monkeypatch.setattr(reading, "MOST_NUMBERS", 100_000)
     with pytest.raises(
-        RecordingError, match=r"too much to be read at once \(at most 8,333 rows of 12 columns\); cut"
+        RecordingError,
+        match=r"holds too much to be read at once \(this one .* GB; at most 8,333 rows of 12 columns\); cut",
     ) as caught:
         read_recording(file, HEXAPOD)
     one_line(caught.value)
