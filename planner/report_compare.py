@@ -3,14 +3,14 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
-import plotly.graph_objects as go
 from matplotlib.figure import Figure
 
 from identification.provenance import provenance
 from planner.advising import Recommendation
 from planner.comparing import Entry, Level, Told
-from planner.report import Item, Note, Page, Plot, Section, Table, plain, rounded
+from planner.report import Item, Note, Page, Plot, Section, Table, rounded
 from planner.report_figures import COLOURS, GREY
+from planner.report_ratios import Series, ratio_figure
 
 SAME_NOISE = 1.0001  # ratio of noises that are one
 
@@ -166,20 +166,16 @@ def _coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
 
 
 def _std_plot(groups: Sequence[Sequence[Entry]]) -> Plot:
-    figure = go.Figure()
-    for entry, colour in _coloured(groups):
-        names = list(entry.parameters)
-        symbol = ("circle-open", "diamond", "circle")[entry.level - 1]
-        marker = {"size": 9, "color": colour, "symbol": symbol}
-        y = [entry.parameters[n].std for n in names]
-        figure.add_scatter(x=[plain(n) for n in names], y=y, name=plain(entry.name), mode="markers", marker=marker)
-    figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title_text="std [SI]", type="log", dtick=1)
+    symbols = ("circle-open", "diamond", "circle")
+    series = [
+        Series(entry.name, {n: t.std for n, t in entry.parameters.items()}, colour, symbols[entry.level - 1])
+        for entry, colour in _coloured(groups)
+    ]
     note = (
-        "Standard deviations: open circles predicted by a plan, diamonds for the motion as executed, dots identified; "
-        "a plan, its run and its result have one colour."
+        "Standard deviations over the smallest of each parameter: open circles predicted by a plan, diamonds for the "
+        "motion as executed, dots identified; a plan, its runs and their results have one colour."
     )
-    return Plot("std", figure.update_layout(height=420), note)
+    return Plot("std", ratio_figure(series).update_layout(height=420), note)
 
 
 def compare_figure(groups: Sequence[Sequence[Entry]]) -> Figure:

@@ -12,6 +12,7 @@ from identification.provenance import provenance
 from identification.result import Estimate
 from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of, with_deviation
 from planner.report_figures import COLOURS, GREY
+from planner.report_ratios import Series, ratio_figure
 from planner.validation import COMPARED, SHOWN, Step
 from planner.validation_causes import SUSPICIOUS
 from planner.validation_remedy import REMEDY_COLUMNS, Remedy
@@ -100,7 +101,7 @@ def validation_page(
         )
     return Page(
         title=f"Validation with payloads: {case.title}",
-        lead=f"{len(payloads.weights)} known weights mounted one after the other and identified by "
+        lead=f"Known weights of {_loads(steps)} mounted one after the other and identified by "
         f"{len(_methods(steps))} methods on {machine}.",
         inputs=(
             ("case", f"{case.name} (hash {case.hash})"),
@@ -111,6 +112,10 @@ def validation_page(
         warnings=warnings,
         sections=tuple(sections),
     )
+
+
+def _loads(steps: Sequence[Step]) -> str:
+    return ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps)) + " kg"
 
 
 def _findings(verdict: Sequence[Finding]) -> Answers:
@@ -144,29 +149,25 @@ def _std_plots(steps: Sequence[Step]) -> list[Plot]:
     """Reported standard deviations without payload, at each method's own s0, and for one second of measuring."""
     bare = [s for s in steps if s.weights == 0]
     timed = [s for s in bare if s.duration is not None]
-    plots = [_std_plot("std", bare, lambda s: 1.0, "")]
+    over = ", over the smallest of each parameter."
+    note = "Reported standard deviations without payload, at each method's own residuals" + over
+    plots = [_std_plot("std", bare, lambda s: 1.0, note)]
     if timed:
-        plots.append(_std_plot("std-per-second", timed, lambda s: float(np.sqrt(s.duration or 1.0)), " · √time"))
+        note = "The same for one second of measuring: times the square root of the measuring time" + over
+        plots.append(_std_plot("std-per-second", timed, lambda s: float(np.sqrt(s.duration or 1.0)), note))
     return plots
 
 
-def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], suffix: str) -> Plot:
-    figure = go.Figure()
-    for k, step in enumerate(bare):
-        names = list(step.estimate.physical)
-        values = [step.estimate.physical[n].reported * factor(step) for n in names]
-        marker = {"size": 9, "color": (*COLOURS, GREY)[k % 7]}
-        figure.add_scatter(
-            x=[plain(n) for n in names], y=values, name=plain(step.method), mode="markers", marker=marker
+def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], note: str) -> Plot:
+    series = [
+        Series(
+            step.method,
+            {n: value.reported * factor(step) for n, value in step.estimate.physical.items()},
+            (*COLOURS, GREY)[k % 7],
         )
-    figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title_text=f"std [SI]{suffix}", type="log", dtick=1)
-    note = (
-        "Reported standard deviations without payload, at each method's own residuals."
-        if not suffix
-        else "The same for one second of measuring: times the square root of the measuring time."
-    )
-    return Plot(name, figure.update_layout(height=400, showlegend=True), note)
+        for k, step in enumerate(bare)
+    ]
+    return Plot(name, ratio_figure(series).update_layout(height=400, showlegend=True), note)
 
 
 def _std_table(steps: Sequence[Step]) -> Table:

@@ -181,6 +181,8 @@ def _answer(
                 f"struts and force errors that depend on the pose ({disturbances.source})"
             )
         machine += f"; programs executed on {settings.on}"
+        if settings.on == "linuxcnc":
+            machine += ", which limits no jerk: its steps of acceleration make the structure vibrate"
     return {
         "case": case.name,
         "case_hash": case.hash,
