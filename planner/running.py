@@ -31,6 +31,7 @@ from postprocessors.execute.linuxcnc.punctuality import TIME_TOLERANCE, slowest_
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import ProgramFile, read_program
+from postprocessors.guarantees import Guarantees
 from postprocessors.measured import measured_poses, measures_at_poses
 from postprocessors.predicted import predicted
 from postprocessors.proof import prove_program
@@ -76,6 +77,7 @@ class Outcome:
         rating: planned against executed.
         planned: the excitation that the program asks for, or the way through the poses that it measures.
         program_hash: fingerprint of the program that ran.
+        guarantees: what the controller that it was written for answers for.
         around: what was mounted and what disturbed.
         poses: at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
         plan_hash: of the plan that the program says it was written from; None where it says nothing.
@@ -86,6 +88,7 @@ class Outcome:
     rating: Rating
     planned: Trajectory
     program_hash: str
+    guarantees: Guarantees
     around: Circumstances
     poses: NDArray[np.float64]
     plan_hash: str | None = None
@@ -128,9 +131,10 @@ def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances
         poses = measured_poses(parts)
         went = stood(run, poses, program)
         rating = Rating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
-        return Outcome(run, recording, rating, planned, fingerprint, around, poses, followed)
+        return Outcome(run, recording, rating, planned, fingerprint, read.guarantees, around, poses, followed)
     rating = _rating(case, planned, run)
-    return Outcome(run, recording, rating, planned, fingerprint, around, np.zeros((0, 6)), followed)
+    none = np.zeros((0, 6))
+    return Outcome(run, recording, rating, planned, fingerprint, read.guarantees, around, none, followed)
 
 
 def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[Stretch, ...], ExecutedRun]:

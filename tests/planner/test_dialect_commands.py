@@ -1,9 +1,13 @@
 """`check` and `run` take programs of every dialect, told by the ending or by name."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from planner.cli.run import _passed
+from postprocessors.promises import twincat_guarantees
+from postprocessors.reading.words import Reading
 from postprocessors.setpoints import write_csv, write_parquet
 from tests.planner.command_line import call, refused
 from tests.postprocessors.other_dialects import BOTH, SINUMERIK, TWINCAT, Typed, smooth_points
@@ -83,3 +87,16 @@ def test_moves_straight_in_the_struts_are_written_on_request_and_tell_what_they_
     run = call("run", program, "--case", "hexapod", "-o", tmp_path / "r", "--json").json()
     assert run["d_efficiency"] == pytest.approx(answer["d_efficiency"], rel=0.02)
     assert "has no moves straight in the struts" in refused("post", plan, "--ptp-struts", "-o", tmp_path / "p.ngc")
+
+
+@pytest.mark.parametrize("real", [False, True])
+def test_a_limit_that_only_the_built_in_controller_passes_is_not_put_down_to_the_machines(real: bool):
+    """The case says that a TwinCAT keeps strut accelerations; the built-in controller and LinuxCNC do not."""
+    guarantees = twincat_guarantees(Reading("p", (), 0), CASE)
+    outcome = SimpleNamespace(run=SimpleNamespace(real=real), guarantees=guarantees)
+    (sentence,) = _passed({"angular velocity": 1.0, "strut acceleration": 1.03}, outcome)
+    assert sentence.startswith(
+        "PASSED BY THE CONTROLLER" if real else "passed by the built-in controller only: strut acc"
+    )
+    assert ("TwinCAT keeps it itself" in sentence) is not real
+    assert list(_passed({"jerk": 1.005}, outcome)) == []
