@@ -207,15 +207,19 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
         read: reads a run, averaged where it stands.
 
     Raises:
-        FileProblem: there is none without payload, or fewer than two.
+        FileProblem: there is none without payload, fewer than two, or one of those between is missing.
         HexciteError: a run cannot be evaluated.
     """
-    files = []
-    for k in range(len(_weights(case, 99)) + 1):
-        found = [p for p in (folder / str(k), folder / f"{k}.csv", folder / f"{k}.parquet") if p.exists()]
-        if not found:
-            break
-        files.append(found[0])
+    found = {
+        k: p
+        for k in range(len(_weights(case, 99)) + 1)
+        for p in (folder / f"{k}.parquet", folder / f"{k}.csv", folder / str(k))
+        if p.exists()
+    }
+    files = [found[k] for k in sorted(found)]
+    for k in range(len(files)):
+        if k not in found:
+            raise FileProblem(f"{folder}: holds runs up to {max(found)}, but not {k}; each number of weights is wanted")
     if len(files) < 2:
         raise FileProblem(
             f"{folder}: holds {len(files)} of the runs 0, 1, .. (folders or CSV files, named after the number of "
@@ -266,12 +270,14 @@ def mounted_weights(case: Case, wanted: str | None) -> tuple[int, ...]:
     return numbers
 
 
-def chosen(names: str) -> list[str]:
-    """Methods by their names, separated by commas.
+def chosen(names: str | None) -> list[str]:
+    """Methods by their names, separated by commas, by default all.
 
     Raises:
         HexciteError: one of them is unknown.
     """
+    if names is None:
+        return list(METHODS)
     found = [name.strip() for name in names.split(",") if name.strip()]
     for name in found:
         if name not in METHODS:

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 def validate(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file, with payloads.")],
     methods: Annotated[
-        str, typer.Option(help="Methods, separated by commas: Q5M, Q5N, D9M, D9N, ptp, spline.")
-    ] = "Q5M,Q5N,D9M,D9N,ptp,spline",
+        str | None,
+        typer.Option(help="Methods, separated by commas, by default all: Q5M, Q5N, D9M, D9N, ptp, spline."),
+    ] = None,
     recordings: Annotated[
         Path | None,
         typer.Option(help="Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted."),
@@ -52,7 +53,7 @@ def validate(
 
 def run_validation(
     name: str,
-    methods: str,
+    methods: str | None,
     weights: str | None,
     recordings: Path | None,
     settings: Settings,
@@ -64,7 +65,7 @@ def run_validation(
 
     Args:
         name: of the case.
-        methods: separated by commas.
+        methods: separated by commas; None: all, or with recordings all that were recorded.
         weights: numbers of weights to mount, separated by commas; None: none, and each up to all.
         recordings: folder of a real machine's runs, or None.
         settings: how methods are carried out.
@@ -81,7 +82,9 @@ def run_validation(
     from planner.validation_remedy import remedies
     from planner.validation_verdict import findings
 
-    wanted = chosen(methods)
+    if recordings is not None:
+        _only_recordings(weights, settings, undisturbed)
+    wanted = chosen(methods) if recordings is None else []
     case = load_case(name)
     if case.payloads is None:
         case.missing("payloads", "a validation with payloads")
@@ -99,7 +102,7 @@ def run_validation(
     with ExitStack() as kept:
         work = None
         if recordings is not None:
-            found = _recorded(case, recordings)
+            found = _recorded(case, recordings, methods)
         else:
             work = kept.enter_context(unfinished(output, case, settings))
             excitations, failed = carry_out(name, case, wanted, settings, work, quiet)
@@ -142,8 +145,22 @@ def _disturbances(case: "Case", settings: Settings, undisturbed: bool) -> Any:
     return None if undisturbed else found
 
 
-def _recorded(case: "Case", recordings: Path) -> list[Any]:
-    """Steps of a real machine's recordings, a folder a method."""
+def _only_recordings(weights: str | None, settings: Settings, undisturbed: bool) -> None:
+    """Refuses what says how to simulate beside recordings of a machine."""
+    from cases.errors import HexciteError
+
+    given = {
+        "--weights": weights is not None,
+        "--plans": settings.plans is not None,
+        "--on": settings.on != "virtual",
+        "--undisturbed": undisturbed,
+    }
+    for option in (name for name, wanted in given.items() if wanted):
+        raise HexciteError(f"{option}: nothing is simulated with --recordings; leave out one of both")
+
+
+def _recorded(case: "Case", recordings: Path, methods: str | None) -> list[Any]:
+    """Steps of a real machine's recordings, a folder a method, of all or of some."""
     from cases.errors import HexciteError
     from identification.rates import on_one_clock
     from identification.recording import read_recording
@@ -153,6 +170,13 @@ def _recorded(case: "Case", recordings: Path) -> list[Any]:
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
     if not folders:
         raise HexciteError(f"{recordings}: holds no folder of runs; name the folder that holds one for each method")
+    if methods is not None:
+        named = [name.strip() for name in methods.split(",")]
+        for name in named:
+            if name not in (folder.name for folder in folders):
+                there = ", ".join(folder.name for folder in folders)
+                raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {there}")
+        folders = [folder for folder in folders if folder.name in named]
     read = lambda file: standing_of(on_one_clock(read_recording(file, case), case), case, file, Still())[0]  # noqa: E731
     return [step for folder in folders for step in recorded_steps(case, folder, read)]
 

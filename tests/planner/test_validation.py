@@ -335,6 +335,13 @@ def test_recordings_of_a_machine_are_validated_without_knowing_its_truth(tmp_pat
         assert row["error_in_std"] == {}
         assert abs(row["relative_deviation"]["m"]) < 5e-3
         assert abs(row["relative_deviation"]["f_q0_3"]) < 1e-3
+    runs = ("validate", "hexapod", "--recordings", tmp_path / "runs", "-o", tmp_path / "w")
+    assert "holds no folder of that name, but static" in refused(*runs, "--methods", "ptp")
+    for option in (("--weights", "0"), ("--on", "linuxcnc"), ("--plans", tmp_path), ("--undisturbed",)):
+        assert f"{option[0]}: nothing is simulated with --recordings" in refused(*runs, *option)
+    (tmp_path / "runs" / "static" / "1.csv").unlink()
+    assert "holds runs up to 2, but not 1" in refused(*runs, "--methods", "static")
+    assert not (tmp_path / "w").exists()
 
 
 def test_what_cannot_be_validated_is_refused(tmp_path: Path):
