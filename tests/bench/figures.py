@@ -28,6 +28,7 @@ from tests.bench.leaps import leaps
 from tests.bench.monte_carlo import monte_carlo_table
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
+from tests.bench.retiming import retiming_table
 from tests.bench.solvers import criteria_rows, paper_study
 from tests.bench.study import study_rows
 from tests.bench.validation import validation_rows
@@ -121,6 +122,7 @@ def main() -> None:
     for title, rows in sections():
         print_table(title, ("figure", "measured", "wanted"), rows)
         sys.stdout.flush()
+    retiming_table()
     paper_study()
     monte_carlo_table()
     with tempfile.TemporaryDirectory() as name:
