@@ -30,17 +30,30 @@ class Residuals:
         forces: as recorded, shape (n, 6) [N, or N and N m].
         predicted: A u behind the evaluation's filter, the delay put right, shape (n, 6).
         step: time between samples [s]; None for standstills.
+        filtered: the forces as the estimator saw them, behind the evaluation's filter, shape (n, 6); None where it saw
+            them as recorded, or averaged in another way.
     """
 
     t: Array
     forces: Array
     predicted: Array
     step: float | None
+    filtered: Array | None = None
 
     @property
     def values(self) -> Array:
         """Recorded less predicted, shape (n, 6)."""
         return np.asarray(self.forces - self.predicted)
+
+    @property
+    def seen(self) -> Array:
+        """The forces that the model had to explain: behind the filter where there is one, shape (n, 6)."""
+        return self.forces if self.filtered is None else self.filtered
+
+    @property
+    def left(self) -> Array:
+        """What the model leaves of them, shape (n, 6)."""
+        return np.asarray(self.seen - self.predicted)
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitude spectral density of each channel, by Welch's method: frequencies [Hz] and [N/sqrt(Hz)], (k, 6).
@@ -80,4 +93,4 @@ def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residu
     run = moving_run(recording, case, model)
     every = replace(run, rows=np.arange(run.rows[0], min(run.rows[-1] + 1, run.rows[0] + MOST_SAMPLES)))
     predicted = every.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
-    return Residuals(every.t, every.recorded_forces, predicted, run.filter.step)
+    return Residuals(every.t, every.recorded_forces, predicted, run.filter.step, every.forces)

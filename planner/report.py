@@ -23,20 +23,6 @@ Array = NDArray[np.float64]
 MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
 
 
-def rounded(value: float, std: float) -> str:
-    """A value to the second digit of its standard deviation."""
-    return f"{value:.{_digits(std)}f}"
-
-
-def with_deviation(value: float, std: float) -> str:
-    """A value with its standard deviation, to two digits of that."""
-    return f"{value:.{_digits(std)}f} ± {std:.{_digits(std)}f}"
-
-
-def _digits(std: float) -> int:
-    return max(0, 1 - int(np.floor(np.log10(std)))) if std > 0.0 else 6
-
-
 @dataclass(frozen=True, slots=True)
 class Tile:
     """A figure that matters: `value` with its unit, and what it means in a line."""

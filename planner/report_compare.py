@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from identification.provenance import provenance
 from planner.advising import Recommendation
 from planner.comparing import Entry, Level, Told
-from planner.report import Item, Note, Page, Plot, Section, Table, rounded
+from planner.precision import std_text, value_text
+from planner.report import Item, Note, Page, Plot, Section, Table
 from planner.report_figures import COLOURS, GREY
 from planner.report_ratios import Series, ratio_figure
 
@@ -23,7 +24,7 @@ def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
         ["model", *(str(e.model) for e in entries)],
         ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
         ["samples", *(str(e.samples) for e in entries)],
-        ["s0 [N]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
+        ["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
     ]
     words = {"D": "log det F (D)", "A": "-trace F^-1 (A)", "K": "-mu_1/mu_u (K)", "N": "mu_u²/mu_1 (N)"}
     for key, label in (*words.items(), ("condition", "condition")):
@@ -52,8 +53,8 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
         row = [f"{name} [{shown}]"]
         for entry, t in zip(entries, told, strict=True):
             if entry.level is Level.IDENTIFIED:
-                row.append("-" if t is None or t.value is None else rounded(t.value * scale, t.std * scale))
-            row.append("-" if t is None else f"{t.std * scale:#.2g}")
+                row.append("-" if t is None or t.value is None else value_text(t.value * scale, t.std * scale))
+            row.append("-" if t is None else std_text(t.std * scale))
         rows.append(row)
     return rows
 
@@ -65,7 +66,7 @@ def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
         row = [f"{name} [{shown} √s]"]
         for entry, t in zip(entries, told, strict=True):
             known = t is not None and entry.duration is not None
-            row.append(f"{t.std * scale * np.sqrt(entry.duration):#.2g}" if known and t and entry.duration else "-")
+            row.append(std_text(t.std * scale * np.sqrt(entry.duration)) if known and t and entry.duration else "-")
         rows.append(row)
     return rows
 

@@ -12,9 +12,10 @@ from identification.path import instants
 from identification.residuals import Residuals
 from identification.result import Estimate
 from planner.plots import AXES
+from planner.precision import std_text, value_text
 from planner.report import Item, Note, Page, Plot, Section, Table, Tile, Tiles, thinned
 from planner.report_figures import COLOURS, errors_plot, limits_plot, motion_plots
-from planner.report_identify import identifiability_items, residual_items, run_inputs
+from planner.report_identify import identifiability_items, noise_tile, residual_items, run_inputs
 from planner.report_machine import moving_machine
 from planner.report_plan import starts_items
 from planner.running import Outcome
@@ -90,7 +91,7 @@ def _headline(answer: dict[str, Any], estimate: Estimate) -> Tiles:
             Tile(f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
             Tile(f"{z * 1e6:.3g} µm", "robust standard deviation of the centre of gravity, z"),
             Tile(f"{worst:.2f}", "largest error in reported standard deviations"),
-            Tile(f"{estimate.s0_N:.2f} N", "rms of the force residuals"),
+            noise_tile(estimate),
         )
     )
 
@@ -99,10 +100,7 @@ def _truth(rows: list[dict[str, Any]], estimate: Estimate) -> tuple[Item, ...]:
     table = []
     for row in rows:
         scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
-        numbers = (f"{row['truth'] * scale:.6g}", f"{row['estimate'] * scale:.6g}", f"{row['std'] * scale:#.2g}")
-        table.append(
-            (row["name"], *numbers, f"{row['error'] * scale:+#.2g}", f"{row['error'] / row['std']:+.2f}", unit)
-        )
+        table.append((row["name"], *truth_cells(row, scale), unit))
     inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in rows)
     words = f"{inside} of {len(rows)} truths lie in the 95 % interval of their estimate."
     if estimate.delay is not None:
@@ -110,6 +108,14 @@ def _truth(rows: list[dict[str, Any]], estimate: Estimate) -> tuple[Item, ...]:
         words += f" Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
     columns = ("parameter", "truth", "estimate", "std", "error", "error / std", "unit")
     return (errors_plot(rows), Note(words), Table(columns, tuple(table)))
+
+
+def truth_cells(row: dict[str, Any], scale: float) -> tuple[str, ...]:
+    """Truth, estimate, standard deviation, error and error / std of one row of `truth_rows`, times `scale`."""
+    std = row["std"] * scale
+    known = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
+    estimate, error = known
+    return f"{row['truth'] * scale:.6g}", estimate, std_text(std), error, f"{row['error'] / row['std']:+.2f}"
 
 
 def _motion(case: Case, outcome: Outcome) -> tuple[Item, ...]:

@@ -16,6 +16,7 @@ from identification.identifiability import Identifiability
 from identification.motion import Motion
 from identification.residuals import Residuals
 from planner.plots import AXES
+from planner.precision import std_text, value_text
 from planner.report import Plot, plain, thinned
 
 Array = NDArray[np.float64]
@@ -86,24 +87,25 @@ def limits_plot(limits: dict[str, dict[str, Any]]) -> Plot:
 
 
 def forces_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
-    """Recorded forces (lines) and the model's (dotted)."""
+    """Forces as the estimator saw them (lines) and the model's (dotted)."""
     figure = go.Figure()
     for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.forces[:, k])
+        x, y = thinned(residuals.t, residuals.seen[:, k])
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
         x, y = thinned(residuals.t, residuals.predicted[:, k])
         dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
         figure.add_scatter(x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
     _over_samples(figure, residuals)
     figure.update_yaxes(title_text=f"force [{_unit(channels)}]")
-    return Plot("forces", figure.update_layout(height=340), "Lines: recorded. Dotted: the identified model.")
+    how = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    return Plot("forces", figure.update_layout(height=340), f"Lines: {how}. Dotted: the identified model.")
 
 
 def residuals_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
     """What the model leaves of each channel over time; a long run is drawn by its extremes."""
     figure = go.Figure()
     for k, name in enumerate(channels):
-        x, y = thinned(residuals.t, residuals.values[:, k])
+        x, y = thinned(residuals.t, residuals.left[:, k])
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
     _over_samples(figure, residuals)
     figure.update_yaxes(title_text=f"recorded - model [{_unit(channels)}]")
@@ -112,7 +114,7 @@ def residuals_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
 
 def distribution_plot(residuals: Residuals) -> Plot:
     """Residuals over the rms of their channel, with the density of the normal distribution."""
-    values = residuals.values
+    values = residuals.left
     scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
     density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
     x = (edges[1:] + edges[:-1]) / 2
@@ -137,7 +139,12 @@ def spectrum_plot(residuals: Residuals, channels: Sequence[str], cutoff: float |
         figure.add_vline(x=cutoff, line={"color": GREY, "dash": "dash", "width": 1})
     figure.update_xaxes(title_text="frequency [Hz]", type="log")
     figure.update_yaxes(title_text=f"residual [{_unit(channels)}/√Hz]", type="log")
-    note = "" if cutoff is None else f"Dashed: the evaluation's low-pass at {cutoff:g} Hz."
+    note = (
+        "Of the forces as recorded."
+        if cutoff is None
+        else f"Of the forces as recorded. Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as "
+        "ripple of a controller, the estimate does not see."
+    )
     return Plot("spectrum", figure.update_layout(height=320), note, half=True)
 
 
@@ -203,7 +210,9 @@ def parameters_plot(parameters: dict[str, dict[str, Any]]) -> Plot:
     for key, label, colour in (("std_robust", "robust", COLOURS[1]), ("std", "(28)", COLOURS[0])):
         width = [1.96 * parameters[n][key] / largest[parameters[n]["unit"]] * 100 for n in names]
         text = [
-            f"{parameters[n]['value']:.6g} ± {1.96 * parameters[n][key]:.2g} {parameters[n]['unit']}" for n in names
+            f"{value_text(parameters[n]['value'], parameters[n][key])} ± {std_text(1.96 * parameters[n][key])} "
+            f"{parameters[n]['unit']}"
+            for n in names
         ]
         figure.add_scatter(
             x=[plain(n) for n in names], y=width, name=label, mode="markers", marker={"size": 9, "color": colour},

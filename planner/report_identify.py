@@ -10,6 +10,7 @@ from identification.identifiability import Identifiability
 from identification.recording import force_columns
 from identification.residuals import Residuals
 from identification.result import Estimate
+from planner.precision import std_text, value_text, with_deviation
 from planner.report import Item, Note, Page, Plot, Section, Table, Tile, Tiles
 from planner.report_figures import (
     distribution_plot,
@@ -57,16 +58,25 @@ def _headline(estimate: Estimate) -> Tiles:
         if name in estimate.physical  # a frame that does not move tells offsets alone
     ]
     tiles += [
-        Tile(f"{estimate.s0_N:.3g} N", "rms of the force residuals"),
+        noise_tile(estimate),
         Tile(f"{estimate.condition:.3g}", f"condition of the scaled regressor, rank {estimate.rank}"),
     ]
     return Tiles(tuple(tiles))
 
 
+def noise_tile(estimate: Estimate) -> Tile:
+    """s0, and what it is; a filter keeps from it what the recorded forces have above the pass band."""
+    recorded = f"recorded forces less the model: {estimate.s0_N:.3g} N rms"
+    if estimate.weights != "equal":
+        return Tile(f"{estimate.s0:.3g}", f"s0, 1 where the weights are right ({recorded})")
+    filtered = "" if estimate.delay is None else ", the filter's stop band included"
+    return Tile(f"{estimate.s0:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
+
+
 def _with_error(estimate: Estimate, name: str, scale: float, unit: str) -> str:
     value = estimate.physical[name]
     std = max(value.std, value.std_robust)
-    return f"{value.value * scale:.6g} ± {std * scale:#.2g} {unit}"
+    return f"{with_deviation(value.value * scale, std * scale)} {unit}"
 
 
 def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
@@ -75,9 +85,9 @@ def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
     for name, p in estimate.physical.items():
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
         low, high = p.interval(estimate.freedom)
-        values = (p.value * scale, low * scale, high * scale)
-        value, low_text, high_text = (f"{v:.6g}" for v in values)
-        rows.append((name, value, f"{p.std * scale:#.2g}", f"{p.std_robust * scale:#.2g}", low_text, high_text, unit))
+        widest = max(p.std, p.std_robust) * scale
+        value, *ends = (value_text(v * scale, widest) for v in (p.value, low, high))
+        rows.append((name, value, std_text(p.std * scale), std_text(p.std_robust * scale), *ends, unit))
     items: list[Item] = [
         parameters_plot({name: value._asdict() for name, value in estimate.physical.items()}),
         Table(PARAMETER_COLUMNS, tuple(rows)),
@@ -103,11 +113,15 @@ def residual_items(case: Case, residuals: Residuals) -> tuple[Item, ...]:
     plots.append(distribution_plot(residuals))
     if residuals.step is not None:
         plots.append(spectrum_plot(residuals, channels, case.recording.filter_cutoff_Hz))
-    rms = (residuals.values**2).mean(axis=0) ** 0.5
-    table = Table(
-        ("channel", "rms of the residual"), tuple((c, f"{r:.4g}") for c, r in zip(channels, rms, strict=True))
+    columns = [("residual, rms", residuals.left)]
+    if residuals.filtered is not None:
+        columns = [("residual behind the filter, rms", residuals.left), ("of the forces as recorded", residuals.values)]
+    rms = [(values**2).mean(axis=0) ** 0.5 for _, values in columns]
+    rows = tuple(
+        (*name.rsplit("_", 1)[:1], *(f"{r[k]:.3g}" for r in rms), name.rsplit("_", 1)[1].replace("Nm", "N m"))
+        for k, name in enumerate(channels)
     )
-    return (*plots, table)
+    return (*plots, Table(("channel", *(words for words, _ in columns), "unit"), rows))
 
 
 def about_inputs(recording: Path, provenance: dict[str, Any]) -> tuple[tuple[str, str], ...]:

@@ -20,6 +20,7 @@ from identification.recording import force_columns
 from identification.reference import reference_scaling
 from planner.beside_manual import Beside
 from planner.plan import Plan
+from planner.precision import solver_text, std_text
 from planner.report import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
 from planner.report_figures import COLOURS, GREY, limits_plot, motion_plots
 from planner.report_identify import identifiability_items
@@ -127,9 +128,9 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
     for p in physical_form(model).parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
         std = plan.predicted_std[p.name]
-        row = [p.name, f"{std * scale:.3g}"]
+        row = [p.name, std_text(std * scale)]
         if other is not None:
-            row += [f"{other[p.name] * scale:.3g}", f"{other[p.name] / std:.2f}"]
+            row += [std_text(other[p.name] * scale), f"{other[p.name] / std:.2f}"]
         rows.append((*row, unit))
     return (Table((*columns, "unit"), tuple(rows)), Note(note))
 
@@ -253,7 +254,7 @@ def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
     columns = ("seed", "stage", "log det at start", "log det at end", "iterations", "time", "solver")
     rows = tuple(
         (str(s["seed"]), s["stage"], _logdet(s["start_logdet"]), f"{s['logdet']:.3f}", str(s["iterations"]),
-         f"{s['seconds']:.1f} s", s["solver"].replace("_", " ").lower())
+         f"{s['seconds']:.1f} s", solver_text(s["solver"]))
         for s in plan["starts"]
     )  # fmt: skip
     failed = tuple(Note(f"Start {f['seed']} led nowhere: {f['reason']}.") for f in plan["failed_starts"])

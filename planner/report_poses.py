@@ -7,6 +7,7 @@ from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.provenance import provenance
 from planner.poses.plan import PosePlan
+from planner.precision import std_text
 from planner.report import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain
 from planner.report_figures import COLOURS, GREY
 from planner.report_identify import identifiability_items
@@ -48,7 +49,7 @@ def _deviations(plan: PosePlan) -> tuple[Item, ...]:
     rows = []
     for p in physical_form(identification_model(plan.case, plan.request.model)).parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
-        rows.append((p.name, f"{plan.predicted_std[p.name] * scale:#.3g}", unit))
+        rows.append((p.name, std_text(plan.predicted_std[p.name] * scale), unit))
     note = Note(f"Predicted for averaged forces that scatter by {plan.noise:.3g} N, independently from pose to pose.")
     return (Table(("parameter", "predicted std", "unit"), tuple(rows)), note)
 

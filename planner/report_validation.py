@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from cases.schema import Case
 from identification.provenance import provenance
 from identification.result import Estimate
-from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of, with_deviation
+from planner.precision import with_deviation
+from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.report_figures import COLOURS, GREY
 from planner.report_ratios import Series, ratio_figure
 from planner.validation import COMPARED, SHOWN, Step

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Protocol
 
 import typer
 
+LONGEST_NUMBER = 12  # characters
 WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
@@ -18,20 +19,31 @@ def print_json(value: dict[str, Any]) -> None:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], right: bool = True) -> None:
-    """A table; all columns but the first are numbers unless `right` is False."""
+    """A table; all columns but the first are numbers unless `right` is False.
+
+    A terminal too narrow for it folds words, never numbers; a pipe gets every row on one line.
+    """
     from rich import box
     from rich.console import Console
     from rich.measure import Measurement
     from rich.table import Table
 
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    console = Console(markup=False)  # units in brackets and names of files are text
     for k, column in enumerate(columns):
-        table.add_column(column, justify="right" if right and k else "left", no_wrap=True)
+        words = k == 0 or not right or _are_words([row[k] for row in rows])
+        folds = words and console.is_terminal
+        table.add_column(column, justify="left" if words else "right", no_wrap=not folds, overflow="fold")
     for row in rows:
         table.add_row(*row)
-    console = Console(markup=False)  # units in brackets and names of files are text
-    console.width = max(console.width, Measurement.get(console, console.options.update(width=WIDEST), table).maximum)
-    console.print(table)  # a narrow terminal folds lines; numbers are never cut off
+    room = Measurement.get(console, console.options.update(width=WIDEST), table)
+    console.width = max(console.width, room.minimum if console.is_terminal else room.maximum)
+    console.print(table)
+
+
+def _are_words(cells: Sequence[str]) -> bool:
+    """Whether a column holds sentences, as a status does, not numbers with their units."""
+    return any(len(cell) > LONGEST_NUMBER for cell in cells) and not any(cell[:1].isdigit() for cell in cells)
 
 
 class Count(Protocol):
@@ -98,11 +110,16 @@ def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
                 f"{about}{v['worst']:.4g}",
                 f"{v['limit']:.4g}",
                 v["unit"],
-                f"{about}{100 * v['ratio']:.2f} %",
+                f"{about}{share_text(v['ratio'])}",
                 status,
             ]
         )
     return rows
+
+
+def share_text(ratio: float) -> str:
+    """Share of a limit in %; two decimals tell 99.99 from 100, and nothing beyond ten times the limit."""
+    return f"{100 * ratio:.{2 if ratio < 10.0 else 0}f} %"
 
 
 LIMIT_COLUMNS = ("limit", "worst", "limit at", "unit", "used", "status")

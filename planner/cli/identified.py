@@ -22,6 +22,7 @@ from identification.streaming import identify_long, in_blocks, is_long
 from planner.cli.console import print_table, status
 from planner.cli.wishes import Wish, method_of
 from planner.plots import identifiability_figure, residual_figure, save_figure
+from planner.precision import std_text, value_text
 from planner.recorded import Still, about_run, case_of, knows_poses, standing_of, with_feed
 from planner.report import render
 from planner.report_identify import about_inputs, identify_page
@@ -121,9 +122,19 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
         scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
         deviations = (max(p["std"], p["std_robust"]), p["std"], p["std_robust"])
         given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
-        shown = ["given", "-", "-"] if given else [f"{d * scale:.3g}" for d in deviations]
-        rows.append([name, f"{p['value'] * scale:.6g}", *shown, unit])
+        shown = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
+        value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)
+        rows.append([name, value, *shown, unit])
     return rows
+
+
+def show_residuals(answer: dict[str, Any]) -> None:
+    """Prints s0 and what the model leaves of the recorded forces; a filter lets s0 see the smaller part only."""
+    equal = answer["weights"] == "equal"
+    left = f"recorded forces less the model: {answer['s0_N']:.3g} N rms"
+    if equal and answer["delay_s"] is not None and answer["s0_N"] > 2.0 * answer["s0"]:
+        left += ", most of it above the evaluation's filter, where the estimate does not look"
+    print(f"s0 = {answer['s0']:.3g}{' N' if equal else ''}, weights {answer['weights']}; {left}")
 
 
 def show_noise(answer: dict[str, Any]) -> None:
@@ -156,7 +167,7 @@ def show_result(answer: dict[str, Any]) -> None:
         "+- is the larger of std by (28), right for white noise, and of std robust, which allows for noise that is not"
     )
     print(f"rank {answer['rank']}, condition {answer['condition']:.3g}")
-    print(f"s0 = {answer['s0']:.4g}, force residual {answer['s0_N']:.4g} N rms, weights {answer['weights']}")
+    show_residuals(answer)
     strongest = ", ".join(
         f"{a}~{b} {v:+.2f}" for (a, b), v in ((c["pair"], c["value"]) for c in answer["strongest_correlations"][:3])
     )

@@ -9,6 +9,7 @@ import typer
 from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, progress, status
 
 if TYPE_CHECKING:
+    from cases.schema import Case
     from planner.request import Request
 
 Out = Annotated[
@@ -160,15 +161,17 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
         save_plan(result, folder)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | result.to_json()
     if not quiet:
-        _show(answer)
+        _show(answer, loaded)
     return answer
 
 
-def _show(answer: dict[str, Any]) -> None:
+def _show(answer: dict[str, Any], case: "Case") -> None:
+    from planner.precision import solver_text
+
     rows = [
         [str(s["seed"]), s["stage"], "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",
          f"{s['logdet']:.3f}", f"{s['criterion_value']:.4g}", str(s["iterations"]), f"{s['seconds']:.1f} s",
-         s["solver"]]
+         solver_text(s["solver"])]
         for s in answer["starts"]
     ]  # fmt: skip
     columns = ("seed", "stage", "at start", "at end", answer["criterion"], "iterations", "time", "solver")
@@ -191,14 +194,12 @@ def _show(answer: dict[str, Any]) -> None:
         print(f"D-efficiency {answer['d_efficiency_tight']:.3f} against closed motions with limited jerk ({kind})")
     for note in answer["notes"]:
         print(f"note: {note}")
-    names = list(answer["predicted_std"])
-    units = {"xC": 1e3, "yC": 1e3, "zC": 1e3}
-    std = [f"{n} {answer['predicted_std'][n] * units.get(n, 1.0):.3g}{' mm' if n in units else ''}" for n in names]
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
     if answer["noise_of_accelerations"]:
         noise += " and noise of the accelerations as the case states it"
-    print(f"predicted standard deviations ({noise}, 1 kHz, {_mounted(answer)}, weights {answer['weights']}; "
-          "SI units unless named): " + ", ".join(std))  # fmt: skip
+    print(f"predicted standard deviations ({noise}, 1 kHz, {_mounted(answer)}, weights {answer['weights']}):")
+    for line in _deviations(answer, case):
+        print(f"  {line}")
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
@@ -209,3 +210,17 @@ def _show(answer: dict[str, Any]) -> None:
 def _mounted(answer: dict[str, Any]) -> str:
     first, last = answer["payload_from"], answer["payload"]
     return f"{last} payloads" if first == last else f"the largest with {first} to {last} payloads"
+
+
+def _deviations(answer: dict[str, Any], case: "Case") -> list[str]:
+    """Predicted standard deviations, a line for each unit."""
+    from identification.model import identification_model
+    from identification.parameters import physical_form
+    from planner.precision import std_text
+
+    lines: dict[str, list[str]] = {}
+    for p in physical_form(identification_model(case, answer["model"])).parameters:
+        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        lines.setdefault(unit, []).append(f"{p.name} {std_text(answer['predicted_std'][p.name] * scale)}")
+    width = max(map(len, lines))
+    return [f"{unit:{width}}  {', '.join(values)}" for unit, values in lines.items()]

@@ -68,12 +68,13 @@ def _show(answer: dict[str, Any], plan: Any) -> None:
     from identification.model import identification_model
     from identification.parameters import physical_form
     from planner.poses.request import METHODS, Method
+    from planner.precision import std_text
 
     form = physical_form(identification_model(plan.case, plan.request.model))
     rows = []
     for p in form.parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
-        rows.append([p.name, f"{answer['predicted_std'][p.name] * scale:.4g}", unit])
+        rows.append([p.name, std_text(answer["predicted_std"][p.name] * scale), unit])
     print(f"{METHODS[Method(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
     print(f"predicted for averaged forces that scatter by {answer['assumed_noise_N']:.3g} N:")
     print_table("Standard deviations", ("parameter", "std", "unit"), rows)

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser
 
+from planner.precision import value_text
 from tests.planner.browser import opened
 from tests.planner.command_line import hexcite
 from tests.planner.json_answer import one_json_object
@@ -128,7 +129,7 @@ def test_the_page_names_every_parameter_with_its_estimate(page: Page, demo: dict
     for row in demo["truth"]:
         assert row["name"] in page.text
         scale = 1000 if row["unit"] == "m" else 1
-        assert f"{row['estimate'] * scale:.6g}" in page.text
+        assert value_text(row["estimate"] * scale, row["std"] * scale) in page.text
 
 
 def test_the_page_opens_in_a_browser(browser: Browser, demo: dict[str, Any]):

@@ -12,6 +12,7 @@ from cases.loading import load_case
 from identification.model import identification_model
 from planner.beside_manual import Beside, beside_manual
 from planner.noise import expected_noise
+from planner.precision import std_text
 from planner.request import Request
 from tests.planner.browser import opened
 
@@ -48,8 +49,8 @@ def test_its_deviations_are_the_plans_and_the_hand_made_motions(planned: dict[st
         scale = 1e3 if name in ("xC", "yC", "zC") else 1.0
         words = re.split(r"\s+", row.strip())
         assert words[0] == name
-        assert words[1] == f"{std * scale:.3g}"
-        assert words[2] == f"{other[name] * scale:.3g}"
+        assert words[1] == std_text(std * scale)
+        assert words[2] == std_text(other[name] * scale)
         assert float(words[3]) == pytest.approx(other[name] / std, abs=6e-3)
 
 

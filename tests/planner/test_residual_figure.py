@@ -9,6 +9,7 @@ from cases.schema import Case
 from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
+from identification.residuals import residuals_of
 from identification.simulate import simulate_recording
 from planner.plots import residual_figure
 from tests.helpers import Harmonic
@@ -21,3 +22,13 @@ def test_gaussian_residuals_lie_on_the_density_whatever_the_recorded_forces_are(
     distribution = residual_figure(replace(estimate, residuals=drawn)).axes[1]
     highest = max(bar.get_height() for bar in distribution.patches)
     assert highest == pytest.approx(max(distribution.lines[0].get_ydata()), rel=0.15)
+
+
+def test_residuals_behind_the_filter_are_those_of_the_estimate(hexapod_case: Case) -> None:
+    execution = PoseExecution(Hexapod.of(hexapod_case), Harmonic(seed=1, duration=2.0))
+    recording = simulate_recording(hexapod_case, execution, np.array([[0.1, 1.9]]), 0)
+    estimate = identify(recording, hexapod_case)
+    found = residuals_of(recording, hexapod_case, estimate)
+    rms = np.sqrt(np.mean(found.left**2, axis=0))
+    np.testing.assert_allclose(rms, np.sqrt(np.mean(estimate.residuals**2, axis=0)), rtol=0.05)
+    assert (rms < 0.5 * np.sqrt(np.mean(found.values**2, axis=0))).all()  # white noise: most lies above the pass band

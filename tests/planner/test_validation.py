@@ -25,7 +25,7 @@ from identification.simulate import simulate_standstills
 from planner.cli.validate import run_validation
 from planner.cli.validate_runs import Settings, _keep, _kept, unfinished
 from planner.interruption import Interrupted
-from planner.report import with_deviation
+from planner.precision import with_deviation
 from planner.validation import SHOWN, Excitation, Step, mounted_weights, steps
 from planner.validation_causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from planner.validation_remedy import remedies

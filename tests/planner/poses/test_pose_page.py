@@ -4,6 +4,7 @@ from pathlib import Path
 
 from playwright.sync_api import Browser
 
+from planner.precision import std_text
 from tests.planner.browser import opened
 from tests.planner.command_line import call
 
@@ -16,5 +17,5 @@ def test_a_pose_plan_has_its_page(tmp_path: Path, browser: Browser):
         assert tab.page.locator("#instant").inner_text() == "pose 1 of 12"
         assert tab.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
         shown = tab.page.locator("table").first.inner_text()
-        assert f"{answer['predicted_std']['m']:.3g}" in shown
+        assert std_text(answer["predicted_std"]["m"]) in shown
         assert (tab.errors, tab.requests) == ([], [])

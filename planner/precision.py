@@ -1,0 +1,36 @@
+"""Numbers as people read them, to the second digit of their standard deviation, and the last words of solvers."""
+
+from math import floor, isfinite, log10
+
+MOST_PLACES = 9  # beyond these a fixed notation is longer than it is legible
+
+
+def places(std: float) -> int | None:
+    """Decimals that show `std` with two digits; None where it is no scale (zero, not finite, tiny)."""
+    if not isfinite(std) or std <= 0.0:
+        return None
+    digits = 1 - floor(log10(float(f"{std:.1e}")))  # rounded first: 0.0996 is shown as 0.10
+    return None if digits > MOST_PLACES else max(digits, 0)
+
+
+def value_text(value: float, std: float) -> str:
+    """`value` to the digits that its standard deviation `std`, in the same unit, leaves it."""
+    decimals = places(std)
+    return f"{value:.6g}" if decimals is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
+
+
+def solver_text(words: str) -> str:
+    """A solver's last words; to stop at the iterations that a stage has is no failure."""
+    plain = words.replace("_", " ").lower()
+    return "stopped at its most iterations" if "maximum iterations" in plain else plain
+
+
+def std_text(std: float) -> str:
+    """A standard deviation with two digits, without exponent where that is legible."""
+    decimals = places(std)
+    return f"{std:#.2g}" if decimals is None else f"{std:.{decimals}f}"
+
+
+def with_deviation(value: float, std: float) -> str:
+    """A value with its standard deviation, to two digits of that."""
+    return f"{value_text(value, std)} ± {std_text(std)}"

@@ -1,0 +1,39 @@
+"""Values are shown to the second digit of their standard deviation, and nothing is lost by it."""
+
+from math import inf, nan
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.precision import solver_text, std_text, value_text
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "shown"),
+    [
+        (31.8263431, 0.0023064, ("31.8263", "0.0023")),
+        (4.36047e-05, 0.000250, ("0.00004", "0.00025")),
+        (-0.00078, 0.0144, ("-0.001", "0.014")),
+        (-0.0001, 0.0144, ("0.000", "0.014")),  # no minus before nothing
+        (10.3394, 0.0996, ("10.34", "0.10")),
+        (12345.678, 230.0, ("12346", "230")),
+        (93.1, 0.0, ("93.1", "0.0")),
+        (93.1, nan, ("93.1", "nan")),
+        (93.1, inf, ("93.1", "inf")),
+        (2.5e-12, 1.2e-13, ("2.5e-12", "1.2e-13")),
+    ],
+)
+def test_values_end_where_their_deviation_does(value: float, std: float, shown: tuple[str, str]) -> None:
+    assert (value_text(value, std), std_text(std)) == shown
+
+
+@given(value=st.floats(-1e4, 1e4), std=st.floats(1e-7, 1e2))
+def test_what_is_left_out_is_far_below_the_deviation(value: float, std: float) -> None:
+    assert abs(float(value_text(value, std)) - value) <= 0.0501 * std + 1e-9
+    assert float(std_text(std)) == pytest.approx(std, rel=0.0501)
+
+
+def test_a_stage_that_used_its_iterations_is_no_failure() -> None:
+    assert solver_text("Maximum_Iterations_Exceeded") == "stopped at its most iterations"
+    assert solver_text("Solve_Succeeded") == "solve succeeded"
