@@ -25,8 +25,11 @@ class Controller(Part):
     """Settings of programs."""
 
     block_ms: Positive
+    """Duration of the blocks that a dense path is written in."""
     safe_feed_mm_min: Positive
+    """Feed of the first move, from wherever the machine stands to home."""
     settle_s: Positive
+    """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
     """The controller's interpolation cycle. Phases of planned moves last three of them or more."""
     virtual_look_ahead: Literal["exact", "block_limited"] = "exact"
@@ -34,6 +37,8 @@ class Controller(Part):
     at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
     turn, under the limits of `[limits.motion]`)."""
     linuxcnc: LinuxCnc
+    """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
+    1 they keep their time, and nobody but the program keeps the limits."""
     sinumerik: Sinumerik | None = None
     twincat: TwinCat | None = None
     setpoints: Setpoints | None = None

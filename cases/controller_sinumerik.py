@@ -77,6 +77,7 @@ class Sinumerik(Part):
     transformation: Call
     """What switches the transformation on: `TRAORI`, `TRAORI(2)` or the builder's own name."""
     transformation_off: Call
+    """What switches it off."""
     orientation_words: AngleWords
     """Roll, pitch, yaw in blocks: `A2 B2 C2` (written `A2=`, read under ORIRPY), or `A B C` if the transformation
     takes the angles as axes."""
@@ -87,6 +88,7 @@ class Sinumerik(Part):
     moves: Literal["feed", "poly"] = "feed"
     """Point-to-point moves: G1 at a feed under the controller's own time law, or POLY blocks that hold the plan's."""
     poly_degree: Literal[3, 5]
+    """Of the polynomials that the controller takes."""
     poly_axes: Annotated[int, Field(strict=True, ge=1, le=9)]
     """How many axes one POLY block may hold; fewer than six cannot carry a hexapod's motion."""
     poly_block_ms: Positive
@@ -104,6 +106,7 @@ class Sinumerik(Part):
     most_blocks: Annotated[int, Field(strict=True, ge=10)]
     """What its program memory holds."""
     controller_keeps: Promises
+    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
     ptp: PointToPointDrives | None = None
     """Drives in moves under `PTP`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
 

@@ -57,6 +57,7 @@ class TwinCat(Part):
     most_blocks: Annotated[int, Field(strict=True, ge=10)]
     """What its program memory holds."""
     controller_keeps: Promises
+    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
     ptp: PointToPointDrives | None = None
     """Drives in moves under `#PTP ON`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
 

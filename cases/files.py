@@ -140,10 +140,11 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = ()) -> N
             raise FileProblem(f"{path}: holds {source}, which is read; choose another place with -o")
     try:
         held = {entry.name for entry in path.iterdir()} if path.is_dir() else None
-        if held is None and (path.exists() or path.is_symlink()):
-            raise FileProblem(f"{path}: exists and is no folder; choose another place with -o")
+        there = path.exists() or path.is_symlink()
     except OSError as error:
         raise FileProblem(f"{path}: cannot be read ({_reason(error)}); choose another place with -o") from error
+    if held is None and there:
+        raise FileProblem(f"{path}: exists and is no folder; choose another place with -o")
     above = next(p for p in path.absolute().parents if os.path.lexists(p))
     if held is None and not (above.is_dir() and os.access(above, os.W_OK | os.X_OK)):
         reason = "permission denied" if above.is_dir() else f"{above} is no folder"

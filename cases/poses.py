@@ -27,11 +27,13 @@ class Poses(Part):
     x_mm: Steps
     y_mm: Steps
     z_mm: Steps
+    """Grid of positions relative to home: [first, last, step]."""
     radius_mm: Range
     """Distance from home in the XY plane: grid points outside are left out."""
     tilt_deg: Steps
     azimuth_deg: Steps
     torsion_deg: Steps
+    """Grid of orientations: [first, last, step]."""
     singularity_distance: Annotated[float, Field(strict=True, gt=0, lt=1)]
     """Smallest determinant of the machine's inverse Jacobian, as a share of that at home."""
     settle_s: Positive

@@ -1,11 +1,21 @@
 """The beginning of a case file for one's own machine: a built-in one with advice above each table."""
 
+import ast
+import inspect
 import re
+import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 
+from cases.controller import Controller
+from cases.controller_setpoints import Setpoints
+from cases.controller_sinumerik import Sinumerik
+from cases.controller_twincat import TwinCat
 from cases.errors import CaseError, FileProblem
 from cases.files import write_text
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
+from cases.parts import Part
+from cases.poses import Poses
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -14,6 +24,7 @@ _ADVICE = {
     "# points_mm = [[x, y, z], ...] lists them one by one. home is where programs begin and end.",
     "workspace": "What the machine can reach at all: its manual. Joint angles count from the joints' normals.",
     "limits.motion": "What an excitation may use, each coordinate relative to home: the manual's values or less.",
+    "poses": "For measuring at standstills (hexcite poses): candidate poses in tilt-and-torsion angles.",
     "sensor_frame.bars": "From the drawing of the frame: both ends of each bar in {P}, in the order of the channels.",
     "sensor_frame": 'How the sensor reads: sense = "load_on_sensor" or "sensor_on_load".',
     "sensors": "From the sensors' data sheet. Noise may be stated: force_noise_N,\n"
@@ -21,9 +32,24 @@ _ADVICE = {
     "# angular_acceleration_noise_rad_s2: hexcite identify tells what the residuals look like.",
     "recording": "Names, units and clock of the recorded columns, where they differ from hexcite's (CONVENTIONS.md).",
     "controller": "How the controller is set up. Nothing here is guessed: check each with its machine's parameters.",
+    "controller.sinumerik": "SINUMERIK programs; without one delete this table, and the next ones likewise. The\n"
+    "# transformation of a hexapod is the machine builder's: ask for these words.",
+    "controller.twincat": "TwinCAT CNC (TF5200) and ISG programs.",
+    "controller.setpoints": "Setpoints for a controller that takes positions cycle by cycle.",
     "nominal": "A-priori values of the moving body from CAD: mass, centre of gravity in {P}, inertia about it.",
     "simulation": "A simulated machine for rehearsals; delete it and its sub-tables where none is wanted.",
 }
+
+_EXPLAINED: Mapping[str, type[Part]] = {
+    "poses": Poses,
+    "controller": Controller,
+    "controller.sinumerik": Sinumerik,
+    "controller.twincat": TwinCat,
+    "controller.setpoints": Setpoints,
+}
+"""Tables whose keys are explained one by one, in the words of their classes."""
+
+_WIDTH = 110  # characters of a comment
 
 
 def new_case(name: str, like: str, folder: Path) -> Path:
@@ -56,6 +82,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
         "# {B} is the frame of the base, {P} that of the platform. `hexcite case check` tells what cannot be.",
         "",
     ]
+    told: Mapping[str, str] = {}
     for line in find_case(like).read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):
             continue  # the built-in case's own words on its sources
@@ -64,9 +91,27 @@ def new_case(name: str, like: str, folder: Path) -> Path:
             if table[1] in _ADVICE:
                 lines.append(f"# {_ADVICE[table[1]]}")
             line = table[0]  # what follows it is about the built-in case's source
+            told = _explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
+        elif key := re.match(r"(\w+) = ", line):
+            lines += textwrap.wrap(told.get(key[1], ""), _WIDTH, initial_indent="# ", subsequent_indent="# ")
+            line = re.sub(r"\] # .*", "]", line)
         line = re.sub(r'^name = ".*"', f'name = "{name}"', line)
         line = re.sub(r'^title = ".*"', 'title = "what it is, in a line"', line)
         line = re.sub(r'^source = ".*"', 'source = "where these values come from"', line)
         lines.append(line)
     write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
     return file
+
+
+def _explanations(part: type[Part]) -> Mapping[str, str]:
+    """Field -> the string that stands below it; of several fields with one string it is above the first."""
+    (body,) = (node.body for node in ast.parse(inspect.getsource(part)).body if isinstance(node, ast.ClassDef))
+    told: dict[str, str] = {}
+    waiting: str | None = None
+    for node in body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            waiting = waiting or node.target.id
+        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and waiting is not None:
+            told[waiting] = " ".join(str(node.value.value).split())
+            waiting = None
+    return told

@@ -143,4 +143,10 @@ def run_inputs(about: dict[str, Any]) -> tuple[tuple[str, str], ...]:
     """What `recording.json`, or the answer of a run, says about it."""
     keys = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
     simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
-    return (("origin", simulated), *((key, str(about[key])) for key in keys if about.get(key) is not None))
+    return (("origin", simulated), *((key, _in_words(about[key])) for key in keys if about.get(key) is not None))
+
+
+def _in_words(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {inner}" for key, inner in value.items())
+    return str(value)

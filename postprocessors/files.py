@@ -44,7 +44,7 @@ def read_program(file: Path, case: Case, name: str | None = None) -> ProgramFile
     """
     if other := another_kind(file, ""):
         raise ProgramError(file, 0, 0, f"{other}; here a program file is wanted, such as hexcite post writes")
-    dialect = dialect_of_file(file.name) if name is None else dialect_named(name)
+    dialect = dialect_of_file(str(file)) if name is None else dialect_named(name)
     try:
         content = file.read_bytes()
     except OSError as error:

@@ -1,5 +1,6 @@
 """A new case is a valid one under another name, with the template's numbers, and never takes the place of one."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,17 @@ def test_a_new_case_is_its_template_under_another_name(like: str, tmp_path: Path
     lines = text.splitlines()
     advised = [lines[k - 1].startswith("# ") for k, line in enumerate(lines) if line in ("[sensors]", "[recording]")]
     assert advised == [True, True]
+
+
+def test_each_key_of_a_controller_is_explained_above_it(tmp_path: Path) -> None:
+    lines = new_case("mill", "hexapod", tmp_path / "mill").read_text().splitlines()
+    above = {line.split(" = ")[0]: before for before, line in pairwise(lines)}
+    assert above["transformation"].endswith("the builder's own name.")
+    assert above["transformation_off"] == "# What switches it off."
+    assert above["safe_feed_mm_min"].startswith("# Feed of the first move")
+    assert above["kinematic_id"].startswith("# Of the hexapod's transformation")
+    assert max(map(len, (line for line in lines if line.startswith("#")))) <= 120
+    assert not any("which 20 of the 49" in line for line in lines)  # about the built-in case's source
 
 
 def test_a_case_that_is_there_is_left_alone(tmp_path: Path) -> None:
