@@ -1,6 +1,7 @@
 """Identifies as a user wishes, saves the result and prints it for people."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +22,17 @@ from identification.saved import load_result
 from identification.streaming import identify_long, in_blocks, is_long
 from planner.cli.console import print_table, status
 from planner.cli.wishes import Wish, method_of
+from planner.fingerprints import plan_of_recording
 from planner.plots import identifiability_figure, residual_figure, save_figure
 from planner.precision import std_text, value_text
 from planner.recorded import Still, about_run, case_of, knows_poses, standing_of, with_feed
 from planner.report import render
 from planner.report_identify import about_inputs, identify_page
 
+NOT_COMPARED = (
+    "the run is too long to be compared with its program at once: a feed other than 100 % is told where the recording "
+    "has the override; --plan compares a run that fits into memory"
+)
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
 
 
@@ -60,6 +66,8 @@ def make_result(
         how = _for_blocks(paths, wish, loaded, plan)
         if how is not None and not knows_poses(paths[0], still):
             estimate, recording = identify_long(paths[0], loaded, wish.model, how, wish.terms)
+            if plan_of_recording(paths[0]) is not None:
+                estimate = replace(estimate, notes=(*estimate.notes, NOT_COMPARED))
         else:
             recording, standing = standing_of(on_one_clock(read_run(paths, loaded), loaded), loaded, paths[0], still)
             number = default_model(recording) if wish.model is None else wish.model

@@ -1,5 +1,6 @@
 """A run evaluated in blocks is the same run: parameters, covariance and residuals of the one-shot evaluation."""
 
+import json
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -466,3 +467,16 @@ def test_of_ever_changing_feed_the_first_stretches_are_told_and_the_others_count
     assert len(told["feed"]["stretches"]) == MOST_TOLD
     assert told["feed"]["more"] == 1500 - MOST_TOLD
     assert f"and {1500 - 3} more stretches" in sentence
+
+
+def test_a_long_run_that_is_not_compared_with_its_program_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    written(tmp_path).rename(folder / "recording.parquet")
+    (folder / "recording.json").write_text(json.dumps({"plan_hash": "0123456789abcdef", "case": "hexapod"}))
+    words = ("identify", folder, "--case", "hexapod", "--json", "-o", tmp_path / "r")
+    monkeypatch.setattr(streaming, "LONG", 1000)
+    (note,) = [n for n in call(*words).json()["notes"] if "program" in n]
+    assert "--plan compares a run that fits into memory" in note
