@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing
+from tests.bench.scatter import scatter_rows
 
 WEIGHTS = (0, 3, 5)  # mounted: 0, 60 and 100 kg; the command itself takes every number
 ON_LINUXCNC = (0, 5)
@@ -35,6 +36,7 @@ def validation_rows(folder: Path, command: Command) -> list[list[str]]:
         goal = NOT_MODELLED.get(method, "0.67 to 1.5")
         rows.append([f"  s0 of {method} over Table 7's, 0, 60, 100 kg", ratios, goal])
     rows += _answers(answer, "yes, or a cause")
+    rows += scatter_rows(folder / "validation" / "programs")
     if (missing := linuxcnc_missing()) is not None:
         return [*rows, ["hexcite validate --on linuxcnc", missing, ""]]
     plans = ("--on", "linuxcnc", "--plans", str(folder / "validation"))
