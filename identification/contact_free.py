@@ -12,6 +12,7 @@ from identification.doubts import systematic
 from identification.estimators import Method, Problem, robust_of
 from identification.evaluation import Run
 from identification.long_contact import least_trimmed_squares
+from identification.model import Model
 from identification.moving import AnyRun, Moving, fit_with_delay
 from identification.periodic import PeriodicRun
 from identification.plausibility import places
@@ -52,7 +53,7 @@ def free_of_contact(
         if contacts == before:
             break
         rows = touched(run.t, contacts)
-        require_free(float(rows.mean()), [contact_told(recording, contact) for contact in contacts])
+        require_free(float(rows.mean()), [contact_told(recording, contact) for contact in contacts], run.model)
         moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value, held)
     if systematic(moving.fit, moving.run.noise_correlation):
         longer = _long_contacts(run, moving)
@@ -63,7 +64,7 @@ def free_of_contact(
             else moving
         )
         if _spread(freed) < CALMER * _spread(moving) and not systematic(freed.fit, freed.run.noise_correlation):
-            require_free(float(rows.mean()), [contact_told(recording, contact) for contact in longer])
+            require_free(float(rows.mean()), [contact_told(recording, contact) for contact in longer], run.model)
             moving, contacts = freed, longer
     return moving, contacts
 
@@ -84,14 +85,20 @@ def _spread(moving: Moving) -> float:
     return float(np.sqrt(np.mean(np.einsum("ni,ij,nj->n", left, moving.w, left))))
 
 
-def require_free(share: float, contacts: Sequence[str]) -> None:
+def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
     """Raises IdentificationError where too much of a run is in contact.
 
     Args:
         share: of its samples.
         contacts: what is told of each.
+        model: that the forces leave.
     """
     if share > MOST_TOUCHED:
+        if model.needs_position and not model.needs_motion:
+            raise IdentificationError(
+                f"the forces leave model {model.number} in {100 * share:.0f} % of the samples: it has no inertia, "
+                "which moves them in a motion; choose a model from 6 to 9, or identify standstills"
+            )
         raise IdentificationError(
             f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact ({contacts[0]}); an "
             "identification run must be free: check columns, struts and model, or record again"

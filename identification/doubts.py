@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from cases.schema import Case
 from identification.fit import Fit
 from identification.model import MASS, Model
 from identification.swapped import other_wiring
@@ -13,6 +14,8 @@ Array = NDArray[np.float64]
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
 SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
 LEAST_SERIES = 50  # samples that tell an autocorrelation
+THOUSANDTH = (3e-4, 1e-2)  # of the nominal mass, with weights of up to some times it
+GRAM = 1e-3  # [kg]
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
 
 
@@ -38,6 +41,20 @@ def require_sense(model: Model, fit: Fit) -> None:
         raise IdentificationError(
             f"the mass comes out as {value:.4g} +- {std:.2g} kg; check the sign of the forces, "
             "sensor_frame.transducer.sense and gravity_m_s2 of the case"
+        )
+
+
+def require_scale(model: Model, values: Array, case: Case) -> None:
+    """Raises IdentificationError where the mass is a thousandth or a thousand times what the case expects."""
+    if MASS not in model.blocks or case.nominal is None:
+        return
+    mass, expected = float(values[model.names.index("m")]), case.nominal.mass_kg
+    low, high = THOUSANDTH
+    if low < mass / expected < high or low < expected / max(mass, GRAM) < high:
+        unit = "kN" if mass < expected else "mN"
+        raise IdentificationError(
+            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg is {expected:g}: forces seem to be in {unit}; "
+            f"set recording.units.forces = '{unit}' in the case"
         )
 
 

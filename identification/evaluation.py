@@ -28,6 +28,8 @@ MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either wa
 MOVING = 1e-3  # [m/s] strut speed from which the machine counts as moving, where there is no trigger
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below what the filter lets pass
+SMALLER_UNITS = {"ms": 1e-3, "us": 1e-6}  # of clocks [s]
+MOST_RATE = 20e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
 MOST_BRIDGED = 3  # bad samples in a row that a straight line replaces; the filter makes nothing of the difference
 
 
@@ -297,9 +299,17 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     if not cutoff < 0.2 / step:
         raise RecordingError(
             f"{recording.source}: filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second; at "
-            f"most {0.2 / step:.4g}"
+            f"most {0.2 / step:.4g}{_other_clock(step, cutoff)}"
         )
     return Filter(cutoff, step, MOST_DELAY)
+
+
+def _other_clock(step: float, cutoff: float) -> str:
+    """What to add where the time stamps make sense in a smaller unit."""
+    for unit, factor in SMALLER_UNITS.items():
+        if cutoff < 0.2 / (step * factor) < MOST_RATE:
+            return f"; time stamps {step:.3g} s apart seem to be in {unit}: set recording.clock.unit = '{unit}'"
+    return ""
 
 
 def spoilt_by(bad: NDArray[np.bool_], low_pass: Filter) -> NDArray[np.bool_]:

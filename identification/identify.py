@@ -18,7 +18,7 @@ from identification.biases import accelerometer_bias, drift_told, with_uncertain
 from identification.conditioning import USUAL, Conditioning
 from identification.contact import touched
 from identification.contact_free import contact_told, free_of_contact
-from identification.doubts import doubts, require_sense, require_wiring, systematic
+from identification.doubts import doubts, require_scale, require_sense, require_wiring, systematic
 from identification.estimator import independent_poses, require_alive
 from identification.estimators import Method, Problem
 from identification.evaluation import MOST_DELAY, Run, standstills
@@ -79,11 +79,14 @@ def identify(
         if recording.t is None or case.setup == "1a":
             if conditioning != USUAL:
                 raise RecordingError("is no moving run; --period, --accelerated and --flexible are for moving runs")
-            return _from_standstills(recording, case, model, how)
+            found = _from_standstills(recording, case, model, how)
+            require_scale(model, found.values, case)
+            return found
         found = _from_motion(recording, case, model, how, conditioning)
         softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
         if softer is not None:
             found = replace(_from_motion(recording, softer, model, how, conditioning), case_hash=case.hash)
+        require_scale(model, found.values, case)
         return found
     except IdentificationError as error:
         raise IdentificationError(placed(recording.source, error)) from error

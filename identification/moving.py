@@ -124,7 +124,8 @@ def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.
         matrices = run.regressors(delay)
     if abs(delay) >= MOST_DELAY:
         raise IdentificationError(
-            f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they of one run?"
+            f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they "
+            "of one run, and struts and forces in the order of the case?"
         )
     white = whitened(whitening, augmented, forces)
     fit = how.estimator(problem)(*white, names)

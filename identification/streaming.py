@@ -21,7 +21,7 @@ from identification.compressed import degrees_of_freedom, determined, inverse_ro
 from identification.conditioning import USUAL, Conditioning
 from identification.contact import Calm
 from identification.contact_free import require_free
-from identification.doubts import doubts, require_sense
+from identification.doubts import doubts, require_scale, require_sense
 from identification.estimator import best_values
 from identification.estimators import Method, Problem
 from identification.evaluation import MOST_DELAY
@@ -138,7 +138,7 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
         for run in blocks.runs(model, low_pass):
             total.add(run)
         if total.looked_at:
-            require_free(total.touched / total.looked_at, [_told(t) for t in total.found])
+            require_free(total.touched / total.looked_at, [_told(t) for t in total.found], model)
         compressed = total.compressed(free.offset, free.basis)
         found = free.offset + free.basis @ best_values(compressed, free.names, len(begin.nuisances))
         step = float(np.clip(found[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
@@ -156,6 +156,7 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
         delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
     fit = _fit(total, found, free, low_pass)
     require_sense(model, fit)
+    require_scale(model, fit.values, case)
     std = float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))
     smoothing = smoothing_of(begin, fit) if begin.smoothing else None
     notes: list[str] = [] if smoothing is None else smoothing.notes

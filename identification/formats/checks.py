@@ -33,9 +33,12 @@ def require_finite(table: Table, form: RecordingFormat) -> None:
             worst = min(worst or (row, ours), (row, ours))
     if worst is not None:
         row, ours = worst
+        # A run needs equal steps: without a row it would have a gap.
+        moves = table.stamps is not None and ours != CLOCK
+        remedy = "fill it in from its neighbours, or cut the run there" if moves else "remove the row"
         raise RecordingError(
             f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(ours))}: {columns[ours][row]} is not a "
-            "measured value; remove the row"
+            f"measured value; {remedy}"
         )
 
 

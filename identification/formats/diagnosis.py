@@ -109,7 +109,7 @@ def _why(found: Sequence[str], names: Sequence[str], dialect: Dialect, text: str
 
 def _not_a_number(text: str, dialect: Dialect) -> str:
     if not text.strip():
-        return "nothing is not a number; correct or remove the row"
+        return "is empty where a number is needed; correct or remove the row"
     value = f"{shown(text)!r} is not a number"
     if dialect.decimal == "." and text.count(",") == 1 and is_number(text.replace(",", ".")):
         return f"{value}: it has a decimal comma; set recording.decimal = ',' in the case, or export with points"

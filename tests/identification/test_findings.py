@@ -260,3 +260,25 @@ def test_struts_in_the_wrong_order_are_told() -> None:
         assert re.search("no pose|exchanged|in contact|no delay|mass comes out", one_line(error))
     else:
         assert any("explains only" in w or "robust standard deviations" in w for w in warnings)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("kN", 1e-3), ("mN", 1e3)])
+def test_forces_in_another_unit_are_told_by_the_mass(unit: str, factor: float) -> None:
+    unlimited = CASE.model_copy(update={"sensors": CASE.sensors.model_copy(update={"range_N": None})})
+    recorded = run()
+    with pytest.raises(IdentificationError, match=f"forces seem to be in {unit}; set recording.units.forces") as caught:
+        identify(replace(recorded, forces=factor * recorded.forces), unlimited)
+    one_line(caught.value)
+
+
+def test_a_model_without_inertia_is_no_contact() -> None:
+    motion = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0))
+    with pytest.raises(IdentificationError, match="it has no inertia, which moves them in a motion; choose a model"):
+        identify(simulate_recording(CASE, motion, np.array([[0.2, 3.8]]), 1), CASE, 3)
+
+
+def test_a_clock_in_another_unit_is_named() -> None:
+    recorded = run()
+    assert recorded.t is not None
+    with pytest.raises(RecordingError, match=r"1 s apart seem to be in ms: set recording.clock.unit = 'ms'"):
+        identify(replace(recorded, t=1e3 * recorded.t), CASE)

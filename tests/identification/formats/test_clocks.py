@@ -64,7 +64,7 @@ WRONG = {
     "backwards by one of many": (["1708857503931759", "1708857503931758"], "us", r"1708857503931758 us comes after"),
     "a date": (["2026-11-01", "2026-11-02"], "s", r"line 2, t_s: '2026-11-01' is not a number"),
     "a time of day": (["08:00:00.001", "08:00:00.002"], "s", r"line 2, t_s: '08:00:00.001' is not a number"),
-    "nothing": (["0", "", "2"], "s", r"line 3, t_s: nothing is not a number"),
+    "nothing": (["0", "", "2"], "s", r"line 3, t_s: is empty where a number is needed"),
     "NaN": (["0", "nan", "2"], "s", r"line 3, t_s: nan is not a measured value"),
 }
 
