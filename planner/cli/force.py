@@ -12,7 +12,7 @@ UNITS = ("N", "N", "N", "N m", "N m", "N m")
 
 Parameters = Annotated[Path, typer.Option("--parameters", help="Result folder of hexcite identify.")]
 CaseOption = Annotated[
-    str | None, typer.Option("--case", help="Built-in name, folder or file; a recording folder knows.")
+    str | None, typer.Option("--case", help="Built-in name, folder or file; a recording folder knows its own.")
 ]
 
 
@@ -20,7 +20,9 @@ def force(
     recording: Annotated[Path, typer.Argument(help="Recording: a CSV file, or a folder of hexcite run.")],
     parameters: Parameters,
     case: CaseOption = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="CSV file to write.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="CSV file to write; RECORDING-force.csv by default.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Compute external force and moment over a recording."""
@@ -70,7 +72,9 @@ def tare(
     recording: Annotated[Path, typer.Argument(help="Recording of a standstill without contact.")],
     parameters: Parameters,
     case: CaseOption = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Result folder to write.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Result folder to write; RESULT-tared by default.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Identify the sensor offsets anew from a short standstill; leave all other parameters."""

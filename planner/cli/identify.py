@@ -91,7 +91,9 @@ def identify(
     verify: Annotated[
         Path | None, typer.Option(help="Predict this second run with the parameters of the first.")
     ] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to write.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to write; RECORDING-result by default.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Identify parameters from a recorded run.

@@ -20,7 +20,7 @@ Accept = Annotated[
 def post(
     plan: Annotated[Path | None, typer.Argument(help="Plan folder.")] = None,
     dialect: Annotated[
-        str | None, typer.Option(help="The controller's language; without a plan, all are listed.")
+        str | None, typer.Option(help="The controller's language; linuxcnc by default; without a plan, all are listed.")
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
@@ -28,7 +28,9 @@ def post(
         bool,
         typer.Option("--ptp-struts", help="Moves straight in the struts (PTP, #PTP ON): another path than planned."),
     ] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Program to write.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Write a plan as a program for the machine's controller, proven before it is written."""

@@ -22,7 +22,9 @@ def run(
         bool,
         typer.Option("--disturbed", help="With the case's disturbances: vibration, ripple, pose-dependent errors."),
     ] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to write.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to write; PROGRAM-recording by default.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Execute a program, simulate the sensors for what was executed, and write a recording."""
