@@ -65,10 +65,10 @@ def states_of_move(points: tuple[tuple[int, float], ...]) -> ca.Function:
     return ca.Function("states_of_move", [start, end, times], outputs, {"cse": True})
 
 
-_INFORMATION_POINTS = tuple((phase, share) for phase in range(7) for share in (GAUSS, 1 - GAUSS))
+INFORMATION_POINTS = tuple((phase, share) for phase in range(7) for share in (GAUSS, 1 - GAUSS))
 # Where velocities and accelerations have their peaks: both ends of each phase of constant acceleration, mid-cruise.
 _HOLDS = ((0, 1.0), (1, 1.0), (5, 0.0), (5, 1.0))
-_CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:])
+CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:])
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,13 +158,13 @@ class PointToPointFamily:
             unknowns=unknowns,
             lower=np.r_[-edge, lower.ravel()],
             upper=np.r_[edge, upper.ravel()],
-            states=states(_INFORMATION_POINTS),
+            states=states(INFORMATION_POINTS),
             shares=shares,
             rows=ca.vertcat(*rows),
             zeros=total - 1,
-            critical=states(_CRITICAL_POINTS),
+            critical=states(CRITICAL_POINTS),
             struts=np.tile(
-                [[phase == 3 for phase, _ in _CRITICAL_POINTS], [p in _HOLDS for p in _CRITICAL_POINTS]], count
+                [[phase == 3 for phase, _ in CRITICAL_POINTS], [p in _HOLDS for p in CRITICAL_POINTS]], count
             ),
             linear=False,
         )

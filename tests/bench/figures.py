@@ -29,6 +29,7 @@ from tests.bench.monte_carlo import monte_carlo_table
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.retiming import retiming_table
+from tests.bench.single_moves import single_moves_rows
 from tests.bench.solvers import criteria_rows, paper_study
 from tests.bench.study import study_rows
 from tests.bench.validation import validation_rows
@@ -113,7 +114,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
         yield "Validation", validation_rows(Path(name), command)
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
-    yield "Limits of information", limits_of_information()
+    yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
     yield "Planner", [*building_rows(), *criteria_rows()]
 
 
