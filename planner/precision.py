@@ -22,7 +22,7 @@ def value_text(value: float, std: float) -> str:
 def solver_text(words: str) -> str:
     """A solver's last words; to stop at the iterations that a stage has is no failure."""
     plain = words.replace("_", " ").lower()
-    return "stopped at its most iterations" if "maximum iterations" in plain else plain
+    return "at its iteration limit" if "maximum iterations" in plain else plain
 
 
 def std_text(std: float) -> str:

@@ -8,6 +8,8 @@ from typing import Annotated, Any, Protocol
 import typer
 
 LONGEST_NUMBER = 12  # characters
+FOLDED = 12  # characters that a column of words keeps at least
+EDGES, GAP = 2, 3  # characters around a table, and between its columns
 WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
@@ -30,14 +32,18 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
 
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
     console = Console(markup=False)  # units in brackets and names of files are text
+    narrowest = EDGES
     for k, column in enumerate(columns):
         words = k == 0 or not right or _are_words([row[k] for row in rows])
         folds = words and console.is_terminal
         table.add_column(column, justify="left" if words else "right", no_wrap=not folds, overflow="fold")
+        longest = max(map(len, (column, *(row[k] for row in rows))))
+        narrowest += GAP + (min(longest, FOLDED) if folds else longest)
     for row in rows:
         table.add_row(*row)
-    room = Measurement.get(console, console.options.update(width=WIDEST), table)
-    console.width = max(console.width, room.minimum if console.is_terminal else room.maximum)
+    if not console.is_terminal:
+        narrowest = Measurement.get(console, console.options.update(width=WIDEST), table).maximum
+    console.width = max(console.width, narrowest)
     console.print(table)
 
 

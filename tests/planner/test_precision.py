@@ -35,5 +35,5 @@ def test_what_is_left_out_is_far_below_the_deviation(value: float, std: float) -
 
 
 def test_a_stage_that_used_its_iterations_is_no_failure() -> None:
-    assert solver_text("Maximum_Iterations_Exceeded") == "stopped at its most iterations"
+    assert solver_text("Maximum_Iterations_Exceeded") == "at its iteration limit"
     assert solver_text("Solve_Succeeded") == "solve succeeded"
