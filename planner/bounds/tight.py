@@ -66,17 +66,20 @@ def tight_design(
     deadline: float,
     progress: Callable[[str], None] = lambda _: None,
     rounds: int = ROUNDS,
+    aim: float | None = None,
 ) -> TightDesign:
     """Finds the design, its bound and, as far as time allows, the proof.
 
     Args:
         case: gives the limits.
         features: of the case and model.
-        gap: wanted (max h) / u - 1, and how far the proven maximum may lie above the largest value that was met.
+        gap: how far the proven maximum may lie above the largest value that was met, as a share, to count as proven.
         deadline: `time.process_time()` at which to stop [s]; the last part is kept for the proof.
         progress: told the state of things now and then.
         rounds: of the exchange, at most; each makes the bound tighter.
+        aim: the gap at which search and proof end before their time; by default `gap`.
     """
+    aim = gap if aim is None else aim
     size = features.coefficients.shape[-1]
     moments = motion_moments(case, features)
     draw = np.random.default_rng(SEED)
@@ -102,7 +105,7 @@ def tight_design(
         if best is None or bound < best[0]:
             best = (bound, inverse, multipliers, largest)
         progress(f"log det between {attained:.4f} and about {best[0]:.4f}; {int(used.sum())} states")
-        if best[0] - attained <= size * gap / 2 or process_time() > enough:
+        if best[0] - attained <= size * aim / 2 or process_time() > enough:
             break
         value = np.where(used, np.inf, here.at(states))
         kept = np.argsort(-value)[:MOST_KEPT]
@@ -111,9 +114,9 @@ def tight_design(
     _, inverse, multipliers, largest = best
     derivative = TightDerivative(features, features.form(inverse), multipliers)
     logdet = -float(np.linalg.slogdet(inverse)[1])
-    wanted = max(size, largest) * (1.0 + gap)
-    maximum = maximise(derivative, *first_tight_cells(features), wanted, wanted, deadline, progress)
-    certified = maximum.upper <= max(wanted, maximum.lower) * (1.0 + 1e-9)
+    known = max(size, largest)
+    maximum = maximise(derivative, *first_tight_cells(features), known * (1.0 + aim), known, deadline, progress)
+    certified = maximum.upper <= max(known, maximum.lower) * (1.0 + gap) * (1.0 + 1e-9)
     dmax = maximum.upper if certified else max(largest, maximum.lower)
     return TightDesign(logdet, attained, max(dmax, size), max(maximum.upper, size), certified)
 

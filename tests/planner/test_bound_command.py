@@ -38,7 +38,7 @@ def test_the_tighter_bound_is_lower_and_says_what_it_counts_on(cache: Path):
 
 
 def test_people_read_that_it_is_not(cache: Path):
-    told = call("bound", "hexapod", "--model", 1, "--time-limit", 1e-6)
+    told = call("bound", "hexapod", "--model", 2, "--time-limit", 1e-6)
     assert told.code == 0
     assert "ESTIMATE" in told.out
     assert "--time-limit" in told.out

@@ -159,3 +159,10 @@ def test_without_time_for_the_proof_it_is_an_estimate():
     hasty = tight_design(CASE, FEATURES, 0.01, time.process_time(), rounds=1)
     assert not hasty.certified
     assert hasty.proven >= hasty.dmax
+
+
+def test_a_proof_within_the_gap_counts_though_it_missed_its_aim():
+    """What was proven when the time was over is a bound all the same; aiming at nothing uses all of it."""
+    found = tight_design(CASE, FEATURES, 0.5, time.process_time() + 1.5, rounds=1, aim=1e-9)
+    assert found.certified
+    assert found.dmax == found.proven
