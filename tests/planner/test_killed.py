@@ -7,6 +7,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from tests.planner.command_line import PROGRAM, call
 from tests.planner.json_answer import one_json_object
 
@@ -58,32 +60,51 @@ def test_a_result_that_is_killed_while_it_is_written_is_whole_or_absent(
     assert whole(tmp_path / "result", "result.json", ["plots"])
 
 
-def worked(session: int) -> float:
-    """Processor time that the processes of a session, but for its first, have used so far [s]."""
-    total = 0.0
+def workers(session: int) -> list[float]:
+    """Processor time that each process of a session, but for its first, has used so far [s]."""
+    times = []
     for entry in Path("/proc").glob("[0-9]*"):
         try:
             fields = (entry / "stat").read_text().rpartition(")")[2].split()
         except OSError:  # gone
             continue
-        if int(fields[3]) == session != int(entry.name):
-            total += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    return total
+        if int(fields[3]) == session != int(entry.name) and fields[0] != "Z":
+            times.append((int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK"))
+    return times
 
 
-def interrupted(times: int, folder: Path) -> subprocess.Popen:
-    """A plan of many starts that gets Ctrl-C, as its workers do, once they have done SEARCHED seconds of work: on a
-    busy computer they take long to begin."""
+def searching(folder: Path) -> subprocess.Popen:
+    """A plan of many starts whose workers have done SEARCHED seconds of work: on a busy computer they begin late."""
     many = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "400")
     process = start(*many, "-o", folder / "plan")
     assert process.stdout.readline().startswith("Planning for hexapod")
-    while worked(process.pid) < SEARCHED:
+    while sum(workers(process.pid)) < SEARCHED:
         assert process.poll() is None, process.communicate()
         time.sleep(0.02)
+    return process
+
+
+def interrupted(times: int, folder: Path) -> subprocess.Popen:
+    """A search that gets Ctrl-C, as its workers do."""
+    process = searching(folder)
     for _ in range(times):
         os.killpg(process.pid, signal.SIGINT)
         time.sleep(0.3)  # two at once would be one
     return process
+
+
+def test_workers_of_a_plan_that_is_killed_end_with_it(cache: Path, tmp_path: Path):
+    process = searching(tmp_path)
+    process.kill()
+    for _ in range(30_000):
+        if not workers(process.pid):
+            break
+        time.sleep(0.01)
+    else:
+        os.killpg(process.pid, signal.SIGKILL)
+        pytest.fail("workers are left behind")
+    process.communicate(timeout=300)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_ctrl_c_ends_the_search_and_keeps_the_best_plan_so_far(cache: Path, tmp_path: Path):

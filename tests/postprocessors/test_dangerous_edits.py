@@ -141,15 +141,12 @@ OF_A_DIALECT = {
 }
 
 
-@pytest.mark.parametrize("edit", EVERY_DIALECT)
-@pytest.mark.parametrize("name", NAMES)
-def test_an_edit_that_any_controller_would_run_into_is_refused(name: str, edit: str):
-    assert refused(name, changed(moves(name), *EVERY_DIALECT[edit]))
+EDITS_OF_MOVES = {(name, what): edit for name in NAMES for what, edit in (EVERY_DIALECT | OF_A_DIALECT[name]).items()}
 
 
-@pytest.mark.parametrize(("name", "edit"), [(n, e) for n, edits in OF_A_DIALECT.items() for e in edits])
-def test_an_edit_that_this_controller_would_understand_otherwise_is_refused(name: str, edit: str):
-    assert refused(name, changed(moves(name), *OF_A_DIALECT[name][edit]))
+@pytest.mark.parametrize(("name", "edit"), EDITS_OF_MOVES)
+def test_an_edit_that_a_controller_would_run_into_or_understand_otherwise_is_refused(name: str, edit: str):
+    assert refused(name, changed(moves(name), *EDITS_OF_MOVES[name, edit]))
 
 
 POINTS = r"^(?:G0?1|POLY|X) ?.*F[\d.]+$"
@@ -171,11 +168,11 @@ def test_an_edit_in_a_timed_path_is_refused(name: str, edit: str):
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_path_at_ten_times_its_speed_is_refused(name: str):
-    factor = 0.1 if name == "twincat" else 10.0
-    lines = path(name).split("\n")
-    start = next(k for k, line in enumerate(lines) if "G93" in line)
-    fast = [re.sub(r"F([\d.]+)$", lambda m: f"F{float(m[1]) * factor:.9f}", line) for line in lines[start:]]
-    assert refused(name, "\n".join([*lines[:start], *fast]))
+    factor = 0.1 if name == "twincat" else 10.0  # a time there, its inverse elsewhere
+    before, mode, timed = path(name).partition("G93")
+    assert refused(
+        name, before + mode + re.sub(r"F([\d.]+)$", lambda m: f"F{float(m[1]) * factor:.9f}", timed, flags=re.M)
+    )
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -263,7 +260,7 @@ def naive_share(name: str, text: str) -> float:
     return max(shares)
 
 
-EDITS = st.tuples(
+DAMAGE = st.tuples(
     st.sampled_from(["digit", "sign", "point", "delete", "double", "swap", "word", "letter"]),
     st.integers(0, 10_000),
     st.integers(0, 9),
@@ -308,22 +305,25 @@ def judged(name: str, edits: list[tuple[str, int, int]]) -> None:
         assert naive_share(name, text) <= 1.0 + 1e-6, text
 
 
-@pytest.mark.parametrize("name", NAMES)
+each = pytest.mark.parametrize("name", NAMES)
+
+
+@each
 @settings(max_examples=100, deadline=None)
-@given(edits=st.lists(EDITS, min_size=1, max_size=3))
+@given(edits=st.lists(DAMAGE, min_size=1, max_size=3))
 def test_what_is_proven_of_an_edited_program_holds_by_a_naive_reading_too(name: str, edits: list[tuple[str, int, int]]):
     judged(name, edits)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
+@each
 @settings(max_examples=3400, deadline=None)
-@given(edits=st.lists(EDITS, min_size=1, max_size=5))
+@given(edits=st.lists(DAMAGE, min_size=1, max_size=5))
 def test_ten_thousand_edits_of_numbers_words_and_lines(name: str, edits: list[tuple[str, int, int]]):
     judged(name, edits)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@each
 def test_the_naive_judge_sees_what_is_dangerous(name: str):
     assert 0.3 < naive_share(name, moves(name)) <= 1.0
     for edit in ("a feed ten times as high", "a height below ground", "a position ten times as far"):
