@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 CONNECT = 5.0  # [s] to reach a scheduler
+PATIENCE = "120s"  # with processes of this computer: they are not lost because it is busy
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), 1)
 
@@ -44,6 +45,8 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
         "distributed.scheduler.worker-saturation": 1.0,
         "distributed.nanny.pre-spawn-environ": _ONE_THREAD | {"MALLOC_TRIM_THRESHOLD_": 65536},
         "distributed.admin.log-length": 1000,
+        "distributed.comm.timeouts.connect": PATIENCE,
+        "distributed.comm.timeouts.tcp": PATIENCE,
     }
     with dask.config.set(settings):
         with ctrl_c_waits():

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 TOPIC = "hexcite-study"
 TRIES = 2
-DESERTED = 60.0  # [s] without any worker after which nobody is expected to come
+DESERTED = 300.0  # [s] without any worker after which nobody is expected to come; on a busy computer one takes a minute
 LOOK = 0.2  # [s] between two looks for tasks past their time
 AHEAD = 2  # tasks kept ready a thread, so that no worker waits for the next
 
@@ -175,7 +175,8 @@ def _overdue(client: "Client", function: Callable[[Any], Any], state: _State, ti
         for other in state.running.values():
             if other is not task and other.worker == task.worker and other.started is not None:
                 other.tries, other.started = other.tries - 1, None
-        with contextlib.suppress(ValueError, OSError, TimeoutError):  # no nanny, or gone: the task keeps its thread
+        # No nanny: the task keeps its thread. Unknown to the scheduler (LookupError): died by itself meanwhile.
+        with contextlib.suppress(ValueError, OSError, TimeoutError, LookupError):
             client.run(_kill, workers=[task.worker], nanny=True, on_error="ignore")
         if task.tries < TRIES:
             _again(client, function, key, task, state)
