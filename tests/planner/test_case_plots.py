@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from planner.case_plots import reach
+from planner.case_plots import case_figure, reach
 from tests.planner.command_line import call, refused
 
 
@@ -54,3 +54,8 @@ def test_a_new_case_is_checked_and_drawn(tmp_path: Path) -> None:
     assert made["case"] == str(tmp_path / "mill" / "case.toml")
     assert call("case", "check", tmp_path / "mill", "--json").json()["ok"]
     assert "exists" in refused("case", "new", "mill", "-o", tmp_path / "mill")
+
+
+def test_joints_and_sensors_are_numbered_to_be_compared_with_the_drawing(hexapod_case: Case) -> None:
+    texts = [text.get_text() for text in case_figure(hexapod_case).axes[0].texts]
+    assert [texts.count(str(k)) for k in range(1, 7)] == [3] * 6  # base joint, platform joint, sensor
