@@ -79,16 +79,15 @@ class _Columns:
             used: those of its values that count.
             multipliers: of its values in each state, shape (values, K).
         """
-        slope, curvature = _derivatives(function, used)
         pattern = ca.diagcat(*[ca.Sparsity.dense(self.values.shape[0], self.values.shape[0])] * self.count)
-        blocks = curvature.map(self.count)(self.values, multipliers)
+        blocks = _weighed(function, used, 2).map(self.count)(self.values, multipliers)
         result = self.derivative.T @ (ca.MX(pattern, ca.vec(blocks)) @ self.derivative)
         if self.linear:
             return result
         pull = ca.MX.sym("pull", self.values.shape)
         own = _curvature(ca.dot(pull, self.values), self.unknowns)
         bent = ca.Function("bent", [self.unknowns, pull], [own])
-        return result + bent(self.unknowns, slope.map(self.count)(self.values, multipliers))
+        return result + bent(self.unknowns, _weighed(function, used, 1).map(self.count)(self.values, multipliers))
 
 
 def lifted(problem: Problem, active: NDArray[np.bool_], barrier: float) -> Lifted:
@@ -154,19 +153,16 @@ def _with_share(function: ca.Function) -> ca.Function:
 def _slope(function: ca.Function) -> ca.Function:
     """(state) -> derivative, shape (values, d)."""
     state = ca.SX.sym("state", function.size1_in(0))
-    return ca.Function("slope", [state], [ca.densify(ca.jacobian(function(state), state))], {"cse": True})
+    return ca.Function("slope", [state], [ca.densify(ca.jacobian(function(state), state))])
 
 
-def _derivatives(function: ca.Function, used: list[int]) -> tuple[ca.Function, ca.Function]:
-    """(state, multipliers) -> first, shape (d,), and second derivative, shape (d, d), of the weighed sum of values."""
+def _weighed(function: ca.Function, used: list[int], order: int) -> ca.Function:
+    """(state, multipliers) -> first, shape (d,), or second derivative, shape (d, d), of the weighed sum of values."""
     state = ca.SX.sym("state", function.size1_in(0))
     multipliers = ca.SX.sym("multipliers", function.size1_out(0))
-    curvature, slope = ca.hessian(ca.dot(multipliers[used], function(state)[used]), state)
-    first, second = (
-        ca.Function(name, [state, multipliers], [ca.densify(value)], {"cse": True})
-        for name, value in (("slope", slope), ("curvature", curvature))
-    )
-    return first, second
+    total = ca.dot(multipliers[used], function(state)[used])
+    derivative = ca.gradient(total, state) if order == 1 else ca.hessian(total, state)[0]
+    return ca.Function("weighed", [state, multipliers], [ca.densify(derivative)])
 
 
 def _curvature(value: ca.MX, unknowns: ca.MX) -> ca.MX:
