@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 CONNECT = 5.0  # [s] to reach a scheduler
 PATIENCE = "120s"  # with processes of this computer: they are not lost because it is busy
+RESTARTING = (
+    "1h"  # a worker that takes longer to come again is given up for good; Dask's 15 s are none on a busy computer
+)
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), 1)
 
@@ -47,6 +50,7 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
         "distributed.admin.log-length": 1000,
         "distributed.comm.timeouts.connect": PATIENCE,
         "distributed.comm.timeouts.tcp": PATIENCE,
+        "distributed.deploy.lost-worker-timeout": RESTARTING,
     }
     with dask.config.set(settings):
         with ctrl_c_waits():
