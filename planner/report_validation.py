@@ -14,7 +14,7 @@ from planner.precision import with_deviation
 from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.report_figures import COLOURS, GREY
 from planner.report_ratios import Series, ratio_figure
-from planner.validation import COMPARED, SHOWN, Step
+from planner.validation import COMPARED, SHOWN, TABLE_3, Step
 from planner.validation_causes import SUSPICIOUS
 from planner.validation_remedy import REMEDY_COLUMNS, Remedy
 from planner.validation_verdict import OFF_COLUMNS, Finding, off_rows
@@ -230,13 +230,21 @@ def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
     for name in names:
         scale, unit = SCALES.get(name, (1.0, ""))
         found = [e.physical.get(name) for e in columns.values()]
+        if not any(found):  # standing still tells no inertia
+            continue
         unit = unit or next(v.unit for v in found if v is not None)
         told = ("-" if v is None else with_deviation(v.value * scale, v.reported * scale) for v in found)
         rows.append((f"{name} [{unit}]", *told))
     truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
-    note = (
-        "Models 0, 2 and 5 of the 480 poses, 6 to 9 of the hand-made motion. Models 0, 2, 6 and 7 have no "
-        "orientation-dependent error terms (K5): standing still that makes their mass wrong, moving it does not."
+    sources = {"Q5M": "the 480 poses", "D9M": "the hand-made motion"}
+    made = [
+        f"Models {', '.join(map(str, numbers))}: {sources[method]}."
+        for method, numbers in TABLE_3.items()
+        if any(n in columns for n in numbers)
+    ]
+    note = " ".join(made) + (
+        " Models 0, 2, 6 and 7 have no orientation-dependent error terms (K5): standing still that makes their mass "
+        "wrong, moving it does not."
     )
     return (Table(("parameter", *(f"model {n}" for n in sorted(columns))), tuple(rows)), Note(note + truth))
 

@@ -26,6 +26,7 @@ from planner.cli.validate import run_validation
 from planner.cli.validate_runs import Settings, _keep, _kept, unfinished
 from planner.interruption import Interrupted
 from planner.precision import with_deviation
+from planner.report_validation import _models
 from planner.validation import SHOWN, Excitation, Step, mounted_weights, steps
 from planner.validation_causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from planner.validation_remedy import remedies
@@ -219,6 +220,17 @@ def test_values_are_rounded_to_two_digits_of_their_deviation():
     assert with_deviation(0.77256, 0.634) == "0.77 ± 0.63"
     assert with_deviation(31.8834, 0.0571) == "31.883 ± 0.057"
     assert with_deviation(131.88, 12.3) == "132 ± 12"
+
+
+def test_models_side_by_side_show_what_the_methods_tell():
+    """Of poses alone no inertia, and no word of motions that were not made."""
+    table, note = _models(CASE, {5: disturbed("Q")[0].estimate})
+    assert not any(row[0].startswith("IC") for row in table.rows)
+    assert "480 poses" in note.text
+    assert "hand-made" not in note.text
+    table, note = _models(CASE, {9: disturbed("D")[0].estimate})
+    assert any(row[0].startswith("IC33") for row in table.rows)
+    assert "480 poses" not in note.text
 
 
 def test_numbers_of_weights_are_chosen():
