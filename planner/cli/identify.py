@@ -101,6 +101,8 @@ def identify(
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
     larger of the two is what to report.
     """
+    from identification.formats.blocks import require_file
+    from identification.recording import files_of
     from planner.cli.conditioning import read_conditioning
     from planner.cli.identified import make_result, verify_result
     from planner.cli.wishes import Wish
@@ -111,6 +113,8 @@ def identify(
         tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
         read_conditioning(period, harmonics, accelerated, flexible),
     )  # fmt: skip
+    if verify is not None:
+        require_file(files_of([verify])[0])  # before a result is written
     answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills), plan=plan)
     if verify is not None:
         answer["verify"] = verify_result(verify, case_of(recordings[0], case), Path(answer["result"]), quiet=json)

@@ -117,6 +117,13 @@ def test_what_cannot_be_asked_is_refused(what: str, run: Path, tmp_path: Path) -
     assert not (tmp_path / "r").exists()
 
 
+def test_a_run_to_verify_on_that_is_not_there_is_told_before_a_result_is_written(run: Path, tmp_path: Path) -> None:
+    words = ("--case", "hexapod", "--verify", tmp_path / "none.csv", "-o", tmp_path / "result")
+    line = refused("identify", run / "run.csv", *words)
+    assert "none.csv: cannot be read" in line
+    assert not (tmp_path / "result").exists()
+
+
 def test_two_files_of_one_kind_are_refused(run: Path, tmp_path: Path) -> None:
     line = refused("identify", run / "run.csv", run / "forces.csv", "--case", "hexapod", "-o", tmp_path / "r")
     assert "give the files of one run" in line
