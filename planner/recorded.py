@@ -4,6 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from cases.errors import RecordingError
 from cases.files import another_kind, read_json
 from cases.loading import lasting_name, load_case
@@ -61,7 +63,7 @@ def about_run(path: Path, case: str | None, recording: Recording, estimate: Esti
     about = read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
     taken = about.get("executed_s")
     if taken is None and recording.t is not None:
-        taken = estimate.samples * recording.step
+        taken = estimate.samples * float(np.median(np.diff(recording.t)))  # stamps of a host jitter
     name = str(about.get("case_file")) if case is None else lasting_name(case)
     return {"case_file": name, "plan_hash": plan_of_recording(path), "measuring_s": taken}
 
