@@ -50,6 +50,7 @@ def test_a_plan_that_is_killed_while_it_is_written_is_whole_or_absent(cache: Pat
     whole(tmp_path / "plan", "plan.json", ["motion.csv", "plots/trajectory.svg"])
 
 
+@pytest.mark.slow
 def test_a_result_that_is_killed_while_it_is_written_is_whole_or_absent(
     chain: dict[str, Any], shared: Path, tmp_path: Path
 ):

@@ -106,7 +106,7 @@ def test_the_search_is_for_the_information_that_the_weights_leave(hexapod_case: 
     assert scores[1] < scores[0] - 5.0  # with weights mounted, noise hides more
 
 
-@pytest.mark.parametrize("weights", ["equal", "stated"])
+@pytest.mark.parametrize("weights", ["equal", pytest.param("stated", marks=pytest.mark.slow)])
 def test_a_plan_tells_what_the_payload_does_to_the_noise(weights: str, tmp_path: Path) -> None:
     noise = "[sensors]\nforce_noise_N = 1.0\nacceleration_noise_m_s2 = 0.05\nangular_acceleration_noise_rad_s2 = 0.5"
     text = built_in_cases()["hexapod"].read_text(encoding="utf-8").replace("[sensors]", noise)

@@ -68,7 +68,7 @@ def test_no_tasks_are_no_work(client: Client) -> None:
         ("hangs once", None),
         ("dies", "its worker died twice"),
         ("fails", "ArithmeticError: no root"),
-        ("hangs", "past its time limit of 8 s"),
+        pytest.param("hangs", "past its time limit of 8 s", marks=pytest.mark.slow),
     ],
 )
 def test_a_bad_task_costs_one_retry_and_disturbs_no_other(
