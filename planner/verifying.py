@@ -14,7 +14,6 @@ from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.planning import worst_std
-from planner.poses.plan import predicted_std as predicted_std_of_poses
 from planner.poses.regressors import pose_regressors, total_information
 from planner.problem import mean_information
 from planner.request import FAMILIES
@@ -97,6 +96,8 @@ def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[
     poses = np.array([part.pose for part in parts if isinstance(part, Measurement)])
     yield from _unlike("count", data["count"], float(len(poses)), 0.0)
     if len(poses):
+        from planner.poses.plan import predicted_std as predicted_std_of_poses  # with SciPy, which moves need not
+
         model = identification_model(case, _whole(data, "model"))
         scaling = reference_scaling(case, model)
         information = total_information(pose_regressors(model, poses) * scaling)
