@@ -30,7 +30,7 @@ from planner.plan import load_plan
 from planner.planning import SAMPLES_PER_SECOND, predicted_std
 from planner.poses.regressors import pose_regressors
 from planner.problem import mean_information
-from planner.recorded import Still, standing_of
+from planner.recorded import standing_of
 
 Array = NDArray[np.float64]
 
@@ -193,7 +193,7 @@ def _run(path: Path) -> Entry:
     about = read_json(file, "hexcite run")
     case = _case_of(file, about.get("case_file"), about.get("case_hash"), "run the program again")
     recorded = on_one_clock(read_recording(path, case), case)
-    recording, _ = standing_of(recorded, case, path, Still())
+    recording, _ = standing_of(recorded, case, path)
     model = identification_model(case, default_model(recording))
     scaling = reference_scaling(case, model)
     matrices, way, samples = _matrices(recording, case, model)

@@ -21,6 +21,7 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.motion import Motion, Trajectory
+from planner.last_words import last_words
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -197,7 +198,7 @@ def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Arra
     answer = solver(x0=np.full(x.shape[0], begin), lbx=SLOWEST * begin, ubx=most, lbg=low, ubg=1.0)
     stats = solver.stats()
     found = answer["x"].full()[:, 0]
-    said = str(stats["return_status"]).replace("_", " ").lower()
+    said = last_words(stats["return_status"])
     if not np.isfinite(found).all():
         found, said = np.full(len(found), begin), f"{said}; one pace all along"
     return PacedMotion(path, _with(basis, found), f"ipopt: {said}, {int(stats['iter_count'])} iterations")

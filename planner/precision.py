@@ -1,4 +1,4 @@
-"""Numbers as people read them, to the second digit of their standard deviation, and the last words of solvers."""
+"""Numbers as people read them, to the second digit of their standard deviation."""
 
 from math import floor, isfinite, log10
 
@@ -17,12 +17,6 @@ def value_text(value: float, std: float) -> str:
     """`value` to the digits that its standard deviation `std`, in the same unit, leaves it."""
     decimals = places(std)
     return f"{value:.6g}" if decimals is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
-
-
-def solver_text(words: str) -> str:
-    """A solver's last words; to stop at the iterations that a stage has is no failure."""
-    plain = words.replace("_", " ").lower()
-    return "at its iteration limit" if "maximum iterations" in plain else plain
 
 
 def std_text(std: float) -> str:

@@ -19,6 +19,8 @@ from planner.fingerprints import plan_of_recording
 from planner.followed import followed_by_recording, followed_plan
 from planner.poses.expected import poses_of_plan, poses_of_recording
 
+RESTLESS = 3.0  # times the usual scatter of an averaged force
+
 
 class Still(NamedTuple):
     """What a user says about standstills in a run that was recorded with a clock.
@@ -30,6 +32,9 @@ class Still(NamedTuple):
 
     plan: Path | None = None
     asked: bool = False
+
+
+UNSAID = Still()
 
 
 def case_of(path: Path, case: str | None) -> Case:
@@ -101,7 +106,9 @@ def knows_poses(path: Path, still: Still) -> bool:
     return still.asked or still.plan is not None or poses_of_recording(path) is not None
 
 
-def standing_of(recording: Recording, case: Case, path: Path, still: Still) -> tuple[Recording, dict[str, Any] | None]:
+def standing_of(
+    recording: Recording, case: Case, path: Path, still: Still = UNSAID
+) -> tuple[Recording, dict[str, Any] | None]:
     """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
 
     A folder of hexcite run knows the poses of its program; `still` names others, or says that there are standstills.
@@ -128,6 +135,3 @@ def standing_of(recording: Recording, case: Case, path: Path, still: Still) -> t
         "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
     }
     return standing.averages, told
-
-
-RESTLESS = 3.0  # times the usual scatter of an averaged force

@@ -19,8 +19,9 @@ from identification.provenance import provenance
 from identification.recording import force_columns
 from identification.reference import reference_scaling
 from planner.beside_manual import Beside
+from planner.last_words import solver_text
 from planner.plan import Plan
-from planner.precision import solver_text, std_text
+from planner.precision import std_text
 from planner.report import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
 from planner.report_figures import COLOURS, GREY, limits_plot, motion_plots
 from planner.report_identify import identifiability_items

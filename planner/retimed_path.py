@@ -106,7 +106,8 @@ def _search(path: Trajectory, case: Case, most: float, told: Callable[[str], Non
         best = found if best is None or found.duration < best.duration else best
         if not gained or found.slower == 1.0:
             break
-        held = tuple(h / _passed(s, motion.places(t), course) for h, s in zip(held, shares[1:], strict=True))  # type: ignore[assignment]
+        places = motion.places(t)
+        held = (held[0] / _passed(shares[1], places, course), held[1] / _passed(shares[2], places, course))
     assert best is not None
     return best, best.motion.solver
 

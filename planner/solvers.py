@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.last_words import last_words
 from planner.problem import Constraints
 
 Array = NDArray[np.float64]
@@ -130,7 +131,7 @@ def _casadi(plugin: str, options: dict[str, Any], exact: dict[str, Any]) -> Solv
             stuck = stats["return_status"] == STUCK and stats["iter_count"] > 1
             if not stuck or taken >= iterations or not np.isfinite(at).all():
                 break
-        status = str(stats["return_status"]).replace("_", " ").lower()
+        status = last_words(stats["return_status"])
         return Reached(at, status, bool(stats["success"]), taken)
 
     return solve

@@ -25,7 +25,7 @@ from planner.cli.wishes import Wish, method_of
 from planner.fingerprints import plan_of_recording
 from planner.plots import identifiability_figure, residual_figure, save_figure
 from planner.precision import std_text, value_text
-from planner.recorded import Still, about_run, case_of, knows_poses, standing_of, with_feed
+from planner.recorded import UNSAID, Still, about_run, case_of, knows_poses, standing_of, with_feed
 from planner.report import render
 from planner.report_identify import about_inputs, identify_page
 
@@ -42,7 +42,7 @@ def make_result(
     wish: int | Wish | None,
     output: Path | None,
     quiet: bool,
-    still: Still = Still(),  # noqa: B008
+    still: Still = UNSAID,
     plan: Path | None = None,
 ) -> tuple[dict[str, Any], Estimate]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.

@@ -166,7 +166,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
 
 
 def _show(answer: dict[str, Any], case: "Case") -> None:
-    from planner.precision import solver_text
+    from planner.last_words import solver_text
 
     rows = [
         [str(s["seed"]), s["stage"], "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",

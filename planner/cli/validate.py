@@ -12,6 +12,7 @@ from planner.cli.validate_runs import Settings, carry_out, unfinished
 
 if TYPE_CHECKING:
     from cases.schema import Case
+    from identification.recording import Recording
     from planner.validation_verdict import Finding
 
 
@@ -164,7 +165,7 @@ def _recorded(case: "Case", recordings: Path, methods: str | None) -> list[Any]:
     from cases.errors import HexciteError
     from identification.rates import on_one_clock
     from identification.recording import read_recording
-    from planner.recorded import Still, standing_of
+    from planner.recorded import standing_of
     from planner.validation import recorded_steps
 
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
@@ -177,7 +178,10 @@ def _recorded(case: "Case", recordings: Path, methods: str | None) -> list[Any]:
                 there = ", ".join(folder.name for folder in folders)
                 raise HexciteError(f"method {name!r}: {recordings} holds no folder of that name, but {there}")
         folders = [folder for folder in folders if folder.name in named]
-    read = lambda file: standing_of(on_one_clock(read_recording(file, case), case), case, file, Still())[0]  # noqa: E731
+
+    def read(file: Path) -> "Recording":
+        return standing_of(on_one_clock(read_recording(file, case), case), case, file)[0]
+
     return [step for folder in folders for step in recorded_steps(case, folder, read)]
 
 

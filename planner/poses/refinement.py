@@ -10,6 +10,7 @@ from cases.schema import Case
 from identification.model import Model
 from identification.pose import rpy
 from planner.information import log_determinant
+from planner.last_words import last_words
 from planner.poses.coordinates import SIZE, PoseSpace
 from planner.poses.criteria import PoseCriterion
 from planner.poses.regressors import pose_regressors, total_information
@@ -69,7 +70,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     }
     solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective, "g": margins}, options)
     found = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
-    status = str(solver.stats()["return_status"]).replace("_", " ").lower()
+    status = last_words(solver.stats()["return_status"])
     refined = space.poses(space.project(found["x"].full().reshape(count, SIZE)), poses[:, 2])
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and valid_poses(case, refined).all()):

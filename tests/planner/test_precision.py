@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.precision import solver_text, std_text, value_text
+from planner.last_words import solver_text
+from planner.precision import std_text, value_text
 
 
 @pytest.mark.parametrize(
