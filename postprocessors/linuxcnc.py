@@ -4,15 +4,11 @@ Point-to-point moves are G1 with exact stop (G61), arcs G2 and G3, timed paths a
 (G93).
 """
 
-import re
-import textwrap
-
 import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from cases.units import DEG, MINUTE, MM
-from identification.circle import Plane
+from cases.units import MINUTE
 from postprocessors.execute.linuxcnc.guarantees import ARC_ACROSS, ARC_ALONG
 from postprocessors.program import (
     Arc,
@@ -29,36 +25,33 @@ from postprocessors.program import (
     Trigger,
     timed_path,
 )
+from postprocessors.wording import (
+    FEED_DECIMALS,
+    PLANE_WORDS,
+    centre_words,
+    comment_lines,
+    coordinates,
+    feed,
+    number,
+)
 
-# 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
-# limits.
-LENGTH_DECIMALS = 5
-ANGLE_DECIMALS = 6
-FEED_DECIMALS = 6
-COMMENT_WIDTH = 100  # a line of the controller holds 252 characters
+MOTION = (ToHome, PointToPoint, Arc, TimedPath, SplinePath)
+FULL = 1e-9  # [rad] that a full circle may miss: rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
 
 
-def _number(value: float, decimals: int) -> str:
-    """Plain decimal notation (the interpreter knows no exponents), without trailing zeros or a negative zero."""
-    text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
-    return "0" if text in ("-0", "") else text
-
-
 def _axes(pose: Array) -> str:
-    lengths = [_number(v / MM, LENGTH_DECIMALS) for v in pose[:3]]
-    angles = [_number(v / DEG, ANGLE_DECIMALS) for v in pose[3:]]
-    return " ".join(f"{letter}{value}" for letter, value in zip("XYZABC", lengths + angles, strict=True))
+    return " ".join(letter + value for letter, value in zip("XYZABC", coordinates(pose), strict=True))
 
 
 def _comments(text: str) -> list[str]:
-    """Comment lines. LinuxCNC knows no nesting, and reads (MSG, ..) as a command, hence the leading dash."""
-    plain = re.sub(r"[^ -~]", "?", text).replace("(", "[").replace(")", "]")
-    return [f"(- {line})" for line in textwrap.wrap(plain, COMMENT_WIDTH)]
+    """LinuxCNC knows no nesting, and reads (MSG, ..) as a command, hence the leading dash."""
+    lines = comment_lines(text.replace("(", "[").replace(")", "]"))
+    return [f"(- {line})" for line in lines]
 
 
 class _Writer:
-    """Keeps what holds from block to block: the last feed mode."""
+    """Words for the axis accelerations that the controller is set up with, and the points of its timed paths."""
 
     def __init__(self, acceleration: Array, block: float) -> None:
         self.acceleration = acceleration  # limits that the controller gets, shape (6,)
@@ -69,15 +62,15 @@ class _Writer:
             case Comment():
                 return _comments(block.text)
             case ToHome():
-                return [*_comments("to home"), "G61", f"G94 G1 {_axes(block.pose)} F{_feed(block.feed, linear=True)}"]
+                return [*_comments("to home"), "G61", f"G94 G1 {_axes(block.pose)} F{feed(block.feed, linear=True)}"]
             case PointToPoint():
                 return [f"G1 {_axes(block.move.end)} F{self.feed_of(block)}"]
             case StrutPointToPoint():
                 raise HexciteError("LinuxCNC has no moves straight in the struts; leave out --ptp-struts")
             case Arc():
-                return [f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]
+                return [f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():
-                return [f"G4 P{_number(block.duration, 6)}"]
+                return [f"G4 P{number(block.duration, 6)}"]
             case Trigger():
                 # On with the first cycle of the motion that follows (M62), where one follows at once; else, and off
                 # after the last, at once: M62 and M63 wait for a next motion, and here the machine stands.
@@ -95,10 +88,10 @@ class _Writer:
         moves = way > 0.0
         acceleration = float(np.min(self.acceleration[moves] / way[moves]))
         share = _trapezoid_speed(block.move.duration, acceleration)
-        return _feed(share * block.length, linear=bool(way[:3].any()))
+        return feed(share * block.length, linear=bool(way[:3].any()))
 
     def arc(self, block: Arc) -> str:
-        """Centre words are relative to the start; a full circle has no end words, or it would be none at all."""
+        """A full circle has no end words, or it would be none at all."""
         move = block.move
         first, second, _ = move.plane.axes
         way = np.abs(move.end - move.start)
@@ -107,24 +100,11 @@ class _Writer:
         acceleration = float(np.min(self.acceleration[moves] / way[moves]))
         turning = float(np.sqrt(ARC_ACROSS * acceleration / abs(move.angle)))
         share = min(_trapezoid_speed(move.duration, ARC_ALONG * acceleration), turning)
-        words = [f"{'XYZ'[k]}{_number(move.end[k] / MM, LENGTH_DECIMALS)}" for k in sorted((first, second))]
-        if abs(abs(move.angle) - 2 * np.pi) < FULL:
-            words = []
-        words += [f"{c}{_number(v / DEG, ANGLE_DECIMALS)}" for c, v in zip("ABC", move.end_angles, strict=True)]
-        start = np.round(move.start[[first, second]] / MM, LENGTH_DECIMALS)  # as the block before has written it
-        for k, offset in sorted(zip((first, second), move.centre / MM - start, strict=True)):
-            words.append(f"{'IJK'[k]}{_number(offset, LENGTH_DECIMALS)}")
-        return f"{'G3' if move.angle > 0.0 else 'G2'} {' '.join(words)} F{_feed(share * move.length, linear=True)}"
-
-
-MOTION = (ToHome, PointToPoint, Arc, TimedPath, SplinePath)
-_PLANES = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
-FULL = 1e-9  # [rad] that a full circle may miss: rounding
-
-
-def _feed(speed: float, linear: bool) -> str:
-    """F in mm/min, or in degrees/min where only angles move."""
-    return _number(speed * MINUTE / (MM if linear else DEG), FEED_DECIMALS)
+        ends = coordinates(move.end)
+        full = abs(abs(move.angle) - 2 * np.pi) < FULL
+        words = [f"{'XYZABC'[k]}{ends[k]}" for k in (*(() if full else sorted((first, second))), 3, 4, 5)]
+        words += centre_words(move)
+        return f"{'G3' if move.angle > 0.0 else 'G2'} {' '.join(words)} F{feed(share * move.length, linear=True)}"
 
 
 def _trapezoid_speed(duration: float, acceleration: float) -> float:
@@ -136,8 +116,8 @@ def _trapezoid_speed(duration: float, acceleration: float) -> float:
 def _timed(path: TimedPath) -> list[str]:
     lines = [*_comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64 P1 Q0", "G93"]
     feeds = MINUTE / np.diff(path.times)
-    for pose, feed in zip(path.poses[1:], feeds, strict=True):
-        lines.append(f"G1 {_axes(pose)} F{_number(feed, FEED_DECIMALS)}")  # G93 wants F on every line
+    for pose, value in zip(path.poses[1:], feeds, strict=True):
+        lines.append(f"G1 {_axes(pose)} F{number(value, FEED_DECIMALS)}")  # G93 wants F on every line
     # Back to feed per minute; G61 makes whatever follows wait until the path has come to rest.
     return [*lines, "G94", "G61"]
 

@@ -11,7 +11,6 @@ from cases.errors import CaseError
 from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.circle import Plane
 from identification.motion import TimedPoints, Trajectory
 from postprocessors.feeds import feed_of, strut_feed_of
 from postprocessors.guarantees import Guarantees
@@ -36,8 +35,9 @@ from postprocessors.promises import sinumerik_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     FEED_DECIMALS,
-    LENGTH_DECIMALS,
+    PLANE_WORDS,
     as_written,
+    centre_words,
     comments,
     coordinates,
     digits,
@@ -49,8 +49,6 @@ from postprocessors.wording import (
 POLY_LENGTH_DECIMALS = 7  # of a coefficient: rates must pass from piece to piece
 POLY_ANGLE_DECIMALS = 8
 AXES_OF_A_POSE = 6
-_PLANES = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
-_FULL = 1e-9  # [rad] that a full circle may miss
 
 
 class _Writer:
@@ -98,7 +96,7 @@ class _Writer:
                 value = digits(MINUTE * share)
                 return [f"PTP G93 G1 {self.pose(block.planned.end)} F{value}", "CP G94"]
             case Arc():
-                return [*self.group(True), f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]
+                return [*self.group(True), f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():
                 return [f"G4 F{number(block.duration, 6)}"]
             case Trigger():
@@ -110,15 +108,12 @@ class _Writer:
                 return self.path(block.name, block.motion, timed_path(block.name, block.motion, self.block, 1.0))
 
     def arc(self, block: Arc) -> str:
-        """Centre words are relative to the start, as the block before has written it."""
         move = block.move
         first, second, _ = move.plane.axes
-        start = np.round(move.start[[first, second]] / MM, LENGTH_DECIMALS)
         words = coordinates(move.end)
         ends = [f"{'XYZ'[k]}{words[k]}" for k in sorted((first, second))]
         ends += [f"{self.words[k]}{words[k]}" for k in (3, 4, 5)]
-        for k, offset in sorted(zip((first, second), move.centre / MM - start, strict=True)):
-            ends.append(f"{'IJK'[k]}{number(offset, LENGTH_DECIMALS)}")
+        ends += centre_words(move)
         value = feed(feed_of(block, self.limits, self.guarantees), True)
         return f"{'G3' if move.angle > 0.0 else 'G2'} {' '.join(ends)} F{value}"
 

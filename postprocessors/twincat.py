@@ -9,8 +9,6 @@ import numpy as np
 from cases.controller_twincat import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
-from cases.units import MM
-from identification.circle import Plane
 from postprocessors.feeds import feed_of, strut_feed_of
 from postprocessors.guarantees import Guarantees
 from postprocessors.program import (
@@ -31,8 +29,9 @@ from postprocessors.program import (
 from postprocessors.promises import twincat_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.wording import (
-    LENGTH_DECIMALS,
+    PLANE_WORDS,
     as_written,
+    centre_words,
     comments,
     coordinates,
     digits,
@@ -42,7 +41,6 @@ from postprocessors.wording import (
 )
 
 TIME_DECIMALS = 9  # of a second
-_PLANES = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
 
 
 class _Writer:
@@ -88,7 +86,7 @@ class _Writer:
                 time = digits(1.0 / feed_of_struts)
                 return ["#PTP ON", "G93", f"G01 G60 {self.pose(block.planned.end)} F{time}", "#PTP OFF", "G94"]
             case Arc():
-                return [*self.group(True), f"{_PLANES[block.move.plane]} {self.arc(block)}", "G17"]
+                return [*self.group(True), f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():
                 return [f"G04 {number(block.duration, 6)}"]
             case Trigger():
@@ -99,14 +97,11 @@ class _Writer:
                 return self.path(timed_path(block.name, block.motion, self.block, 1.0))
 
     def arc(self, block: Arc) -> str:
-        """Centre words are relative to the start, as the block before has written it."""
         move = block.move
         first, second, _ = move.plane.axes
-        start = np.round(move.start[[first, second]] / MM, LENGTH_DECIMALS)
         words = self.coordinates(move.end)
         ends = [f"{'XYZABC'[k]}{words[k]}" for k in (*sorted((first, second)), 3, 4, 5)]
-        for k, offset in sorted(zip((first, second), move.centre / MM - start, strict=True)):
-            ends.append(f"{'IJK'[k]}{number(offset, LENGTH_DECIMALS)}")
+        ends += centre_words(move)
         value = feed(feed_of(block, self.limits, self.guarantees), True)
         return f"{'G03' if move.angle > 0.0 else 'G02'} G60 {' '.join(ends)} F{value}"
 

@@ -8,6 +8,7 @@ from math import floor, log10
 import numpy as np
 
 from cases.units import DEG, MINUTE, MM
+from identification.circle import CircularMove, Plane
 from identification.profile import StraightMove
 from postprocessors.program import Array
 
@@ -18,6 +19,7 @@ ANGLE_DECIMALS = 6
 FEED_DECIMALS = 6
 FEED_DIGITS = 10
 COMMENT_WIDTH = 100
+PLANE_WORDS = {Plane.XY: "G17", Plane.ZX: "G18", Plane.YZ: "G19"}
 
 
 def number(value: float, decimals: int) -> str:
@@ -32,6 +34,13 @@ def coordinates(pose: Array) -> list[str]:
     return lengths + [number(v / DEG, ANGLE_DECIMALS) for v in pose[3:]]
 
 
+def centre_words(move: CircularMove) -> list[str]:
+    """Two of I, J, K: the centre relative to the start, as the block before has written it."""
+    axes = move.plane.axes[:2]
+    offsets = move.centre / MM - np.round(move.start[list(axes)] / MM, LENGTH_DECIMALS)
+    return ["IJK"[k] + number(offset, LENGTH_DECIMALS) for k, offset in sorted(zip(axes, offsets, strict=True))]
+
+
 def feed(speed: float, linear: bool) -> str:
     """F in mm/min, or in degrees/min where only angles move; ten digits, also where X, Y, Z hardly move."""
     return digits(speed * MINUTE / (MM if linear else DEG))
@@ -43,10 +52,14 @@ def digits(value: float) -> str:
     return number(value, max(FEED_DECIMALS, places))
 
 
+def comment_lines(text: str) -> list[str]:
+    """What a comment says, plain ASCII, in lines that every controller takes."""
+    return textwrap.wrap(re.sub(r"[^ -~]", "?", text), COMMENT_WIDTH)
+
+
 def comments(text: str) -> list[str]:
-    """Comment lines behind a semicolon, plain ASCII without quotes."""
-    plain = re.sub(r"[^ -~]|\"", "?", text)
-    return [f"; {line}" for line in textwrap.wrap(plain, COMMENT_WIDTH)]
+    """Comment lines behind a semicolon, without quotes."""
+    return [f"; {line}" for line in comment_lines(text.replace('"', "?"))]
 
 
 def as_written(move: StraightMove) -> StraightMove:

@@ -13,7 +13,6 @@ from identification.formats.blocks import unreadable
 from identification.formats.header import select, unknown_columns
 from identification.formats.table import Array, Lines, Stamps, Table, shown
 
-MAGIC = b"PAR1"
 _BATCH = 1 << 15  # rows; a few MB of a recording
 _TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
