@@ -64,7 +64,7 @@ def run_linuxcnc(
     """Runs a program on a LinuxCNC that is configured for the case, without hardware.
 
     The log starts just before the program does and ends just after it; dwells are as long in it as programmed, for what
-    they last longer is the wall clock's. Commanded struts are the cubic B-spline
+    they and the switching of outputs last longer is the wall clock's. Commanded struts are the cubic B-spline
     (1, 4, 1)/6 of the inverse kinematics of the commanded pose, two cycles late: LinuxCNC interpolates them.
 
     Args:
@@ -93,7 +93,7 @@ def run_linuxcnc(
     timed = any(timing.is_inverse_time(line) for line in lines)
     if headroom is None:
         headroom = case.need_controller(configuration.PURPOSE).linuxcnc.acceleration_headroom if timed else 1.0
-    durations = timing.dwells(program, lines)
+    durations, switched = timing.dwells(program, lines), timing.switches(lines)
     speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
     with tempfile.TemporaryDirectory(prefix="hexcite-syntax-") as name:
         check_syntax(program, lines, Path(name), START_LIMIT)
@@ -108,12 +108,12 @@ def run_linuxcnc(
         except outcome.LostCycles as lost:
             problem = str(lost)
         else:
-            if not durations:
+            if not (durations or switched):
                 return log
             timing.check_order(program, log)
             found = timing.dwell_problem(log, durations, speed, reserve, window)
             if found is None:
-                return timing.without_surplus(log, lines, durations, window)
+                return timing.without_surplus(log, durations, switched, window)
             problem = f"{program}, {found}"
         _log.info("%s", problem)
     raise ExecutionError(problem)

@@ -1,15 +1,16 @@
-"""What depends on the wall clock although LinuxCNC counts motion in servo cycles: dwells and the supply of blocks.
+"""What depends on the wall clock although LinuxCNC counts motion in cycles: dwells, switches, the supply of blocks.
 
 LinuxCNC times G4 on the wall. A program is therefore run as a copy whose dwells are divided by the speed-up, line for
 line; what was executed is then checked in the log, in cycles. Written programs hold dwells in one form only, `G4
-P<seconds>` on a line of its own; any other form is refused, since it could not be proven.
+P<seconds>` on a line of its own; any other form is refused, since it could not be proven. Outputs that switch at once
+(M64, M65) do so some milliseconds after the motion has ended, on the wall too: cycles of waiting in both are cut out.
 
 Blocks reach the motion controller one by one, some thousand a second on the wall. Where they come too slowly the motion
 stops between them, and the log is true but not what LinuxCNC does in real time.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -35,7 +36,7 @@ with four other busy processes on two cores; at a quarter of it blocks run out n
 FEWEST_CYCLES = 10
 """That a standstill keeps: switches take LinuxCNC some cycles in real time too."""
 
-_SWITCH = re.compile(r"M(?P<code>6[45])P0*")
+_SWITCH = re.compile(r"M(?P<code>6[45])P0+")
 _DWELL = re.compile(r"G4 P(?P<seconds>[0-9]+(\.[0-9]+)?)\s*")
 _ANY_DWELL = re.compile(r"G0*4(\.0*)?(?![0-9.])")
 _FEED_MODE = re.compile(r"G(9[345])(?![0-9.])")
@@ -72,6 +73,15 @@ def with_dwells(lines: list[str], durations: dict[int, float], speedup: float, r
     ]
 
 
+def switches(lines: list[str]) -> dict[int, bool]:
+    """The lines that switch the trigger at once (M64, M65): their number, counted from 1, and whether on."""
+    return {
+        number: found["code"] == "64"
+        for number, line in enumerate(lines, start=1)
+        if (found := _SWITCH.fullmatch(words(line)))
+    }
+
+
 def is_inverse_time(line: str) -> bool:
     """Whether a line turns inverse time (G93) on."""
     return any(mode == "93" for mode in _FEED_MODE.findall(words(line)))
@@ -99,8 +109,8 @@ def check_order(program: Path, log: ControllerLog) -> None:
     back = np.diff(executed, prepend=0) < 0
     if back.any():
         raise ExecutionError(
-            f"{program}, line {executed[np.argmax(back)]}: LinuxCNC jumped back to this line, so that dwells cannot be "
-            "timed; write the program without loops"
+            f"{program}, line {executed[np.argmax(back)]}: LinuxCNC jumped back to this line, so that dwells and "
+            "switches cannot be timed; write the program without loops"
         )
 
 
@@ -123,7 +133,7 @@ def dwell_problem(
     Returns:
         None, or what is wrong, beginning with the line.
     """
-    for numbers, start, end, _, _ in _standstills(log, durations, window):
+    for numbers, start, end in _standstills(log, durations, window):
         taken = (end - start) * log.period
         planned = sum(durations[number] for number in numbers)
         allowed = planned + len(numbers) * (reserve + LATENCY) * speedup
@@ -136,58 +146,51 @@ def dwell_problem(
 
 
 class _Standstill(NamedTuple):
-    """Dwells without a motion between them.
+    """Dwells and switches without a motion between them.
 
     Args:
-        numbers: of their lines.
+        numbers: of their lines, ascending.
         start: first row of the log during which they stood.
         end: one past the last.
-        before: line of the motion before, 0 where there is none.
-        after: line of the motion after, or one past all lines that are executed.
     """
 
     numbers: list[int]
     start: int
     end: int
-    before: int
-    after: float
 
 
-def _standstills(log: ControllerLog, durations: dict[int, float], window: tuple[int, int]) -> Iterator[_Standstill]:
+def _standstills(log: ControllerLog, numbers: Iterable[int], window: tuple[int, int]) -> Iterator[_Standstill]:
     moving = np.flatnonzero(log.lines)
     executed = log.lines[moving]
-    together: dict[int, list[int]] = {}  # dwells that the same motion follows
-    for number in durations:
+    together: dict[int, list[int]] = {}  # those that the same motion follows
+    for number in sorted(numbers):
         together.setdefault(int(np.searchsorted(executed, number)), []).append(number)
-    for k, numbers in together.items():
-        start, before = (int(moving[k - 1]) + 1, int(executed[k - 1])) if k > 0 else (window[0], 0)
+    for k, found in together.items():
+        start = int(moving[k - 1]) + 1 if k > 0 else window[0]
         # The first cycle of a motion still shows the line before it.
-        end, after = (int(moving[k]) - 1, float(executed[k])) if k < len(moving) else (window[1], np.inf)
-        yield _Standstill(numbers, start, end, before, after)
+        end = int(moving[k]) - 1 if k < len(moving) else window[1]
+        yield _Standstill(found, start, end)
 
 
 def without_surplus(
-    log: ControllerLog, lines: list[str], durations: dict[int, float], window: tuple[int, int]
+    log: ControllerLog, durations: dict[int, float], switched: dict[int, bool], window: tuple[int, int]
 ) -> ControllerLog:
-    """The log without the cycles by which dwells lasted longer only because the wall clock timed them.
+    """The log without the cycles by which it stood longer only because the wall clock timed dwells and switches.
 
     Left out are cycles in the middle of a standstill, during which nothing changed, so that each dwell is as long as
-    programmed. Where the trigger switches between dwells (M64, M65), each is shortened by itself; where the log does
-    not show the switches that the program asks for, nothing is left out.
+    programmed, and a switch without one takes `FEWEST_CYCLES`. Where the trigger switches between dwells, each is
+    shortened by itself; where the log does not show the switches that the program asks for, nothing is left out.
 
     Args:
         log: of a run whose dwells are proven.
-        lines: of the program.
         durations: line number and duration [s] of each dwell.
+        switched: line number of each switch, and whether it switches on.
         window: rows between which the program ran: first, and one past the last.
     """
     keep = np.ones(len(log.lines), dtype=bool)
-    switches = {
-        n: found["code"] == "64" for n, line in enumerate(map(words, lines), 1) if (found := _SWITCH.fullmatch(line))
-    }
-    for still in _standstills(log, durations, window):
+    for still in _standstills(log, durations.keys() | switched.keys(), window):
         edges = still.start + 1 + np.flatnonzero(np.diff(log.trigger[still.start : still.end].astype(int)))
-        planned = _between_switches(still, durations, switches, bool(log.trigger[still.start]))
+        planned = _between_switches(still.numbers, durations, switched, bool(log.trigger[still.start]))
         if len(planned) == len(edges) + 2 and planned[-1] == 0.0:
             planned.pop()  # the last switch comes with the motion
         if len(planned) != len(edges) + 1:
@@ -206,14 +209,14 @@ def without_surplus(
 
 
 def _between_switches(
-    still: _Standstill, durations: dict[int, float], switches: dict[int, bool], on: bool
+    numbers: list[int], durations: dict[int, float], switched: dict[int, bool], on: bool
 ) -> list[float]:
     """Programmed time before, between and after the switches that change the trigger in a standstill [s]."""
     planned = [0.0]
-    for number in sorted([*still.numbers, *(n for n in switches if still.before < n < still.after)]):
+    for number in numbers:
         if number in durations:
             planned[-1] += durations[number]
-        elif switches[number] != on:
-            on = switches[number]
+        elif switched[number] != on:
+            on = switched[number]
             planned.append(0.0)
     return planned

@@ -507,13 +507,20 @@ def standing(phases: list[tuple[int, bool]]) -> ControllerLog:
     return ControllerLog("none", 1e-3, struts, np.zeros((len(lines), 6)), trigger, lines)
 
 
+FEW = timing.FEWEST_CYCLES
 POSE = ["G1 X1", "G4 P0.1", "M64 P0 (on)", "G4 P0.2", "M65 P0", "", "G4 P0.05", "", "G1 X2"]
 POSE_DWELLS = {2: 0.1, 4: 0.2, 7: 0.05}
+POSE_SWITCHES = timing.switches(POSE)
+
+
+def test_switches_are_found_by_line() -> None:
+    assert POSE_SWITCHES == {3: True, 5: False}
+    assert timing.switches(["m64p0", "M65 P1", "M62 P0", "(M64 P0)", "M65 P00", "M64"]) == {1: True, 5: False}
 
 
 def test_dwells_are_as_long_in_the_log_as_programmed_each_with_its_trigger() -> None:
     log = standing([(130, False), (204, True), (90, False)])
-    found = timing.without_surplus(log, POSE, POSE_DWELLS, (0, len(log.lines)))
+    found = timing.without_surplus(log, POSE_DWELLS, POSE_SWITCHES, (0, len(log.lines)))
     np.testing.assert_array_equal(np.flatnonzero(found.trigger), 5 + 100 + np.arange(200))
     assert np.count_nonzero(found.lines == 0) == 350 + 1
     assert found.left_out == 30 + 4 + 40 == len(log.lines) - len(found.lines)
@@ -523,12 +530,19 @@ def test_dwells_are_as_long_in_the_log_as_programmed_each_with_its_trigger() -> 
 def test_what_the_log_does_not_show_as_programmed_stays() -> None:
     for phases in ([(130, False)], [(130, False), (204, True), (90, False), (10, True)]):
         log = standing(phases)
-        assert timing.without_surplus(log, POSE, POSE_DWELLS, (0, len(log.lines))).left_out == 0
+        assert timing.without_surplus(log, POSE_DWELLS, POSE_SWITCHES, (0, len(log.lines))).left_out == 0
     moved = standing([(130, False), (204, True), (90, False)])
     struts = moved.strut_lengths.copy()
     struts[5 + 60] += 1e-6
     creeping = ControllerLog("none", 1e-3, struts, moved.poses, moved.trigger, moved.lines)
-    assert timing.without_surplus(creeping, POSE, POSE_DWELLS, (0, len(moved.lines))).left_out == 4 + 40
+    assert timing.without_surplus(creeping, POSE_DWELLS, POSE_SWITCHES, (0, len(moved.lines))).left_out == 4 + 40
+
+
+def test_a_switch_between_motions_takes_few_cycles_however_late_it_came() -> None:
+    for late in (FEW, 60, 700):
+        log = standing([(late, True), (FEW, False)])
+        found = timing.without_surplus(log, {}, {2: True, 5: False}, (0, len(log.lines)))
+        assert (found.trigger.sum(), np.count_nonzero(found.lines == 0)) == (FEW, 2 * FEW + 1)
 
 
 # Errors without LinuxCNC
