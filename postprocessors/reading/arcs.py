@@ -9,9 +9,8 @@ from identification.circle import Plane
 
 Array = NDArray[np.float64]
 
-ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words, no more
-FULL = 1e-6  # [mm] between start and end of a full circle
-STILL = 1e-7  # [mm]
+ROUND = 2e-3  # [mm] between the radii at both ends: rounding of words; LinuxCNC itself lets pass 5e-3
+STILL = 1e-7  # [mm] between places that are the same
 
 
 class PlaneProblem(Exception):
@@ -36,7 +35,6 @@ class Arc(NamedTuple):
         start: shape (6,) [mm, deg].
         end: shape (6,) [mm, deg].
         centres: I, J, K as written, relative to the start [mm].
-        ends: which of X, Y, Z are written.
     """
 
     plane: Plane
@@ -44,7 +42,6 @@ class Arc(NamedTuple):
     start: Array
     end: Array
     centres: dict[str, float]
-    ends: set[str]
 
 
 def arc_through(asked: Arc) -> tuple[Array, float]:
@@ -71,7 +68,7 @@ def arc_through(asked: Arc) -> tuple[Array, float]:
         raise PlaneProblem(
             "", f"radius {radius:g} mm at the start and {reached:g} mm at the end of the arc; correct its centre"
         )
-    if float(np.hypot(*(target + offset))) <= FULL:
+    if float(np.hypot(*(target + offset))) <= STILL:
         turned = 2 * np.pi
     else:
         arm = -offset

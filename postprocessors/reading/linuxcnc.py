@@ -17,6 +17,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.circle import Plane
+from postprocessors.reading.arcs import Arc, PlaneProblem, arc_through
 from postprocessors.reading.words import Array, Event, Move, Pause, Reading, Switch, Timing, Turn
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
@@ -24,8 +25,7 @@ STILL = 1e-7  # a coordinate moves if it changes by more, in mm or degrees (the 
 
 _WORD = re.compile(r"\s*(?:(?P<comment>\([^()]*\)|;.*)|(?P<letter>[A-Za-z])\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)))")
 _AXES = "XYZABC"
-ROUND = 2e-3  # [mm] between the radii at both ends; the controller itself lets pass 5e-3
-NO_ANGLE = 1e-9  # [rad]
+SCALE = np.r_[np.full(3, MM), np.full(3, DEG)]
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
 LOOSEST = 1.0  # [mm] of a corner that G64 may cut: on 10 ms blocks the corners themselves keep it far below
 LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
@@ -198,7 +198,7 @@ class _Interpreter:
         timing, value = self._timing(line, seen, end)
         if timing is Timing.DURATION and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
-        self.events.append(Move(line, _to_si(end), timing, value, self.exact, self._linear(end)))
+        self.events.append(Move(line, end * SCALE, timing, value, self.exact, self._linear(end)))
         self.pose = end
 
     def _turn(self, line: int, seen: dict[str, _Word], end: Array) -> None:
@@ -209,43 +209,15 @@ class _Interpreter:
             raise self.error(line, None, f"{self.motion} before a plane was chosen; write G17, G18 or G19")
         if self.inverse_time or self.feed is None:
             raise self.error(line, None, f"{self.motion} needs a feed per minute; write G94 and F")
-        first, second, normal = self.plane.axes
-        if _CENTRES[normal] in seen:
-            word = seen[_CENTRES[normal]]
-            raise self.error(
-                line, word, f"{word.letter} is no centre in this plane; remove it, or choose another plane"
-            )
-        if not {_CENTRES[first], _CENTRES[second]} & set(seen):
-            raise self.error(
-                line, None, f"{self.motion} without a centre; add {_CENTRES[first]} and {_CENTRES[second]}"
-            )
-        if abs(end[normal] - self.pose[normal]) > STILL:
-            raise self.error(line, seen[_AXES[normal]], "helices are not used here; write an arc in its plane")
-        offset = np.array([seen[_CENTRES[k]].value if _CENTRES[k] in seen else 0.0 for k in (first, second)])
-        centre = self.pose[[first, second]] + offset
-        radius, reached = float(np.hypot(*offset)), float(np.hypot(*(end[[first, second]] - centre)))
-        if radius <= 0.0:
-            raise self.error(line, None, "the arc has no radius; correct its centre")
-        if abs(reached - radius) > ROUND:
-            raise self.error(
-                line,
-                None,
-                f"radius {radius:g} mm at the start and {reached:g} mm at the end of the arc; correct its centre",
-            )
-        full = not {_AXES[first], _AXES[second]} & set(seen)
-        angle = self._angle(-offset, end[[first, second]] - centre, full)
-        si = _to_si(end)
+        centres = {letter: seen[letter].value for letter in _CENTRES if letter in seen}
+        asked = Arc(self.plane, self.motion == "G3", self.pose, end, centres)
+        try:
+            centre, angle = arc_through(asked)
+        except PlaneProblem as problem:
+            raise self.error(line, seen.get(problem.word), str(problem)) from problem
         value = self.feed * MM / MINUTE
-        self.events.append(Turn(line, si, self.plane, centre * MM, angle, value, self.exact))
+        self.events.append(Turn(line, end * SCALE, self.plane, centre * MM, angle, value, self.exact))
         self.pose = end
-
-    def _angle(self, arm: Array, target: Array, full: bool) -> float:
-        """Turned counter-clockwise (G3, positive) or clockwise (G2); to where it starts it is a full circle."""
-        angle = math.atan2(arm[0] * target[1] - arm[1] * target[0], float(arm @ target)) % (2 * math.pi)
-        if full or angle < NO_ANGLE or 2 * math.pi - angle < NO_ANGLE:
-            angle = 2 * math.pi
-            return angle if self.motion == "G3" else -angle
-        return angle if self.motion == "G3" else angle - 2 * math.pi
 
     def _timing(self, line: int, seen: dict[str, _Word], end: Array) -> tuple[Timing, float]:
         if self.motion == "G0":
@@ -261,10 +233,6 @@ class _Interpreter:
     def _linear(self, end: Array) -> bool:
         """Whether X, Y or Z moves; from an unknown pose they are taken to."""
         return bool(np.isnan(self.pose).any() or np.any(np.abs(end - self.pose)[:3] > STILL))
-
-
-def _to_si(pose: Array) -> Array:
-    return np.concatenate([pose[:3] * MM, pose[3:] * DEG])
 
 
 def _words(file: str, number: int, text: str) -> Iterator[_Word]:

@@ -14,54 +14,34 @@ from cases.controller_sinumerik import PROGRAM_NAME, Sinumerik
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.circle import Plane
-from postprocessors.reading.arcs import Arc, PlaneProblem, arc_through
 from postprocessors.reading.lines import program_lines
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
 from postprocessors.reading.sinumerik_groups import (
     COEFFICIENTS,
-    GROUP_OF,
     GROUPS,
     LONGEST_LINE,
     MODAL,
     NEUTRAL,
     REMEDY,
 )
-from postprocessors.reading.sinumerik_words import Word, sinumerik_words
-from postprocessors.reading.words import Array, Event, Move, Pause, Polynomial, Reading, Switch, Timing, Turn
+from postprocessors.reading.sinumerik_words import sinumerik_words
+from postprocessors.reading.words import Array, Move, Pause, Polynomial, Reading, Switch, Timing
 
-LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
-LARGEST_FEED = 1e9  # per minute
-STILL = 1e-7  # [mm, deg] a coordinate moves if it changes by more
-SCALE = np.r_[np.full(3, MM), np.full(3, DEG)]
-_PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)$")
 
 
-class _Interpreter:
-    """Modal state of the controller while the program is read."""
+class _Interpreter(ModalState):
+    """What the words mean."""
 
     def __init__(self, file: str, settings: Sinumerik) -> None:
-        self.file = file
-        self.settings = settings
-        self.line = 0
-        self.events: list[Event] = []
-        self.pose = np.full(6, np.nan)  # mm, degrees; unknown until the first move has named all six
-        self.modal: dict[int, str] = {}
-        self.transformed = self.ended = False
-        self.path_axes: tuple[str, ...] | None = None
-        self.feed: float | None = None
-        self.trigger: Switch | None = None
-        self.flowing = False  # whether the last block ran under continuous path: the machine need not stand
         numbered = any(w[-1].isdigit() for w in settings.orientation_words)
-        self.words = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in settings.orientation_words)]
+        axes = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in settings.orientation_words)]
+        super().__init__(file, GROUPS, axes, np.r_[np.full(3, MM), np.full(3, DEG)])
+        self.settings = settings
+        self.path_axes: tuple[str, ...] | None = None
+        self.trigger: Switch | None = None
         self.rpy_needed = numbered
-
-    def fail(self, word: Word | None, problem: str) -> NoReturn:
-        raise ProgramError(self.file, self.line, word.column if word else 0, problem)
-
-    def active(self, *names: str) -> bool:
-        return any(self.modal.get(GROUP_OF[name]) == name for name in names)
 
     def read(self, line: int, words: list[Word]) -> None:
         self.line = line
@@ -76,7 +56,7 @@ class _Interpreter:
             if word.name in seen:
                 self.fail(word, f"a second {word.name.rstrip('=')} word in one block; remove one")
             seen[word.name] = word
-        self._require_one_of_each_group(seen)
+        self.require_one_of_each_group(seen)
         for name, word in seen.items():
             self._modal(name, word, seen)
         if "G4" in seen:
@@ -86,13 +66,6 @@ class _Interpreter:
         if "M30" in seen or "M2" in seen:
             self._end(seen.get("M30") or seen.get("M2"))
 
-    def _require_one_of_each_group(self, seen: dict[str, Word]) -> None:
-        for group in GROUPS:
-            members = [seen[name] for name in group if name in seen]
-            if len(members) > 1:
-                names = " and ".join(w.name for w in members)
-                self.fail(max(members, key=lambda w: w.column), f"{names} in one block exclude each other; remove one")
-
     def _modal(self, name: str, word: Word, seen: dict[str, Word]) -> None:
         if name in NEUTRAL or name in ("G4", "M2", "M30"):
             return
@@ -101,8 +74,8 @@ class _Interpreter:
                 self.feed = None  # changing the kind of feed deletes it
             if name == "PTP":
                 self._into_struts(word)
-            self.modal[GROUP_OF[name]] = name
-        elif name in self.words or name in ("F", "PL=", "I", "J", "K"):
+            self.activate(name)
+        elif name in self.axes or name in ("F", "PL=", "I", "J", "K"):
             largest = LARGEST_FEED if name == "F" else LARGEST
             if word.value is None or abs(word.value) > largest:
                 self.fail(word, f"{name.rstrip('=')} needs a plain number of a machine's size; correct it")
@@ -193,12 +166,8 @@ class _Interpreter:
         self.flowing = False
 
     def _feed_and_move(self, seen: dict[str, Word], polynomials: list[Word]) -> None:
-        if "F" in seen:
-            value = seen["F"].value
-            if value is None or not value > 0.0:
-                self.fail(seen["F"], f"feed F{value:g} is not positive; correct it")
-            self.feed = value
-        named = [name for name in (*self.words, "I", "J", "K", "PL=") if name in seen]
+        self.take_feed(seen)
+        named = [name for name in (*self.axes, "I", "J", "K", "PL=") if name in seen]
         if not named and not polynomials:
             return
         first = polynomials[0] if polynomials else seen[named[0]]
@@ -226,16 +195,6 @@ class _Interpreter:
         if not self.active("G60", "G64", "G642"):
             self.fail(word, "a move before G60 or G64; whether the machine stops after it is not known, add one")
 
-    def _end_of(self, seen: dict[str, Word], first: Word) -> Array:
-        end = self.pose.copy()
-        for k, name in enumerate(self.words):
-            if name in seen:
-                end[k] = float(seen[name].value or 0.0)
-        if np.isnan(end).any():
-            missing = self.words[int(np.flatnonzero(np.isnan(end))[0])].rstrip("=")
-            self.fail(first, f"the first move leaves {missing} open; name all six coordinates")
-        return end
-
     def _line(self, seen: dict[str, Word], first: Word) -> None:
         if not self.active("G0", "G1"):
             self.fail(first, "coordinates without G0 or G1; add G1")
@@ -243,11 +202,11 @@ class _Interpreter:
             if name in seen:
                 self.fail(seen[name], f"{name} without G2 or G3; remove it")
         if self.active("COMPCAD"):
-            allowed = _COMPRESSED | set(self.words)
+            allowed = _COMPRESSED | set(self.axes)
             other = next((w for name, w in seen.items() if name not in allowed), None)
             if other is not None or not self.active("G1"):
                 self.fail(other or first, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
-        end = self._end_of(seen, first)
+        end = self.end_of(seen, first)
         if self.active("PTP"):
             self._strut_line(seen, first, end)
             return
@@ -262,7 +221,7 @@ class _Interpreter:
         if timing is not Timing.DURATION:
             self._require_standing(first)
         self._flush_trigger(before_motion=True)
-        self.events.append(Move(self.line, end * SCALE, timing, value, exact, self._linear(end)))
+        self.events.append(Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end)))
         self.pose = end
 
     def _strut_line(self, seen: dict[str, Word], first: Word, end: Array) -> None:
@@ -279,7 +238,7 @@ class _Interpreter:
         self._flush_trigger(before_motion=True)
         share = math.nan if rapid else 1.0 / value
         kind = timing if rapid else Timing.FEED
-        self.events.append(Move(self.line, end * SCALE, kind, share, True, self._linear(end), in_struts=True))
+        self.events.append(Move(self.line, end * self.scale, kind, share, True, self.moves_origin(end), in_struts=True))
         self.pose = end
 
     def _require_standing(self, first: Word) -> None:
@@ -297,21 +256,17 @@ class _Interpreter:
             self.fail(first, "a feed before G93 or G94; what it means is not known, add G94")
         if self.feed is None:
             self.fail(first, "G1 without a feed; add F")
-        linear = self._linear(end)
+        linear = self.moves_origin(end)
         counted = ("X", "Y", "Z") if linear else self.settings.orientation_axes
         if self.path_axes != counted:
             named = ",".join(counted)
             self.fail(first, f"F counts {', '.join(counted)} in this move only after FGROUP({named}); add it before")
         return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
 
-    def _linear(self, end: Array) -> bool:
-        """Whether X, Y or Z moves; from an unknown pose they are taken to."""
-        return bool(np.isnan(self.pose).any() or np.any(np.abs(end - self.pose)[:3] > STILL))
-
     def _arc(self, seen: dict[str, Word], first: Word) -> None:
         if np.isnan(self.pose).any():
             self.fail(first, "an arc starts from an unknown pose; first move home at a feed (G94)")
-        plane = next((p for name, p in _PLANES.items() if self.active(name)), None)
+        plane = self.plane()
         if plane is None or self.feed is None or not self.active("G94"):
             self.fail(first, "an arc needs a plane and a feed per minute; write G17 and G94 and F")
         if self.path_axes != ("X", "Y", "Z"):
@@ -319,17 +274,9 @@ class _Interpreter:
         if not self.active("G60"):
             self.fail(first, "a move at a feed is blended into the next (G64), its path is not known; write G60")
         self._require_standing(first)
-        end = self._end_of(seen, first)
-        centres = {name: float(seen[name].value or 0.0) for name in "IJK" if name in seen}
-        asked = Arc(plane, self.active("G3"), self.pose, end, centres, {n for n in "XYZ" if n in seen})
-        try:
-            centre, angle = arc_through(asked)
-        except PlaneProblem as problem:
-            self.fail(seen.get(problem.word, first), str(problem))
+        turn = self.turn(seen, first, plane, self.feed)
         self._flush_trigger(before_motion=True)
-        value = self.feed * MM / MINUTE
-        self.events.append(Turn(self.line, end * SCALE, plane, centre * MM, angle, value, True))
-        self.pose = end
+        self.events.append(turn)
 
     def _polynomial(self, seen: dict[str, Word], pieces: list[Word], named: list[str], first: Word) -> None:
         """X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to pass evenly in time."""
@@ -368,7 +315,7 @@ class _Interpreter:
         coefficients[1] = end - coefficients[0] - coefficients[2:].sum(axis=0)
         self._flush_trigger(before_motion=True)
         duration = MINUTE / float(seen["F"].value or math.nan)
-        self.events.append(Polynomial(self.line, coefficients * SCALE, duration))
+        self.events.append(Polynomial(self.line, coefficients * self.scale, duration))
         self.pose = end
 
     def _piece(self, word: Word) -> tuple[float, list[float]]:

@@ -24,7 +24,6 @@ GROUPS: tuple[tuple[str, ...], ...] = (
     ("G4",),
     ("M2", "M17", "M30"),
 )
-GROUP_OF = {word: k for k, group in enumerate(GROUPS) for word in group}
 
 # Words that a proven program may hold; those that change nothing it relies on need no more than this.
 NEUTRAL = {"G40", "FFWON", "FFWOF", "DYNNORM", "DYNPOS", "MSG", "N"}

@@ -1,9 +1,9 @@
 """The words of SINUMERIK programs, before any meaning: addresses, keywords, calls, lists and synchronised actions."""
 
 import re
-from typing import NamedTuple
 
 from cases.errors import ProgramError
+from postprocessors.reading.modal import Word
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _PROGRAM = re.compile(r"%_N_(?P<name>[A-Z0-9_]+)_(?:MPF|SPF)\s*$", re.IGNORECASE)
@@ -23,25 +23,6 @@ _WORD = re.compile(
     )""",
     re.IGNORECASE | re.VERBOSE,
 )
-
-
-class Word(NamedTuple):
-    """One word.
-
-    Args:
-        name: address or keyword in capitals; letters G and M with their number: G1, G642, M30. `%` is the program's
-            name, `N` a block number, `DO` a synchronised action.
-        column: where it begins, counted from 1.
-        value: of an address with a plain number.
-        arguments: what stands in parentheses, or after DO.
-        selector: what stands in brackets; of DO, its condition.
-    """
-
-    name: str
-    column: int
-    value: float | None = None
-    arguments: tuple[str, ...] | None = None
-    selector: str | None = None
 
 
 def sinumerik_words(text: str, line: int, file: str) -> list[Word]:

@@ -6,7 +6,6 @@ functions are those of the case.
 
 import math
 import re
-from typing import NoReturn
 
 import numpy as np
 
@@ -14,55 +13,36 @@ from cases.controller_twincat import PROGRAM_NAME, TwinCat
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.circle import Plane
-from postprocessors.reading.arcs import Arc, PlaneProblem, arc_through
 from postprocessors.reading.lines import program_lines
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
 from postprocessors.reading.twincat_groups import (
     FEWEST_SPLINE_POINTS,
-    GROUP_OF,
     GROUPS,
     LONGEST_LINE,
     MODAL,
     MOST_MESSAGES,
     REMEDY,
 )
-from postprocessors.reading.twincat_words import Word, twincat_words
-from postprocessors.reading.words import Array, Event, Move, Pause, Reading, Switch, Timing, Turn
+from postprocessors.reading.twincat_words import twincat_words
+from postprocessors.reading.words import Array, Move, Pause, Reading, Switch, Timing
 
-LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
-LARGEST_FEED = 1e9
-STILL = 1e-7  # [mm, deg] a coordinate moves if it changes by more
-AXES = "XYZABC"
-_PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 _DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+)$")
 
 
-class _Interpreter:
-    """Modal state of the controller while the program is read."""
+class _Interpreter(ModalState):
+    """What the words mean."""
 
     def __init__(self, file: str, settings: TwinCat) -> None:
-        self.file = file
+        scale = np.r_[np.full(3, MM), np.full(3, DEG)] * [1, 1, 1, 1, settings.angle_sign_b, 1]
+        super().__init__(file, GROUPS, list("XYZABC"), scale)
         self.settings = settings
-        self.scale = np.r_[np.full(3, MM), np.full(3, DEG)] * [1, 1, 1, 1, settings.angle_sign_b, 1]
-        self.line = 0
-        self.events: list[Event] = []
-        self.pose = np.full(6, np.nan)  # mm, degrees as written; unknown until the first move has named all six
-        self.modal: dict[int, str] = {}
-        self.slope = self.kinematics = self.transformed = self.ended = False
+        self.slope = self.kinematics = False
         self.feed_axes: tuple[str, ...] | None = None
-        self.feed: float | None = None
         self.curve = ""  # what makes a path of points: SPLINE, HSC, CONTOUR
         self.akima = self.contour = False
         self.points = self.messages = 0
-        self.flowing = False  # whether the last block did not stop at its end
         self.in_struts = False  # #PTP ON
         self.stopped = False  # whether an exact stop has ended the points of a curve
-
-    def fail(self, word: Word | None, problem: str) -> NoReturn:
-        raise ProgramError(self.file, self.line, word.column if word else 0, problem)
-
-    def active(self, *names: str) -> bool:
-        return any(self.modal.get(GROUP_OF[name]) == name for name in names)
 
     def read(self, line: int, words: list[Word]) -> None:
         self.line = line
@@ -73,7 +53,7 @@ class _Interpreter:
             if word.name in seen:
                 self.fail(word, f"a second {word.name or 'bare number'} word in one block; remove one")
             seen[word.name] = word
-        self._require_one_of_each_group(seen)
+        self.require_one_of_each_group(seen)
         command = next((w for name, w in seen.items() if name.startswith("#")), None)
         if command is not None:
             self._command(command)
@@ -89,19 +69,12 @@ class _Interpreter:
         if "M30" in seen or "M2" in seen:
             self._end(seen.get("M30") or seen.get("M2"))
 
-    def _require_one_of_each_group(self, seen: dict[str, Word]) -> None:
-        for group in GROUPS:
-            members = [seen[name] for name in group if name in seen]
-            if len(members) > 1:
-                names = " and ".join(w.name for w in members)
-                self.fail(max(members, key=lambda w: w.column), f"{names} in one block exclude each other; remove one")
-
     def _word(self, name: str, word: Word, seen: dict[str, Word]) -> None:
         if name in ("N", "G4", "G60", "M2", "M30", ""):
             return
         if name in MODAL and word.value is None:
             self._mode(name, word)
-        elif name in (*AXES, "F", "I", "J", "K"):
+        elif name in (*self.axes, "F", "I", "J", "K"):
             if word.value is None or abs(word.value) > (LARGEST_FEED if name == "F" else LARGEST):
                 self.fail(word, f"{name} is no machine's number; correct it")
         elif name == "%":
@@ -124,7 +97,7 @@ class _Interpreter:
             self._open("CONTOUR", word)
         elif name == "G260":
             self._close("CONTOUR", word)
-        self.modal[GROUP_OF[name]] = name
+        self.activate(name)
 
     def _switch(self, name: str, word: Word, seen: dict[str, Word]) -> None:
         if set(seen) - {name, "N"}:
@@ -248,12 +221,8 @@ class _Interpreter:
         self._pause(word, given[0].value)
 
     def _feed_and_move(self, seen: dict[str, Word]) -> None:
-        if "F" in seen:
-            value = seen["F"].value
-            if value is None or not value > 0.0:
-                self.fail(seen["F"], f"feed F{value:g} is not positive; correct it")
-            self.feed = value
-        named = [seen[name] for name in (*AXES, "I", "J", "K") if name in seen]
+        self.take_feed(seen)
+        named = [seen[name] for name in (*self.axes, "I", "J", "K") if name in seen]
         if not named:
             if "G60" in seen:
                 self.fail(seen["G60"], "G60 without a motion in its block (error 20003); move it to a motion")
@@ -280,23 +249,13 @@ class _Interpreter:
             if not done:
                 self.fail(word, f"a move before {name}; what it means is not known, add it")
 
-    def _end_of(self, seen: dict[str, Word], first: Word) -> Array:
-        end = self.pose.copy()
-        for k, name in enumerate(AXES):
-            if name in seen:
-                end[k] = float(seen[name].value or 0.0)
-        if np.isnan(end).any():
-            missing = AXES[int(np.flatnonzero(np.isnan(end))[0])]
-            self.fail(first, f"the first move leaves {missing} open; name all six axes")
-        return end
-
     def _line(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
         if not self.active("G0", "G1"):
             self.fail(first, "coordinates without G00 or G01; add G01")
         for name in ("I", "J", "K"):
             if name in seen:
                 self.fail(seen[name], f"{name} without G02 or G03; remove it")
-        end = self._end_of(seen, first)
+        end = self.end_of(seen, first)
         if self.in_struts:
             self._strut_line(seen, first, end, exact)
             return
@@ -310,7 +269,7 @@ class _Interpreter:
             )
         elif not exact:
             self.fail(first, "whether the machine stops after this move is not known; write G60 in its block")
-        self.events.append(Move(self.line, end * self.scale, timing, value, exact, self._linear(end)))
+        self.events.append(Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end)))
         self.pose = end
 
     def _strut_line(self, seen: dict[str, Word], first: Word, end: Array, exact: bool) -> None:
@@ -325,7 +284,9 @@ class _Interpreter:
         timing, value = self._timing(seen, end, first)
         share = math.nan if rapid else 1.0 / value
         kind = timing if rapid else Timing.FEED
-        self.events.append(Move(self.line, end * self.scale, kind, share, exact, self._linear(end), in_struts=True))
+        self.events.append(
+            Move(self.line, end * self.scale, kind, share, exact, self.moves_origin(end), in_struts=True)
+        )
         self.pose = end
 
     def _point(self, first: Word, exact: bool) -> None:
@@ -349,21 +310,17 @@ class _Interpreter:
             self.fail(first, "a feed before G93 or G94; what it means is not known, add G94")
         if self.feed is None:
             self.fail(first, "G01 without a feed; add F")
-        linear = self._linear(end)
+        linear = self.moves_origin(end)
         counted = ("X", "Y", "Z") if linear else ("A", "B", "C")
         if self.feed_axes != counted:
             named = ",".join(counted)
             self.fail(first, f"F counts {', '.join(counted)} in this move only after #FGROUP [{named}]; add it before")
         return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
 
-    def _linear(self, end: Array) -> bool:
-        """Whether X, Y or Z moves; from an unknown pose they are taken to."""
-        return bool(np.isnan(self.pose).any() or np.any(np.abs(end - self.pose)[:3] > STILL))
-
     def _arc(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
         if np.isnan(self.pose).any():
             self.fail(first, "an arc starts from an unknown pose; first move home at a feed (G94)")
-        plane = next((p for name, p in _PLANES.items() if self.active(name)), None)
+        plane = self.plane()
         if plane is None or self.feed is None or not self.active("G94") or not self.active("G162"):
             self.fail(first, "an arc needs a plane, relative centres and a feed per minute; write G17 G162 G94 and F")
         if self.feed_axes != ("X", "Y", "Z"):
@@ -372,16 +329,7 @@ class _Interpreter:
             self.fail(first, "an arc under #PTP ON; write #PTP OFF before")
         if self.curve or not exact:
             self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
-        end = self._end_of(seen, first)
-        centres = {name: float(seen[name].value or 0.0) for name in "IJK" if name in seen}
-        asked = Arc(plane, self.active("G3"), self.pose, end, centres, {n for n in "XYZ" if n in seen})
-        try:
-            centre, angle = arc_through(asked)
-        except PlaneProblem as problem:
-            self.fail(seen.get(problem.word, first), str(problem))
-        value = self.feed * MM / MINUTE
-        self.events.append(Turn(self.line, end * self.scale, plane, centre * MM, angle, value, True))
-        self.pose = end
+        self.events.append(self.turn(seen, first, plane, self.feed))
 
     def _end(self, word: Word | None) -> None:
         if self.curve:

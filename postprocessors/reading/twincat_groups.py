@@ -17,7 +17,6 @@ GROUPS: tuple[tuple[str, ...], ...] = (
     ("G4",),
     ("M2", "M30"),
 )
-GROUP_OF = {word: k for k, group in enumerate(GROUPS) for word in group}
 MODAL = {
     *("G0", "G1", "G2", "G3", "G17", "G18", "G19", "G90", "G71", "G93", "G94", "G162", "G260", "G261", "G359", "G360")
 }

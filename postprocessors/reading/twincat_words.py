@@ -1,9 +1,9 @@
 """The words of TwinCAT CNC (ISG) programs, before any meaning: addresses, commands that begin with #, the % line."""
 
 import re
-from typing import NamedTuple
 
 from cases.errors import ProgramError
+from postprocessors.reading.modal import Word
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _PROGRAM = re.compile(r"\s*%\s*(?P<local>L\s+)?(?P<name>[^\s(;\"\],#$]+)\s*$")
@@ -17,23 +17,6 @@ _REST = re.compile(rf"(?:(?P<value>{_NUMBER})|(?P<words>(?:[A-Z]{_NUMBER}\s*)+))
 _WORD = re.compile(
     rf"\s*(?:(?P<letter>[A-Z])(?P<number>{_NUMBER})(?:\s*=\s*(?P<value>{_NUMBER}))?|(?P<bare>{_NUMBER}))", re.IGNORECASE
 )
-
-
-class Word(NamedTuple):
-    """One word.
-
-    Args:
-        name: letter of an address; of G and M with the number: G1, G162; of commands `#` and its words: `#TRAFO ON`;
-            `%` the program's name; `N` a block number; empty for a bare number.
-        column: where it begins, counted from 1.
-        value: its number; of G and M what follows `=`.
-        arguments: what stands in brackets, or the name behind %.
-    """
-
-    name: str
-    column: int
-    value: float | None = None
-    arguments: tuple[str, ...] | None = None
 
 
 def twincat_words(text: str, line: int, file: str) -> list[Word]:
