@@ -27,7 +27,7 @@ class Quantity:
         unit: of values and limits times `scale`.
         labels: of the columns.
         values: shape (n, k).
-        limits: the limit on the side on which each value lies, shape (n, k).
+        limits: lower and upper limit of each column, twice the same where there is but one, shape (2, k).
         ratio: share of the limit that is used, infinite where a value is no number, shape (n, k).
         scale: to the unit.
     """
@@ -45,26 +45,28 @@ class Quantity:
         cls, name: str, unit: str, labels: tuple[str, ...], values: Array, low: Array, high: Array, scale: float
     ) -> "Quantity":
         """Two-sided limits: the share is the distance from their middle over half their width."""
-        middle, half = (low + high) / 2, (high - low) / 2
-        ratio = np.abs(values - middle) / half
-        ratio[np.isnan(ratio)] = np.inf
-        return cls(name, unit, labels, values, np.where(values >= middle, high, low), ratio, scale)
+        values = np.asfortranarray(values)  # column by column, or every operation below goes through rows of three
+        ratio = values - (low + high) / 2
+        np.abs(ratio, out=ratio)
+        ratio /= (high - low) / 2
+        if np.isnan(ratio.max()):
+            ratio[np.isnan(ratio)] = np.inf
+        return cls(name, unit, labels, values, np.stack([low, high]), ratio, scale)
+
+    def limit_of(self, row: int, column: int) -> float:
+        """The limit on whose side of the middle a value lies."""
+        low, high = self.limits[:, column]
+        return float(high if self.values[row, column] >= (low + high) / 2 else low)
 
 
-def limited_quantities(
-    motion: Motion,
-    rotation: tuple[Array, Array, Array],
-    machine: Machine,
-    workspace: Workspace,
-    limits: MotionLimits,
-    in_box: bool,
+def limited_coordinates(
+    motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits, in_box: bool
 ) -> Iterable[Quantity]:
-    """Everything that a case limits, at each instant of a motion.
+    """What a case limits of the coordinates and their derivatives, at each instant of a motion.
 
     Args:
         motion: sampled.
-        rotation: that of `rotation_motion`.
-        machine: its geometry and home.
+        machine: its home.
         workspace: what it can reach.
         limits: of moving excitations.
         in_box: whether the pose box of `limits` holds; else only the workspace limits the pose.
@@ -80,11 +82,10 @@ def limited_quantities(
     yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -v, v, scale)
     yield from _by_kind("acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one)
     yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", motion.jerks, -j, j, one)
-    yield from _of_the_struts(motion, rotation, machine, workspace, limits)
 
 
 def velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Iterable[Quantity]:
-    """Rates of the coordinates and velocities of the struts alone; see `limited_quantities`."""
+    """Rates of the coordinates and velocities of the struts alone."""
     scale = np.array([1 / MM] * 3 + [1 / DEG] * 3)
     yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -limits.rate, limits.rate, scale)
     most = np.full(6, limits.strut_velocity_m_s)
@@ -130,11 +131,10 @@ def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
     x0, x1, x2 = _axis_rotation(0, angles[:, 0], rates[:, 0], accelerations[:, 0])
     y0, y1, y2 = _axis_rotation(1, angles[:, 1], rates[:, 1], accelerations[:, 1])
     z0, z1, z2 = _axis_rotation(2, angles[:, 2], rates[:, 2], accelerations[:, 2])
-    zy, xz = z0 @ y0, y0 @ x0
-    turn = zy @ x0
-    first = z1 @ xz + z0 @ y1 @ x0 + zy @ x1
-    second = z2 @ xz + z0 @ y2 @ x0 + zy @ x2 + 2 * (z1 @ y1 @ x0 + z1 @ y0 @ x1 + z0 @ y1 @ x1)
-    return turn, first, second
+    yx = y0 @ x0
+    yx1 = y1 @ x0 + y0 @ x1
+    yx2 = y2 @ x0 + 2 * (y1 @ x1) + y0 @ x2
+    return z0 @ yx, z1 @ yx + z0 @ yx1, z2 @ yx + 2 * (z1 @ yx1) + z0 @ yx2
 
 
 def _strut_vectors(
@@ -162,13 +162,22 @@ def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, A
     return length, along, (second - along**2) / length
 
 
-def _of_the_struts(
+def limited_struts(
     motion: Motion,
     rotation: tuple[Array, Array, Array],
     machine: Machine,
     workspace: Workspace,
     limits: MotionLimits,
 ) -> Iterable[Quantity]:
+    """What a case limits of the struts and joints, the distance from boxes and singularities among it.
+
+    Args:
+        motion: sampled.
+        rotation: that of `rotation_motion`.
+        machine: its geometry and home.
+        workspace: what it can reach.
+        limits: of moving excitations.
+    """
     strut, velocity, acceleration, normal = _strut_vectors(motion, rotation, machine)
     yield from _keep_out(motion, machine.base.points, strut, workspace)
     length, along, second = _along(strut, velocity, acceleration)
@@ -199,7 +208,8 @@ def _keep_out(motion: Motion, base: Array, strut: Array, workspace: Workspace) -
         distance = np.hstack([distance_of_points(points, box.corners), lines])
         ratio = np.maximum(0.0, 1.0 - distance / (float(np.linalg.norm(high - low)) / 2))
         ratio = np.nan_to_num(ratio, nan=np.inf)
-        yield Quantity(f"distance from {box.name}", "mm", labels, distance, np.zeros_like(distance), ratio, 1 / MM)
+        surface = np.zeros((2, len(labels)))
+        yield Quantity(f"distance from {box.name}", "mm", labels, distance, surface, ratio, 1 / MM)
 
 
 def _joint_angles(direction: Array, normal: Array, workspace: Workspace) -> Iterable[Quantity]:
@@ -239,4 +249,4 @@ def _singularity(motion: Motion, strut: Array, direction: Array, machine: Machin
     arms = strut + machine.base.points - motion.pose[:, None, :3]
     way = (1.0 - _determinant(direction, arms) / _at_home(_Of(machine)))[:, None]
     ratio = np.nan_to_num(way, nan=np.inf)
-    return Quantity("singularity", "of the way", ("",), way, np.ones_like(way), ratio, 1.0)
+    return Quantity("singularity", "of the way", ("",), way, np.ones((2, 1)), ratio, 1.0)

@@ -5,7 +5,7 @@ with the CasADi models that the optimiser uses.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limited import Quantity, limited_quantities, rotation_motion
-from identification.motion import Trajectory
+from identification.limited import Quantity, limited_coordinates, limited_struts, rotation_motion
+from identification.motion import Motion, Trajectory
 from identification.overload import Loads, sensor_loads
 
 Array = NDArray[np.float64]
 
 PROOF_RATE = 10_000.0  # [1/s]; at most 200 rad/s^3 * (1e-4 s)^2 / 8 escape between samples, 1e-7 of the rate limits
 TOLERANCE = 1e-6  # a limit counts as kept up to this share of it: rounding, not motion
-CHUNK = 20_000  # samples at once, bounds memory
+CHUNK = 2000  # samples at once: what is computed of them stays in the processor's cache
 
 
 class Status(StrEnum):
@@ -123,21 +123,50 @@ def prove(
     return prove_at(trajectory, case, np.linspace(0.0, trajectory.duration, steps + 1), offset, in_box)
 
 
+Limited = Callable[[Motion, Case, bool], Iterable[Quantity]]
+"""Something of a sampled motion that a case limits; the last argument is the `in_box` of `prove`."""
+
+
+def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
+    """Coordinates and their derivatives."""
+    machine, workspace, limits = case.need_machine("the proof of limits")
+    return limited_coordinates(motion, machine, workspace, limits.motion, in_box)
+
+
+def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
+    """Struts, joints, boxes, singularities and sensors: what takes the rotation of the platform to compute."""
+    machine, workspace, limits = case.need_machine("the proof of limits")
+    rotation = rotation_motion(motion)
+    yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
+    yield from sensor_loads(rotation, motion.accelerations[:, :3], Loads.of(case))
+
+
+def everything(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
+    """All that a case limits."""
+    yield from of_coordinates(motion, case, in_box)
+    yield from of_mechanics(motion, case, in_box)
+
+
 def prove_at(
-    trajectory: Trajectory, case: Case, instants: Array, offset: float = 0.0, in_box: bool = True
+    trajectory: Trajectory,
+    case: Case,
+    instants: Array,
+    offset: float = 0.0,
+    in_box: bool = True,
+    limited: Limited = everything,
 ) -> LimitReport:
-    """Checks every limit at given instants, shape (n,) [s]; see `prove`."""
+    """Checks limits, by default every one, at given instants, shape (n,) [s]; see `prove`."""
     reports = []
-    for quantities, t in _evaluated(trajectory, case, instants, in_box):
+    for quantities, t in _evaluated(trajectory, case, instants, in_box, limited):
         reports.append(LimitReport(tuple(worst_case(q, t + offset) for q in quantities)))
     return worst_of(reports)
 
 
-def shares_at(trajectory: Trajectory, case: Case, instants: Array, in_box: bool = True) -> Array:
-    """Share of each limit that is used at each instant, shape (n, limits); see `prove`."""
+def shares_at(trajectory: Trajectory, case: Case, instants: Array, in_box: bool, limited: Limited) -> Array:
+    """Share of each limit that is used at each instant, shape (n, limits); see `prove_at`."""
     parts = [
         np.column_stack([q.ratio.max(axis=1) for q in quantities])
-        for quantities, _ in _evaluated(trajectory, case, instants, in_box)
+        for quantities, _ in _evaluated(trajectory, case, instants, in_box, limited)
     ]
     return np.concatenate(parts)
 
@@ -152,25 +181,20 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
             np.max([q.ratio.max(axis=1) for q in quantities if q.name.endswith(word)], axis=0)
             for word in ("velocity", "acceleration", "jerk")
         ]
-        for quantities, _ in _evaluated(trajectory, case, instants, True)
+        for quantities, _ in _evaluated(trajectory, case, instants, True, everything)
     ]
     velocity, acceleration, jerk = (np.concatenate(found) for found in zip(*parts, strict=True))
     return velocity, acceleration, jerk
 
 
 def _evaluated(
-    trajectory: Trajectory, case: Case, instants: Array, in_box: bool
+    trajectory: Trajectory, case: Case, instants: Array, in_box: bool, limited: Limited
 ) -> Iterator[tuple[tuple[Quantity, ...], Array]]:
     """What is limited, in chunks of instants."""
-    machine, workspace, limits = case.need_machine("the proof of limits")
-    loads = Loads.of(case)
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
         with np.errstate(invalid="ignore"):  # what is no number counts as passed, and is reported so
-            motion = trajectory.at(t)
-            rotation = rotation_motion(motion)
-            kinematic = limited_quantities(motion, rotation, machine, workspace, limits.motion, in_box)
-            yield (*kinematic, *sensor_loads(rotation, motion.accelerations[:, :3], loads)), t
+            yield tuple(limited(trajectory.at(t), case, in_box)), t
 
 
 def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
@@ -189,12 +213,13 @@ def worst_of(reports: Iterable[LimitReport]) -> LimitReport:
 
 def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
     """Where the largest share is used; `t` are the instants, shape (n,) [s]."""
-    row, column = np.unravel_index(int(np.argmax(quantity.ratio)), quantity.ratio.shape)
+    column = int(np.argmax(quantity.ratio.max(axis=0)))
+    row = int(np.argmax(quantity.ratio[:, column]))
     label = quantity.labels[column]
     return LimitCheck(
         f"{quantity.name} ({label})" if label else quantity.name,
         float(quantity.values[row, column] * quantity.scale),
-        float(quantity.limits[row, column] * quantity.scale),
+        quantity.limit_of(row, column) * quantity.scale,
         quantity.unit,
         float(quantity.ratio[row, column]),
         float(t[row]),

@@ -95,7 +95,7 @@ class Loads:
         omega = spin[:, (2, 0, 1), (1, 2, 0)]
         for k, (i, j) in enumerate(PAIRS, start=6):
             state[:, k] = omega[:, i] * omega[:, j]
-        return np.asarray(state @ np.hstack([self.linear, self.angular, self.spin]).T)
+        return np.asarray((np.hstack([self.linear, self.angular, self.spin]) @ state.T).T)
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,7 +44,7 @@ def reference_scaling(case: Case, model: Model) -> Array:
     """H*: one over the RMS of each regressor column, over 20 000 seeded uniform states of the box, shape (u,)."""
     states = uniform_states(case, STATES, SEED)
     matrices = over_samples(model.coordinate_regressor, *states)[0]
-    return np.asarray(1.0 / np.sqrt(np.mean(np.sum(matrices**2, axis=1), axis=0)))
+    return np.asarray(1.0 / np.sqrt(np.einsum("nij,nij->j", matrices, matrices) / STATES))
 
 
 def information(model: Model, scaling: Array, states: BoxStates) -> Array:

@@ -20,7 +20,7 @@ from postprocessors.guarantees import IN_STRUTS, family
 from postprocessors.homing import way_home
 from postprocessors.joints import joint_checks
 from postprocessors.predicted import predicted
-from postprocessors.sampling import telling_instants
+from postprocessors.sampling import prove_path
 from postprocessors.stretches import Still, Stretch, Timed, Untimed
 
 FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration
@@ -85,8 +85,7 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
     """What a timed path reaches between its points is proven only of a controller that follows the assumed curve."""
     _require_timing(part, by)
     in_box = part.trigger or not isinstance(part.points, Tabulated)
-    instants = telling_instants(part.points, part.points.times, by.case)
-    report = prove_at(part.points, by.case, instants, clock, in_box)
+    report = prove_path(part.points, part.points.times, by.case, clock, in_box)
     if isinstance(part.points, PolynomialMotion):
         steps = tuple(joint_checks(part.points, by.limits, by.guarantees.shortest_block, clock))
         report = worst_of([report, LimitReport(steps)])

@@ -1,10 +1,19 @@
-"""At which instants a timed path is proven: everywhere roughly, finely wherever it could come to matter."""
+"""Proves a timed path: everywhere roughly, finely wherever it could come to matter."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limits import PROOF_RATE, shares_at
+from identification.limits import (
+    PROOF_RATE,
+    Limited,
+    LimitReport,
+    of_coordinates,
+    of_mechanics,
+    prove_at,
+    shares_at,
+    worst_of,
+)
 from identification.motion import Trajectory
 
 Array = NDArray[np.float64]
@@ -16,22 +25,33 @@ NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
 """Looked at finely are blocks that use this share of any limit, and as many that use most of each."""
 
 
-def telling_instants(motion: Trajectory, times: Array, case: Case) -> Array:
-    """Instants among which lie the worst of every limit and all that is near one, shape (n,) [s].
+def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_box: bool) -> LimitReport:
+    """Checks every limit of a timed path, at most at 10 kHz and at a hundred instants a block.
 
-    At most 10 kHz, and at most a hundred instants a block: slow programs need no fine grid. Blocks that stay far from
-    every limit, and from what the path reaches elsewhere, are judged by a tenth of that and left out.
+    Slow programs need no finer grid. Blocks that stay far from a limit, and from what the path reaches elsewhere, are
+    judged by a tenth of that: those of the coordinates and those of the mechanics, which rarely come near together.
 
     Args:
         motion: the path.
         times: ends of its blocks, shape (k,), from 0 [s].
         case: its limits.
+        offset: start of the path on the clock that the report uses [s].
+        in_box: whether it must keep the pose box of `[limits.motion]`.
 
     Raises:
         CaseError: the case has no machine.
     """
+    reports = []
+    for limited in (of_coordinates, of_mechanics):
+        instants = _telling_instants(motion, times, case, in_box, limited)
+        reports.append(prove_at(motion, case, instants, offset, in_box, limited))
+    return worst_of(reports)
+
+
+def _telling_instants(motion: Trajectory, times: Array, case: Case, in_box: bool, limited: Limited) -> Array:
+    """Instants among which lie the worst of each limit and all that is near one, shape (n,) [s]."""
     rough, starts = _grid(times, ROUGH, ROUGH_RATE)
-    shares = np.maximum.reduceat(shares_at(motion, case, rough), starts, axis=0)
+    shares = np.maximum.reduceat(shares_at(motion, case, rough, in_box, limited), starts, axis=0)
     blocks = np.asarray((shares >= NEAR_LIMIT).any(axis=1))
     blocks[np.argsort(shares, axis=0)[-WORST_BLOCKS:]] = True
     fine, starts = _grid(times, FINE, PROOF_RATE)

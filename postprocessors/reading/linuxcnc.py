@@ -46,6 +46,7 @@ _GROUPS = (
     ("M62", "M63", "M64", "M65"),
     ("M2", "M30"),
 )
+_GROUP_OF = {code: group[0] for group in _GROUPS for code in group}
 # Words that change nothing that a hexapod program here relies on: no compensation, offset, cycle; relative centres.
 _NEUTRAL = {"G40", "G49", "G54", "G80", "G91.1", "G92.1"}
 _OFFSETS_OFF = ("G49", "G54", "G92.1")  # neither the interpreter's start nor M2 switches all of them off
@@ -131,11 +132,13 @@ class _Interpreter:
             self.feed = None
 
     def _require_one_of_each_group(self, line: int, codes: list[_Word]) -> None:
-        for group in _GROUPS:
-            members = [w for w in codes if w.code in group]
-            if len(members) > 1:
-                words = " and ".join(w.code for w in members)
-                raise self.error(line, members[1], f"{words} on one line exclude each other; remove one")
+        first: dict[str, _Word] = {}
+        for word in codes:
+            before = first.setdefault(_GROUP_OF.get(word.code, word.code), word)
+            if before is not word and word.code in _GROUP_OF:
+                raise self.error(
+                    line, word, f"{before.code} and {word.code} on one line exclude each other; remove one"
+                )
 
     def _code(self, line: int, word: _Word, seen: dict[str, _Word]) -> None:
         code = word.code
@@ -238,11 +241,11 @@ class _Interpreter:
 def _words(file: str, number: int, text: str) -> Iterator[_Word]:
     if len(text) > LONGEST_LINE:
         raise ProgramError(file, number, 0, f"{len(text)} characters, the controller takes {LONGEST_LINE}; split it")
-    strange = next((k for k, c in enumerate(text) if not (c == "\t" or " " <= c <= "~")), None)
-    if strange is not None:
+    if not text.isascii() or not text.replace("\t", " ").isprintable():
+        strange = next(k for k, c in enumerate(text) if c != "\t" and not " " <= c <= "~")
         raise ProgramError(file, number, strange + 1, f"character {text[strange]!r} is not plain ASCII; remove it")
-    position = 0
-    while text[position:].strip():
+    position, end = 0, len(text.rstrip())
+    while position < end:
         match = _WORD.match(text, position)
         if match is None:
             column = position + len(text[position:]) - len(text[position:].lstrip()) + 1
