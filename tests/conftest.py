@@ -10,6 +10,7 @@ from hypothesis import Phase, settings
 
 from cases.loading import load_case
 from cases.schema import Case
+from postprocessors.execute.linuxcnc.running import linuxcnc_missing
 
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
 AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)
@@ -21,6 +22,15 @@ settings.load_profile("check")
 def pytest_configure(config: pytest.Config) -> None:
     if not config.option.markexpr:
         config.option.markexpr = "not slow"  # `pytest -m slow` runs the studies
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Tests marked `linuxcnc` run the real thing; without one they are skipped, or fail where it is required."""
+    if item.get_closest_marker("linuxcnc") and (missing := linuxcnc_missing()) is not None:
+        if os.environ.get("HEXCITE_REQUIRE_LINUXCNC") == "1":
+            pytest.fail(f"HEXCITE_REQUIRE_LINUXCNC=1, but {missing}")
+        pytest.skip(missing)
 
 
 @pytest.fixture(scope="session")

@@ -1,14 +1,11 @@
-"""What tests of programs share: LinuxCNC's own interpreter, where it is installed."""
+"""What tests of programs share: LinuxCNC's own interpreter."""
 
-import os
 import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing
 
 Canonical = list[tuple[str, list[float]]]
 _CALL = re.compile(r"\d+ N\S+ (?P<name>[A-Z_0-9]+)\((?P<arguments>.*)\)$")
@@ -17,11 +14,10 @@ _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 @pytest.fixture
 def rs274(tmp_path: Path) -> Callable[[str], Canonical | str]:
-    """Runs a text through `rs274 -g`: the machine commands that it makes of it, or what it says against it."""
-    if (missing := linuxcnc_missing()) is not None:
-        if os.environ.get("HEXCITE_REQUIRE_LINUXCNC") == "1":
-            pytest.fail(f"HEXCITE_REQUIRE_LINUXCNC=1, but {missing}")
-        pytest.skip(missing)
+    """Runs a text through `rs274 -g`: the machine commands that it makes of it, or what it says against it.
+
+    For tests marked `linuxcnc`.
+    """
 
     def interpret(text: str) -> Canonical | str:
         (tmp_path / "program.ngc").write_bytes(text.encode())

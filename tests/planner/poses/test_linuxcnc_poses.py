@@ -1,11 +1,9 @@
 """The real controller measures at poses: LinuxCNC runs the program, its trigger marks the standstills."""
 
-import os
 from pathlib import Path
 
 import pytest
 
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing
 from tests.planner.command_line import call
 
 COUNT = 5
@@ -13,10 +11,6 @@ COUNT = 5
 
 @pytest.mark.linuxcnc
 def test_poses_run_on_linuxcnc_are_identified(tmp_path: Path) -> None:
-    if (missing := linuxcnc_missing()) is not None:
-        if os.environ.get("HEXCITE_REQUIRE_LINUXCNC") == "1":
-            pytest.fail(f"HEXCITE_REQUIRE_LINUXCNC=1, but {missing}")
-        pytest.skip(missing)
     plan, program, run = tmp_path / "plan", tmp_path / "poses.ngc", tmp_path / "run"
     call("poses", "hexapod", "--count", COUNT, "--method", "exchange", "-o", plan, "--json").json()
     call("post", plan, "--accept", "jerk,strut-acceleration", "-o", program, "--json").json()

@@ -1,0 +1,99 @@
+"""Runs on LinuxCNC that fail: one line each, with the remedy."""
+
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cases.errors import ExecutionError, FileProblem
+from cases.schema import Case
+from postprocessors.execute.linuxcnc import isolation, outcome, running
+from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from tests.postprocessors.execute.runs import PROGRAM, log_of
+
+
+def test_missing_installation_is_an_error_with_the_remedy(
+    write: Callable[[str], Path], hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(running, "linuxcnc_missing", lambda: "it is not there; install it")
+    with pytest.raises(ExecutionError, match=r"program\.ngc: cannot be run: it is not there; install it"):
+        run_linuxcnc(write(PROGRAM), hexapod_case)
+
+
+@pytest.mark.parametrize("program", ["linuxcnc", "rs274", "gcc"])
+def test_what_is_missing_is_named(program: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "which", lambda name, path: None if name == program else f"/usr/bin/{name}")
+    assert re.search(rf"{program}.* missing.*; install the package", str(linuxcnc_missing.__wrapped__()))
+
+
+@pytest.mark.linuxcnc
+def test_a_program_that_cannot_be_read_is_named(tmp_path: Path, hexapod_case: Case) -> None:
+    with pytest.raises(FileProblem, match=r"none\.ngc: cannot be read"):
+        run_linuxcnc(tmp_path / "none.ngc", hexapod_case)
+    (tmp_path / "binary.ngc").write_bytes(b"\xff\xfe")
+    with pytest.raises(ExecutionError, match=r"binary\.ngc: is not plain ASCII text"):
+        run_linuxcnc(tmp_path / "binary.ngc", hexapod_case)
+
+
+REPORT = {"outcome": "done", "version": "2.9.4", "errors": [], "messages": [], "line": 7, "started": 0, "ended": 1}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"outcome": "time limit"}, "p.ngc, near line 7: LinuxCNC was not through in time"),
+        ({"outcome": "paused"}, "p.ngc, near line 7: LinuxCNC waits for its operator"),
+        (
+            {"outcome": "disabled", "errors": ["joint 0\nfollowing error"]},
+            "near line 7: LinuxCNC stopped: joint 0 following error",
+        ),
+        (
+            {"outcome": "error", "errors": ["on line 3 broken."]},
+            "p.ngc, line 3: LinuxCNC stopped: on line 3 broken; correct",
+        ),
+        ({"outcome": "error", "line": 0}, "p.ngc: LinuxCNC stopped: it gave no reason"),
+    ],
+)
+def test_reports_of_failure_become_one_line(change: dict[str, Any], said: str, tmp_path: Path) -> None:
+    (tmp_path / outcome.REPORT_FILE).write_text(json.dumps(REPORT | change))
+    with pytest.raises(ExecutionError, match=re.escape(said)):
+        outcome.read_report(Path("p.ngc"), tmp_path)
+
+
+def test_a_session_without_report_tells_what_linuxcnc_said_last(tmp_path: Path) -> None:
+    (tmp_path / isolation.OUTPUT_FILE).write_text("Starting\nRealtime system did not load\n")
+    with pytest.raises(ExecutionError, match="said last: Realtime system did not load"):
+        outcome.read_report(Path("p.ngc"), tmp_path)
+
+
+def test_lost_cycles_are_an_error(tmp_path: Path) -> None:
+    with pytest.raises(outcome.LostCycles, match=r"3 of 10 cycles were not logged; .* speed-up below 20"):
+        outcome.read_log(Path("p.ngc"), tmp_path, REPORT | {"samples": 7, "lost": 3}, 20.0)
+
+
+@pytest.mark.parametrize("losses", [0, 1, 2, 3])
+def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end(
+    losses: int, write: Callable[[str], Path], hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    speeds: list[float] = []
+
+    def session(program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speed: float, limit: float):
+        speeds.append(speed)
+        if len(speeds) <= losses:
+            raise outcome.LostCycles(f"{program}: lost at {speed:g}")
+        return log_of([0, 2, 2, 0]), (0, 4)
+
+    for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", session)):
+        monkeypatch.setattr(running, name, value)
+    monkeypatch.setattr(running, "check_syntax", lambda *_: None)
+    program = write("G21 G90 G94\nG1 X1 F600\nM2\n")
+    if losses < 3:
+        assert run_linuxcnc(program, hexapod_case).lines.tolist() == [0, 2, 2, 0]
+    else:
+        with pytest.raises(ExecutionError, match="lost at 5"):
+            run_linuxcnc(program, hexapod_case)
+    assert speeds == [20.0, 10.0, 5.0][: losses + 1]

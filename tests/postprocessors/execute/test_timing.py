@@ -1,0 +1,112 @@
+"""Dwells, switches and short blocks of programs that run faster than the clock."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.errors import ExecutionError
+from postprocessors.execute.linuxcnc import timing
+from postprocessors.execute.log import ControllerLog
+from tests.postprocessors.execute.runs import PROGRAM, log_of
+
+DWELLS = {5: 0.25, 11: 0.1, 12: 0.1, 14: 0.05}
+
+
+def test_dwells_are_found_by_line(tmp_path: Path) -> None:
+    assert timing.dwells(tmp_path, PROGRAM.split("\n")) == DWELLS
+
+
+@pytest.mark.parametrize(
+    "line", ["G04 P1", "G4 P.5", "G4P1", "g4 P1", " G4 P1", "G4 P1 G0 X1", "G4 P#1", "N5 G4 P1", "G 4 P1"]
+)
+def test_dwells_in_another_form_are_refused(line: str) -> None:
+    with pytest.raises(ExecutionError, match=r"a\.ngc, line 2: dwell .* cannot be timed; write it as G4 P<seconds>"):
+        timing.dwells(Path("a.ngc"), ["G21", line])
+
+
+@pytest.mark.parametrize("line", ["G40", "G43.1", "G49", "G64 P4", "(G4 P1)", "; G4 P1", "G0 X4 (G04)", "G1 X1 F4"])
+def test_what_is_no_dwell_is_left_alone(line: str) -> None:
+    assert timing.dwells(Path("a.ngc"), [line]) == {}
+    assert timing.with_dwells([line], {}, 20.0, 0.002) == [line]
+
+
+def test_only_dwells_change_in_the_copy_that_is_run() -> None:
+    lines = PROGRAM.split("\n")
+    copy = timing.with_dwells(lines, DWELLS, 10.0, 0.001)
+    assert copy[4] == "G4 P0.026000"
+    assert [line for k, line in enumerate(copy, 1) if k not in DWELLS] == [
+        line for k, line in enumerate(lines, 1) if k not in DWELLS
+    ]
+
+
+def test_short_blocks_are_run_slower() -> None:
+    blocks = ["G94", "G1 X1 F60000", "G93", "G1 X2 F6000 (F60000)", "G1 X3 F3000", "G94 F90000"]
+    assert timing.fastest(blocks) == pytest.approx(0.010 / timing.BLOCK)
+    assert timing.fastest(["G94", "G1 X1 F60000"]) == np.inf
+
+
+@pytest.mark.parametrize(("cycles", "ok"), [(100, False), (101, True), (130, True), (20142, False)])
+def test_a_dwell_is_proven_by_the_cycles_without_motion(cycles: int, ok: bool) -> None:
+    log = log_of([1] * 5 + [0] * cycles + [3] * 5)
+    problem = timing.dwell_problem(log, {2: 0.1}, 20.0, 0.002, (0, len(log.lines)))
+    if ok:
+        assert problem is None
+    else:
+        assert problem is not None
+        assert problem.startswith(f"line 2: LinuxCNC dwelt {(cycles - 1) / 1000:.3f} s, must be 0.100 to 20.140 s; ")
+
+
+def test_dwells_next_to_no_motion_are_proven_within_the_run() -> None:
+    log = log_of([0] * 150 + [2] * 5 + [0] * 150)
+    assert timing.dwell_problem(log, {1: 0.1, 3: 0.1}, 20.0, 0.002, (40, 265)) is None
+    assert "line 1: " in str(timing.dwell_problem(log, {1: 0.1, 3: 0.1}, 20.0, 0.002, (60, 265)))
+    assert "line 3: " in str(timing.dwell_problem(log, {1: 0.1, 3: 0.1}, 20.0, 0.002, (40, 245)))
+
+
+def standing(phases: list[tuple[int, bool]]) -> ControllerLog:
+    """Motion in line 1, phases of standstill with the trigger as stated, motion in line 9."""
+    count = sum(n for n, _ in phases)
+    lines = np.array([1] * 5 + [0] * (count + 1) + [9] * 5)
+    trigger = np.array([False] * 5 + [on for n, on in phases for _ in range(n)] + [False] * 6)
+    struts = np.ones((len(lines), 6))
+    struts[:5] += 0.01 * np.arange(5)[:, None]
+    return ControllerLog("none", 1e-3, struts, np.zeros((len(lines), 6)), trigger, lines)
+
+
+FEW = timing.FEWEST_CYCLES
+POSE = ["G1 X1", "G4 P0.1", "M64 P0 (on)", "G4 P0.2", "M65 P0", "", "G4 P0.05", "", "G1 X2"]
+POSE_DWELLS = {2: 0.1, 4: 0.2, 7: 0.05}
+POSE_SWITCHES = timing.switches(POSE)
+
+
+def test_switches_are_found_by_line() -> None:
+    assert POSE_SWITCHES == {3: True, 5: False}
+    assert timing.switches(["m64p0", "M65 P1", "M62 P0", "(M64 P0)", "M65 P00", "M64"]) == {1: True, 5: False}
+
+
+def test_dwells_are_as_long_in_the_log_as_programmed_each_with_its_trigger() -> None:
+    log = standing([(130, False), (204, True), (90, False)])
+    found = timing.without_surplus(log, POSE_DWELLS, POSE_SWITCHES, (0, len(log.lines)))
+    np.testing.assert_array_equal(np.flatnonzero(found.trigger), 5 + 100 + np.arange(200))
+    assert np.count_nonzero(found.lines == 0) == 350 + 1
+    assert found.left_out == 30 + 4 + 40 == len(log.lines) - len(found.lines)
+    np.testing.assert_array_equal(found.strut_lengths[:6], log.strut_lengths[:6])
+
+
+def test_what_the_log_does_not_show_as_programmed_stays() -> None:
+    for phases in ([(130, False)], [(130, False), (204, True), (90, False), (10, True)]):
+        log = standing(phases)
+        assert timing.without_surplus(log, POSE_DWELLS, POSE_SWITCHES, (0, len(log.lines))).left_out == 0
+    moved = standing([(130, False), (204, True), (90, False)])
+    struts = moved.strut_lengths.copy()
+    struts[5 + 60] += 1e-6
+    creeping = ControllerLog("none", 1e-3, struts, moved.poses, moved.trigger, moved.lines)
+    assert timing.without_surplus(creeping, POSE_DWELLS, POSE_SWITCHES, (0, len(moved.lines))).left_out == 4 + 40
+
+
+def test_a_switch_between_motions_takes_few_cycles_however_late_it_came() -> None:
+    for late in (FEW, 60, 700):
+        log = standing([(late, True), (FEW, False)])
+        found = timing.without_surplus(log, {}, {2: True, 5: False}, (0, len(log.lines)))
+        assert (found.trigger.sum(), np.count_nonzero(found.lines == 0)) == (FEW, 2 * FEW + 1)
