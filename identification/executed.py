@@ -82,8 +82,8 @@ class PoseExecution:
 class StrutExecution:
     """A controller that interpolates strut lengths by cubic splines between its cycles, as LinuxCNC does.
 
-    The cubic spline through the logged lengths is the uniform B-spline that its interpolator makes of the inverse
-    kinematics; accelerations are continuous, and known exactly.
+    Its interpolator makes a uniform cubic B-spline of the inverse kinematics, and logs the lengths on it; accelerations
+    are straight lines between those of the cycles, and known exactly.
 
     Args:
         hexapod: kinematics.
@@ -97,6 +97,15 @@ class StrutExecution:
     def of_log(cls, hexapod: Hexapod, period: float, lengths: Array) -> "StrutExecution":
         """Through logged lengths, shape (n, 6) [m], one each `period` [s]."""
         return cls(hexapod, make_interp_spline(np.arange(len(lengths)) * period, lengths, k=3))
+
+    @classmethod
+    def of_set_points(cls, hexapod: Hexapod, period: float, lengths: Array) -> "StrutExecution":
+        """The uniform B-spline whose control points are set points, shape (n, 6) [m], one each `period` [s].
+
+        It begins and ends standing still, and accelerates no more than the set points do from cycle to cycle.
+        """
+        held = np.vstack([lengths[:1], lengths, lengths[-1:]])
+        return cls.of_log(hexapod, period, (held[:-2] + 4.0 * held[1:-1] + held[2:]) / 6.0)
 
     @property
     def duration(self) -> float:

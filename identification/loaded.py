@@ -133,8 +133,7 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFi
         home: where the machine's poses are counted from, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
     """
-    scale = np.r_[np.full(3, disturbances.pose_error_length), np.full(3, disturbances.pose_error_angle)]
-    reduced = (poses - home) / scale
+    reduced = (poses - home) / _lengths(disturbances)
     found = []
     for k, size in enumerate((disturbances.pose_error_N, disturbances.pose_error_of_load)):
         draw = np.random.default_rng([disturbances.pose_error_seed, k])
@@ -143,3 +142,23 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFi
         field = np.cos(angle) @ np.cos(phases).T - np.sin(angle) @ np.sin(phases).T
         found.append(size * np.sqrt(2.0 / WAVES) * field)
     return PoseFields(*found)
+
+
+def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weight: float) -> Array:
+    """Covariance over machines of a sensor's error between poses, shape (n, n) [N^2].
+
+    Args:
+        disturbances: sizes and lengths.
+        home: where the machine's poses are counted from, shape (6,) [m, rad].
+        poses: shape (n, 6) [m, rad].
+        weight: of what is on the platform [N].
+    """
+    reduced = (poses - home) / _lengths(disturbances)
+    size = np.sum(reduced**2, axis=1)
+    apart = np.maximum(size[:, None] + size - 2.0 * reduced @ reduced.T, 0.0)
+    variance = disturbances.pose_error_N**2 + (weight * disturbances.pose_error_of_load) ** 2
+    return np.asarray(variance * np.exp(-apart / 2.0))
+
+
+def _lengths(disturbances: Disturbances) -> Array:
+    return np.repeat([disturbances.pose_error_length, disturbances.pose_error_angle], 3)

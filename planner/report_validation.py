@@ -153,17 +153,26 @@ def _std_plots(steps: Sequence[Step]) -> list[Plot]:
     over = ", over the smallest of each parameter."
     note = "Reported standard deviations without payload, at each method's own residuals" + over
     plots = [_std_plot("std", bare, lambda s: 1.0, note)]
+    if bare and all(s.scatter for s in bare):
+        note = (
+            "What these deviations are in truth: over simulated machines whose errors of the pose differ, and which "
+            "therefore repeat wherever a motion comes back to a pose" + over
+        )
+        plots.append(_std_plot("std-true", bare, lambda s: 1.0, note, true=True))
     if timed:
         note = "The same for one second of measuring: times the square root of the measuring time" + over
         plots.append(_std_plot("std-per-second", timed, lambda s: float(np.sqrt(s.duration or 1.0)), note))
     return plots
 
 
-def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], note: str) -> Plot:
+def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], note: str, true: bool = False) -> Plot:
     series = [
         Series(
             step.method,
-            {n: value.reported * factor(step) for n, value in step.estimate.physical.items()},
+            {
+                n: (step.scatter[n] if true else value.reported) * factor(step)
+                for n, value in step.estimate.physical.items()
+            },
             (*COLOURS, GREY)[k % 7],
         )
         for k, step in enumerate(bare)
@@ -250,7 +259,7 @@ def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
 
 
 def std_figure(steps: Sequence[Step]) -> Figure:
-    """Reported standard deviations without payload of the methods, as bars from zero, for papers."""
+    """Standard deviations without payload, for papers: bars from zero are the reported ones, lines the true ones."""
     bare = [s for s in steps if s.weights == 0]
     panels = ("m", "xC", "zC", "IC33", "k0", "k1")
     labels = [s.method if s.duration is None else f"{s.method}\n{s.duration:.0f} s" for s in bare]
@@ -262,9 +271,11 @@ def std_figure(steps: Sequence[Step]) -> Figure:
             height = 0.0 if value is None else value.reported * scale
             unit = unit or ("" if value is None else value.unit)
             ax.bar(k, height, color=(*COLOURS, GREY)[k % 7], width=0.7)
-            ax.annotate(
-                "none" if value is None else f"{height:#.2g}", (k, height), ha="center", va="bottom", fontsize=9
-            )
+            true = step.scatter.get(name, 0.0) * scale
+            if true > 0.0:
+                ax.plot([k - 0.42, k + 0.42], [true, true], color="black", linewidth=1.6)
+            said = "none" if value is None else f"{height:#.2g}"
+            ax.annotate(said, (k, max(height, true)), (0, 2), textcoords="offset points", ha="center", fontsize=9)
         ax.set_xticks(range(len(bare)), labels, fontsize=8)
         ax.set_xlim(-0.6, len(bare) - 0.4)
         ax.margins(y=0.15)

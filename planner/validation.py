@@ -25,7 +25,9 @@ from identification.recording import Recording
 from identification.result import Estimate
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.standing import Standing, average, find_standstills, match
+from planner.validation_answer import linear_answer
 from planner.validation_causes import BODY, Budget, error_budget
+from planner.validation_scatter import true_deviations
 
 Array = NDArray[np.float64]
 
@@ -111,6 +113,7 @@ class Step:
         theory: values by the identification without payload plus the weights, by name [SI].
         truth: of a simulated machine, by name [SI]; empty for recordings.
         budget: what a simulated machine's errors consist of; None for recordings.
+        scatter: standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown.
         columns: of Table 3: the same recording identified with other models, by number, for the methods in `TABLE_3`.
     """
 
@@ -122,6 +125,7 @@ class Step:
     theory: Mapping[str, float]
     truth: Mapping[str, float]
     budget: Budget | None = None
+    scatter: Mapping[str, float] = field(default_factory=dict)
     columns: Mapping[int, Estimate] = field(default_factory=dict)
 
     @property
@@ -157,6 +161,7 @@ class Step:
             "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
             "error_in_std": {n: self.error(n) for n in BODY if self.error(n) is not None},
             "error_budget_in_std": {} if self.budget is None else self.budget.in_std(self.estimate),
+            "std_over_machines": dict(self.scatter),
             "warnings": list(self.estimate.warnings),
         }
 
@@ -190,12 +195,15 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
         form = physical_form(model)
         values, _ = form.of(linear, np.zeros((len(linear), len(linear))))
         truth = {p.name: float(v) for p, v in zip(form.parameters, values, strict=True) if p.name in BODY}
-        budget = None if disturbances is None else error_budget(case, recording, parts, estimate, linear)
-        load = sum(w.mass_kg for w in weights)
+        load, budget, scatter = sum(w.mass_kg for w in weights), None, {}
+        if disturbances is not None:
+            answer = linear_answer(case, recording, estimate)
+            budget = error_budget(case, answer, recording, parts, estimate, linear)
+            scatter = true_deviations(case, answer, estimate, disturbances, load)
         theory = _theory(bare, weights)
         models = TABLE_3.get(excitation.name, ()) if k == 0 else ()
         columns = {number: identify(recording, case, number) for number in models}
-        yield Step(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, columns)
+        yield Step(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter, columns)
 
 
 def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[Step]:

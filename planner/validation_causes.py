@@ -5,19 +5,18 @@ squares of the run itself, and comes out as that disturbance's part of the error
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.evaluation import moving_run, standstills
 from identification.model import identification_model
 from identification.parameters import physical_form
-from identification.plausibility import scan
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.simulate import ForceParts
+from planner.validation_answer import LinearAnswer
 
 Array = NDArray[np.float64]
 
@@ -50,7 +49,9 @@ class Budget:
         return {name: {cause: v / std[name] for cause, v in parts.items()} for name, parts in self.parts.items()}
 
 
-def error_budget(case: Case, recording: Recording, parts: ForceParts, estimate: Estimate, truth: Array) -> Budget:
+def error_budget(
+    case: Case, answer: LinearAnswer, recording: Recording, parts: ForceParts, estimate: Estimate, truth: Array
+) -> Budget:
     """Takes the error of an estimate apart.
 
     What is left of the forces beside mode, pose errors and noise is that of ripple, encoders and sampling: motion that
@@ -58,6 +59,7 @@ def error_budget(case: Case, recording: Recording, parts: ForceParts, estimate: 
 
     Args:
         case: of the recording.
+        answer: of the estimate to forces.
         recording: that was identified, averaged where it stands.
         parts: what its true forces consist of, at the same rows.
         estimate: by least squares.
@@ -65,7 +67,8 @@ def error_budget(case: Case, recording: Recording, parts: ForceParts, estimate: 
     """
     model = identification_model(case, estimate.model, estimate.terms)
     noise = recording.forces - parts.total
-    *shifts, whole = _shifts(case, recording, (parts.mode, parts.pose, noise), estimate, truth).T
+    added = [answer.seen(part) for part in (parts.mode, parts.pose, noise)]
+    *shifts, whole = answer.of(np.stack([*added, answer.left(truth)], axis=2)).T
     form, none = physical_form(model), np.zeros((len(truth), len(truth)))
     values, true = form.of(estimate.values, none)[0], form.of(truth, none)[0]
     moved = [values - form.of(estimate.values - shift, none)[0] for shift in shifts]
@@ -78,26 +81,3 @@ def error_budget(case: Case, recording: Recording, parts: ForceParts, estimate: 
         if name in BODY
     }
     return Budget({n: float(values[names.index(n)] - true[names.index(n)]) for n in found}, found)
-
-
-def _shifts(case: Case, recording: Recording, added: tuple[Array, ...], estimate: Estimate, truth: Array) -> Array:
-    """What forces that were added to a recording moved u by, and all that the truth leaves, shape (u, k + 1) [SI]."""
-    model = identification_model(case, estimate.model, estimate.terms)
-    if recording.t is None:
-        matrices = standstills(recording, case, model).regressors
-        weights = np.ones(len(matrices)) if recording.weights is None else recording.weights
-        right = [*added, recording.forces - matrices @ truth]
-    else:
-        run = moving_run(recording, case, model, found=scan(recording, case))
-        run = replace(run, smoothing="smoothing_s2" in estimate.told)
-        delay = 0.0 if estimate.delay is None else estimate.delay.value
-        matrices = run.regressors(delay)
-        right = [run.filter.apply(part)[run.rows] for part in added] + [run.forces - matrices @ truth]
-        matrices = np.dstack([matrices, run.nuisance_columns(delay, matrices, estimate.values)])
-        weights = np.ones(len(matrices))
-    scale = weights[:, None, None] * np.sqrt(estimate.w)[None, :, None]
-    columns = (matrices * scale).reshape(-1, matrices.shape[2])
-    size = np.linalg.norm(columns, axis=0)
-    forces = (np.stack(right, axis=2) * scale).reshape(len(columns), -1)
-    found = np.linalg.lstsq(columns / size, forces, rcond=None)[0]
-    return np.asarray(found[: len(truth)] / size[: len(truth), None])

@@ -3,11 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.errors import ExecutionError
 from cases.machine import MotionLimits
 from cases.schema import Case
-from identification.executed import PoseExecution
+from identification.executed import StrutExecution
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.path_timing import UntimedPath, keeps_pace, retime
@@ -20,13 +21,42 @@ from postprocessors.predicted import predicted
 from postprocessors.reading.words import Reading
 from postprocessors.stretches import Still, Stretch, Timed, stretches
 
+Array = NDArray[np.float64]
+
 NAME = "virtual controller (exact on timed paths, built in)"
 BLOCK_LIMITED = "virtual controller (without look-ahead on timed paths, built in)"
 REST = 0.2  # [s] of standstill recorded before and after: filters need it, and so does a user who looks at the plot
+BLOCK = 100_000  # set points that are computed at once
 
 
 def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> ExecutedRun:
     """Executes a program that was read, starting from home.
+
+    Drives are given a set point each cycle (`cycle_ms` of the case), and interpolate between them as those of LinuxCNC
+    do: phases of the commanded motion that end within a cycle are spread over it, for encoders and sensors alike.
+
+    Args:
+        reading: the program.
+        case: the machine.
+        guarantees: of the controller that the program is for.
+
+    Raises:
+        ProgramError: the motion is not defined.
+        ExecutionError: no pace of a path keeps the limits.
+        CaseError: the case has no machine.
+    """
+    settings = case.need_controller("a run")
+    motion, trigger = commanded(reading, case, guarantees)
+    hexapod, cycle = Hexapod.of(case), settings.cycle
+    t = np.minimum(np.arange(1 + np.ceil(motion.duration / cycle - 1e-9)) * cycle, motion.duration)
+    blocks = np.array_split(t, 1 + len(t) // BLOCK)
+    lengths = np.vstack([hexapod.strut_lengths(motion.at(block).pose) for block in blocks])
+    name = NAME if settings.virtual_look_ahead == "exact" else BLOCK_LIMITED
+    return ExecutedRun(name, StrutExecution.of_set_points(hexapod, cycle, lengths), trigger, real=False)
+
+
+def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joined, Array]:
+    """The motion that the controller commands, and start and end of each time the trigger is on, shape (k, 2) [s].
 
     Timed paths follow the curve through their points at their times (`virtual_look_ahead` of the case is "exact"; where
     that would pass a limit of rates or accelerations, later, by toppra), or without look-ahead, with rounded corners
@@ -71,8 +101,7 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
         clock += part.duration
         pose = part.at([part.duration]).pose[0]
     parts.append(Standstill(pose, REST))
-    execution = PoseExecution(Hexapod.of(case), Joined(tuple(parts)))
-    return ExecutedRun(NAME if exact else BLOCK_LIMITED, execution, np.array(trigger).reshape(-1, 2), real=False)
+    return Joined(tuple(parts)), np.array(trigger).reshape(-1, 2)
 
 
 def _followed(path: TimedPoints, case: Case, own: Guarantees, exact: bool, file: str) -> Trajectory:

@@ -35,7 +35,7 @@ def test_the_virtual_controller_keeps_time_path_and_information(chain: Chain):
     run, plan = chain["run"], chain["plan"]
     assert run["duration_s"] == pytest.approx(plan["duration_s"], abs=1e-6)
     assert run["planned_s"] == pytest.approx(plan["duration_s"], abs=1e-6)
-    assert run["path_error_mm"] < 1e-3
+    assert run["path_error_mm"] < 3e-3  # what drives round off between set points of 1 ms: a / 6 of 1 ms squared
     assert run["d_efficiency"] == pytest.approx(plan["d_efficiency"], rel=0.01)
     assert chain["identify"]["samples"] == pytest.approx(1000 * plan["duration_s"], abs=1)
 

@@ -1,6 +1,7 @@
 """The payload experiment: an ideal machine meets theory exactly, a disturbed one errs as far as it is told why."""
 
 from contextlib import suppress
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,8 +18,10 @@ from identification.conditioning import Conditioning
 from identification.executed import PoseExecution, StrutExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.loaded import Circumstances
+from identification.loaded import Circumstances, pose_fields
+from identification.model import identification_model
 from identification.motion import Joined, Standstill, Trajectory
+from identification.parameters import physical_form
 from identification.profile import StraightMove
 from identification.recording import STRUTS
 from identification.simulate import simulate_standstills
@@ -28,8 +31,10 @@ from planner.interruption import Interrupted
 from planner.precision import with_deviation
 from planner.report_validation import _models
 from planner.validation import SHOWN, Excitation, Step, mounted_weights, steps
+from planner.validation_answer import linear_answer
 from planner.validation_causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from planner.validation_remedy import remedies
+from planner.validation_scatter import true_deviations
 from planner.validation_verdict import findings, off_rows
 from postprocessors.execute.executed_run import ExecutedRun
 from tests.helpers import Harmonic, ideal, paper_poses
@@ -183,19 +188,61 @@ def test_where_the_mode_is_the_cause_the_recording_is_identified_with_it():
     assert remedies(excitation, steps(excitation, (0,), calm), calm) == []
 
 
+def test_true_deviations_are_the_scatter_over_machines_that_err_with_the_pose_otherwise():
+    """Each machine's own waves, through the evaluation of the same run; of 60 machines a deviation is 9 % uncertain."""
+    excitation = moving(CASE)
+    recording, _ = excitation.recorded(3, FOUND)
+    estimate = identify(recording, CASE)
+    answer = linear_answer(CASE, recording, estimate)
+    load = 3 * 19.93
+    weight, poses = 9.81 * load, Hexapod.of(CASE).poses(recording.struts)
+    machines = [pose_fields(FOUND.model_copy(update={"pose_error_seed": 50 + k}), HOME, poses) for k in range(60)]
+    moves = answer.of(np.stack([answer.seen(fields.of(weight)) for fields in machines], axis=2))
+    form, none = physical_form(identification_model(CASE, 9)), np.zeros((20, 20))
+    values = np.array([form.of(estimate.values + move, none)[0] for move in moves.T])
+    told = true_deviations(CASE, answer, estimate, FOUND, load)
+    assert set(told) == set(estimate.physical)
+    scatter = {p.name: v for p, v in zip(form.parameters, values.std(axis=0, ddof=1), strict=True)}
+    by_pose = {n: np.sqrt(told[n] ** 2 - estimate.physical[n].std ** 2) for n in told}
+    ratios = np.array([scatter[n] / by_pose[n] for n in told])
+    assert 0.6 < ratios.min() <= ratios.max() < 1.5
+    assert np.sqrt(np.mean(ratios**2)) == pytest.approx(1.0, abs=0.15)
+
+
+def test_what_forces_move_an_estimate_by_is_foretold():
+    excitation = moving(CASE)
+    recording, _ = excitation.recorded(0, None)
+    estimate = identify(recording, CASE)
+    answer = linear_answer(CASE, recording, estimate)
+    push = 0.5 * np.sin(np.arange(len(recording.t))[:, None] * [0.003, 0.004, 0.005, 0.006, 0.007, 0.008])
+    foretold = answer.of(answer.seen(push)[:, :, None])[:, 0]
+    pushed = identify(replace(recording, forces=recording.forces + push), CASE)
+    moved = pushed.values - estimate.values
+    assert np.linalg.norm(foretold) > 0.0
+    np.testing.assert_allclose(foretold, moved, atol=0.02 * np.abs(moved).max())
+
+
 def claimed(
-    ours: float, theirs: float, seconds: tuple[float, float], method: str, robust: tuple[float, float] = (0.0, 0.0)
+    ours: float,
+    theirs: float,
+    seconds: tuple[float, float],
+    method: str,
+    robust: tuple[float, float] = (0.0, 0.0),
+    true: tuple[float, float] | None = None,
 ) -> list[bool]:
-    """Whether ptp's standard deviations are found to be smaller: by (28), and with noise that has memory."""
+    """Whether ptp's standard deviations are found to be smaller: by (28), with noise that has memory, and in truth."""
 
     def told(plain: float, other: float) -> SimpleNamespace:
         return SimpleNamespace(std=plain, std_robust=other, reported=max(plain, other))
 
-    def row(name: str, plain: float, other: float, t: float, k0: float) -> SimpleNamespace:
+    def row(name: str, plain: float, other: float, t: float, k0: float, true: dict[str, float]) -> SimpleNamespace:
         estimate = SimpleNamespace(physical={"m": told(plain, other), "k0": told(k0, 0.0)})
-        return SimpleNamespace(method=name, weights=0, estimate=estimate, duration=t, truth={})
+        return SimpleNamespace(method=name, weights=0, estimate=estimate, duration=t, truth={}, scatter=true)
 
-    rows = [row("ptp", ours, robust[0], seconds[0], 0.001), row(method, theirs, robust[1], seconds[1], 0.01)]
+    rows = [
+        row("ptp", ours, robust[0], seconds[0], 0.001, dict.fromkeys(("m", "k0"), true[0]) if true else {}),
+        row(method, theirs, robust[1], seconds[1], 0.01, dict.fromkeys(("m", "k0"), true[1]) if true else {}),
+    ]
     return [found.holds for found in findings(CASE, rows, {})]
 
 
@@ -209,6 +256,12 @@ def test_a_method_is_better_only_where_all_its_deviations_are_smaller_in_no_more
 def test_noise_with_memory_is_another_question():
     assert claimed(0.1, 0.2, (12.0, 12.0), "D9N", (0.5, 0.4)) == [True, False]
     assert claimed(0.2, 0.1, (12.0, 12.0), "D9N", (0.3, 0.4)) == [False, True]
+
+
+def test_true_deviations_are_another_one():
+    equal, times = (0.3, 0.3), (12.0, 12.0)
+    assert claimed(0.1, 0.2, times, "D9N", equal, (0.4, 0.5)) == [True, False, True]
+    assert claimed(0.1, 0.2, times, "D9N", equal, (0.5, 0.4)) == [True, False, False]
 
 
 def test_against_standing_still_the_measuring_time_counts():

@@ -5,14 +5,18 @@ import pytest
 
 from cases.errors import ProgramError
 from cases.schema import Case
+from identification.executed import PoseExecution
+from identification.hexapod import Hexapod
+from identification.identify import identify
 from identification.limits import prove
 from identification.motion import Trajectory, sample
 from identification.path import path_error
+from identification.simulate import simulate_recording
 from postprocessors.execute.block_limited import rounded
 from postprocessors.execute.executed_run import ExecutedRun, windows
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
-from postprocessors.execute.virtual import REST, run_virtual
+from postprocessors.execute.virtual import REST, commanded, run_virtual
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.stretches import Timed
 from tests.postprocessors.changed_case import changed
@@ -25,19 +29,56 @@ def run(text: str, case: Case) -> ExecutedRun:
     return run_virtual(reading, case, linuxcnc_guarantees(reading, case))
 
 
-def trajectory(executed: ExecutedRun) -> Trajectory:
-    return executed.execution.trajectory
+def motion_of(text: str, case: Case) -> Trajectory:
+    reading = read_linuxcnc(text, "p.ngc")
+    return commanded(reading, case, linuxcnc_guarantees(reading, case))[0]
 
 
 def test_the_struts_that_it_moves_are_the_inverse_kinematics_of_the_planned_motion(hexapod_case: Case):
+    """But for what a uniform cubic B-spline rounds: a sixth of the acceleration times the cycle's square."""
     text = small_excitation(hexapod_case)
     executed = run(text, hexapod_case)
     (planned,) = (s.points for s in parts(text, hexapod_case) if isinstance(s, Timed))
     ((start, end),) = executed.trigger
     t = np.linspace(0.0, planned.duration, 500)
     expected = strut_lengths(planned.at(t).pose, hexapod_case)
-    assert np.abs(executed.execution.struts(start + t) - expected).max() < 1e-12
+    cycle = hexapod_case.controller.cycle
+    rounded_off = hexapod_case.limits.motion.strut_acceleration_m_s2 * cycle**2 / 6
+    assert np.abs(executed.execution.struts(start + t) - expected).max() < rounded_off
     assert end - start == pytest.approx(planned.duration, abs=1e-12)
+
+
+@pytest.mark.parametrize("cycle_ms", [1.0, 4.0])
+def test_drives_move_smoothly_between_the_set_points_of_a_cycle(cycle_ms: float, hexapod_case: Case):
+    """Without limit of jerk accelerations step, within a cycle; what moves takes a cycle and more for that."""
+    case = changed(hexapod_case, controller__cycle_ms=cycle_ms)
+    text = typed("G1 X20.3 F9000")
+    executed, exact = run(text, case).execution, PoseExecution(Hexapod.of(case), motion_of(text, case))
+    cycle = cycle_ms * 1e-3
+    t = np.arange(0.0, exact.duration, cycle / 10)
+    most, steps = np.abs(exact.struts(t, 2)).max(), np.abs(np.diff(exact.struts(t, 2), axis=0)).max()
+    assert steps > most / 2
+    assert np.abs(executed.struts(t, 2)).max() <= most * (1 + 1e-6)
+    assert np.abs(np.diff(executed.struts(t, 2), axis=0)).max() < 0.3 * most
+    assert np.abs(executed.struts(t) - exact.struts(t)).max() < most * cycle**2 / 6
+
+
+def test_sensors_see_the_motion_that_encoders_see(hexapod_case: Case):
+    """Whatever ends between two samples: nothing is left of a run but what the sensors' noise explains."""
+    draw, here = np.random.default_rng(1), np.array([150.0, 150.0, 60.0, 12.0, 12.0, 12.0])
+    stations = hexapod_case.machine.home.vector * 1e3 + np.vstack(
+        [draw.uniform(-1.0, 1.0, (16, 6)) * here, np.zeros(6)]
+    )
+    moves = ("G1 " + " ".join(f"{letter}{v:.3f}" for letter, v in zip("XYZABC", at, strict=True)) for at in stations)
+    text = typed("M64 P0\n" + " F36000\n".join(moves) + " F36000\nM65 P0")
+    executed = run(text, hexapod_case)
+    pointwise = PoseExecution(Hexapod.of(hexapod_case), motion_of(text, hexapod_case))
+    s0, aliased = (
+        identify(simulate_recording(hexapod_case, execution, executed.trigger, 0), hexapod_case).s0
+        for execution in (executed.execution, pointwise)
+    )
+    assert s0 == pytest.approx(hexapod_case.simulation.force_noise_N, rel=0.2)
+    assert aliased > 2.0 * s0
 
 
 def test_the_trigger_window_is_as_long_as_the_excitation_and_leaves_out_the_dwells(hexapod_case: Case):
@@ -57,26 +98,26 @@ def test_each_time_the_trigger_goes_on_is_a_window(hexapod_case: Case):
 
 @pytest.mark.parametrize("line", ["G0 X200 Y-100 A5 C-20", "G1 X200 A5 F3000", "G1 X200 C20 F36000", "G1 B15 F3600"])
 def test_moves_that_it_times_itself_keep_every_limit_and_the_feed(line: str, hexapod_case: Case):
-    executed = run(typed(line), hexapod_case)
-    report = prove(trajectory(executed), hexapod_case, 2000.0)
+    motion = motion_of(typed(line), hexapod_case)
+    report = prove(motion, hexapod_case, 2000.0)
     box = ("position", "angle", "velocity", "angular velocity", "acceleration", "angular acceleration", "jerk")
     for name in (*box, "angular jerk"):
         assert report.to_json()[name]["ratio"] <= 1 + 1e-6, name
     if "F3000" in line:
-        speed = np.linalg.norm(sample(trajectory(executed), 2000.0).rates[:, :3], axis=1)
+        speed = np.linalg.norm(sample(motion, 2000.0).rates[:, :3], axis=1)
         assert speed.max() == pytest.approx(0.05, rel=1e-6)
 
 
 def test_it_starts_and_ends_with_a_rest_that_filters_need(hexapod_case: Case):
     executed = run(typed(timed(there_and_back())), hexapod_case)
     struts = executed.execution.struts(np.array([0.0, REST / 2, REST]))
-    assert np.ptp(struts, axis=0).max() < 1e-12
+    assert np.ptp(struts, axis=0).max() < 1e-9  # a thousandth of an encoder's step
     assert REST * hexapod_case.recording.filter_cutoff_Hz >= 4.0  # half the filter's length
 
 
 def test_motion_is_continuous_over_all_its_parts(hexapod_case: Case):
     body = f"G1 X2 A1 F3000\nG4 P0.1\nG0 X0 A0\n{timed(there_and_back())}"
-    motion = sample(trajectory(run(typed(body), hexapod_case)), 10_000.0)
+    motion = sample(motion_of(typed(body), hexapod_case), 10_000.0)
     box = hexapod_case.limits.motion
     assert np.all(np.abs(np.diff(motion.pose, axis=0)) <= box.rate * 1e-4 * (1 + 1e-6))
     assert np.all(np.abs(np.diff(motion.rates, axis=0)) <= box.acceleration * 1e-4 * (1 + 1e-6))
@@ -130,7 +171,7 @@ def test_without_look_ahead_a_dense_path_takes_as_long_as_is_predicted_of_linuxc
     assert late.excitation / exact.excitation == pytest.approx(expected, rel=0.02)
     assert expected > 1.5
     assert "without look-ahead" in late.controller
-    assert max(shares(trajectory(late), slow).values()) <= 1.0 + 1e-6
+    assert max(shares(motion_of(text, slow), slow).values()) <= 1.0 + 1e-6
     (path,) = (s.points for s in parts(text, slow) if isinstance(s, Timed))
     corners = np.linalg.norm(np.diff(path.poses[:, :3], n=2, axis=0), axis=1).max() / 8
     assert 0.5 * corners < path_error(path, late.execution, late.trigger) <= 1.01 * corners
@@ -141,9 +182,10 @@ def test_a_path_that_asks_too_much_is_followed_later_inside_the_limits(hexapod_c
     body = timed(there_and_back(count=40, size=200.0, seconds=0.02))
     (path,) = (s.points for s in parts(typed(body), hexapod_case) if isinstance(s, Timed))
     assert max(shares(path, hexapod_case).values()) > 1.3
-    executed = run(typed(f"M64 P0\n{body}\nM65 P0"), hexapod_case)
+    text = typed(f"M64 P0\n{body}\nM65 P0")
+    executed = run(text, hexapod_case)
     assert executed.excitation > 1.05 * path.duration
-    assert max(shares(trajectory(executed), hexapod_case).values()) <= 1.0 + 1e-6
+    assert max(shares(motion_of(text, hexapod_case), hexapod_case).values()) <= 1.0 + 1e-6
     assert path_error(path, executed.execution, executed.trigger) < 5e-5  # half of what it passes in 0.1 ms
 
 
