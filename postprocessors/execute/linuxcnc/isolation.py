@@ -168,16 +168,24 @@ def _alone() -> Iterator[None]:
     lock = os.open(Path(tempfile.gettempdir()) / f"hexcite-linuxcnc-{os.getuid()}.lock", os.O_RDWR | os.O_CREAT, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        for entry in Path("/proc").glob("[0-9]*"):
-            try:
-                name = (entry / "comm").read_text().strip()
-            except OSError:
-                continue
+        for number, name in _running().items():
             if name in _PROCESSES:
                 raise ExecutionError(
-                    f"another LinuxCNC is running on this computer ({name}, process {entry.name}); end it first, or "
+                    f"another LinuxCNC is running on this computer ({name}, process {number}); end it first, or "
                     "allow hexcite to make namespaces (unshare --user)"
                 )
         yield
     finally:
         os.close(lock)
+
+
+def _running() -> dict[int, str]:
+    """Numbers and names of all processes but those that have ended and that nobody has asked about: in a container
+    without an init process they stay in the list for good."""
+    found = {}
+    for entry in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # gone by now
+            name, _, rest = (entry / "stat").read_text().partition(" (")[2].rpartition(") ")
+            if not rest.startswith("Z"):
+                found[int(entry.name)] = name
+    return found

@@ -164,3 +164,11 @@ def test_does_not_start_beside_somebody_elses_linuxcnc(folder: Path, monkeypatch
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
     with pytest.raises(ExecutionError, match="another LinuxCNC is running on this computer"):
         isolation.run_session(folder, [], {}, 1.0)
+
+
+def test_a_process_that_has_ended_runs_no_more_though_nobody_has_asked_for_its_end() -> None:
+    with subprocess.Popen(["sleep", "1000"]) as process:
+        wait_for(lambda: isolation._running().get(process.pid) == "sleep", "start")
+        process.kill()
+        wait_for(lambda: process.pid not in isolation._running(), "end")
+        assert (Path("/proc") / str(process.pid)).exists()
