@@ -30,7 +30,10 @@ def path_error(planned: Trajectory, execution: Execution, windows: Array) -> flo
         execution: what the controller did.
         windows: when it ran the excitation, shape (k, 2) [s].
     """
-    tree = cKDTree(sample(planned, PLAN_RATE).pose[:, :3])
+    positions = sample(planned, PLAN_RATE).pose[:, :3]
+    # Where the machine stands or only turns, a query would look at thousands of places that are all as near.
+    passed = positions[np.r_[True, np.any(np.diff(positions, axis=0) != 0.0, axis=1)]]
+    tree = cKDTree(passed)
     executed = execution.kinematics(np.clip(instants(windows), 0.0, execution.duration)).pose[:, :3]
     return float(tree.query(executed)[0].max())
 

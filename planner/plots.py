@@ -1,4 +1,7 @@
-"""Figures of plans and results, drawn with matplotlib; functions take data and return a Figure."""
+"""Figures of plans and results, drawn with matplotlib; functions take data and return a Figure.
+
+Their margins are fixed: to find them takes matplotlib longer than to draw all lines.
+"""
 
 from pathlib import Path
 
@@ -29,8 +32,9 @@ def trajectory_figure(motion: Motion, case: Case) -> Figure:
     """Position, velocity, acceleration and jerk over time, translations left, rotations right, with their limits."""
     machine, _, limits = case.need_machine("the plot of a motion")
     box = limits.motion
-    figure = Figure(figsize=(11, 9), layout="constrained")
-    axes = figure.subplots(4, 2, sharex=True)
+    figure = Figure(figsize=(11, 9))
+    margins = {"left": 0.07, "right": 0.99, "bottom": 0.055, "top": 0.965, "wspace": 0.17, "hspace": 0.1}
+    axes = figure.subplots(4, 2, sharex=True, gridspec_kw=margins)
     rows = (
         ("position from home", "mm", "deg", motion.pose - machine.home.vector, box.pose, (1 / MM, 1 / DEG)),
         ("velocity", "mm/s", "deg/s", motion.rates, np.array([-box.rate, box.rate]), (1 / MM, 1 / DEG)),
@@ -64,21 +68,23 @@ def _both(limit: Array) -> Array:
 
 def identifiability_figure(found: Identifiability) -> Figure:
     """Figure 3 of the paper: correlation of the columns, and R of the scaled regressor, both as magnitudes."""
-    figure = Figure(figsize=(11, 5), layout="constrained")
+    figure = Figure(figsize=(11, 5))
     panels = (("|correlation|", np.abs(found.correlation)), ("|R| of the scaled regressor", np.abs(found.r)))
-    for ax, (title, values) in zip(figure.subplots(1, 2), panels, strict=True):
+    margins = {"left": 0.06, "right": 1.0, "bottom": 0.13, "top": 0.93, "wspace": 0.14}
+    for ax, (title, values) in zip(figure.subplots(1, 2, gridspec_kw=margins), panels, strict=True):
         image = ax.imshow(values, cmap="Blues", vmin=0.0, vmax=1.0)
         ax.set_title(title)
         ax.set_xticks(range(len(found.names)), found.names, rotation=90, fontsize=7)
         ax.set_yticks(range(len(found.names)), found.names, fontsize=7)
-    figure.colorbar(image, ax=figure.axes, shrink=0.8)
+    figure.colorbar(image, ax=figure.axes, shrink=0.8, fraction=0.08, pad=0.03)
     return figure
 
 
 def residual_figure(estimate: Estimate) -> Figure:
     """Residual of each channel over the samples and as a distribution, with the normal density of its rms."""
-    figure = Figure(figsize=(10, 4), layout="constrained")
-    over, spread = figure.subplots(1, 2, width_ratios=(3, 1))
+    figure = Figure(figsize=(10, 4))
+    margins = {"left": 0.08, "right": 0.99, "bottom": 0.125, "top": 0.97, "wspace": 0.05}
+    over, spread = figure.subplots(1, 2, width_ratios=(3, 1), gridspec_kw=margins)
     for k in range(6):
         over.plot(estimate.residuals[:, k], linewidth=0.6, label=f"channel {k + 1}")
     over.set_xlabel("sample")
