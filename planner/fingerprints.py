@@ -1,13 +1,18 @@
-"""Which plan a run followed: the plan's fingerprint goes into the program, and from there into the recording."""
+"""Where a program comes from: fingerprints of plan, case and controller settings are in its header.
+
+That of the plan goes on into the recording.
+"""
 
 import hashlib
 import re
 from pathlib import Path
 
 from cases.files import read_json
+from cases.schema import Case
 
 DIGITS = 16
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)
+_OF_THE_CASE = re.compile(rb"hash ([0-9a-f]{%d}), controller settings ([0-9a-f]{%d})" % (DIGITS, DIGITS))
 
 
 def plan_hash(folder: Path) -> str:
@@ -24,6 +29,27 @@ def plan_of_program(content: bytes) -> str | None:
     """The fingerprint in a program; None where it names none, or several."""
     found = set(_IN_PROGRAM.findall(content))
     return found.pop().decode() if len(found) == 1 else None
+
+
+def case_line(case: Case) -> str:
+    """What a program says of its case."""
+    return f"case {case.name}, hash {case.hash}, controller settings {case.controller_hash}"
+
+
+def written_for_another(content: bytes, case: Case) -> str | None:
+    """What to know about a program whose header names another state of the case; None where it names this or none."""
+    found = set(_OF_THE_CASE.findall(content))
+    if len(found) != 1:
+        return None
+    machine, settings = (part.decode() for part in found.pop())
+    if machine != case.hash:
+        return f"written for another case or state of it (its header says hash {machine}, this one has {case.hash})"
+    if settings != case.controller_hash:
+        return (
+            f"written with other settings of [controller] (its header says {settings}, now they are "
+            f"{case.controller_hash}): signs and words may mean something else"
+        )
+    return None
 
 
 def plan_of_recording(path: Path) -> str | None:

@@ -13,6 +13,7 @@ from postprocessors.guarantees import KINETIC, family
 from postprocessors.stretches import Untimed
 
 WAY_HOME = ", way home"
+FEED_TO_HOME = "feed to home"
 _COORDINATES = "xyzabc"
 _AT_MOST = "from anywhere, at most"
 
@@ -35,7 +36,7 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
     rate = limits.rate.copy()
     safe = min(by.case.need_controller("the check of a program").safe_feed, float(rate[:3].min()))
     feed = float(rate[:3].max()) if part.feed is None else part.feed
-    yield LimitCheck("feed to home", feed / MM, safe / MM, "mm/s", feed / safe, clock, Status.PROVEN)
+    yield LimitCheck(FEED_TO_HOME, feed / MM, safe / MM, "mm/s", feed / safe, clock, Status.PROVEN)
     rate[:3] = np.minimum(rate[:3], feed)
     yield _largest("angular velocity", rate[3:], limits.rate[3:], "deg/s", clock, by)
     peaks = _peak_accelerations(rate, by)

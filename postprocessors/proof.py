@@ -9,10 +9,13 @@ from identification.limits import LimitCheck, LimitReport, Status, worst_of
 from postprocessors.answering import Answering
 from postprocessors.forces import ForceBounds
 from postprocessors.guarantees import KINETIC, Guarantees, family
+from postprocessors.homing import FEED_TO_HOME
 from postprocessors.judging import judge
 from postprocessors.reading.words import Reading
 from postprocessors.remarks import remarks
 from postprocessors.stretches import Still, Stretch, Timed, Untimed, stretches
+
+AT_A_SPEED = (*KINETIC, FEED_TO_HOME)  # limits that a slower program keeps
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +67,24 @@ class ProgramProof:
     @property
     def relies_on(self) -> tuple[str, ...]:
         """Families of limits that nobody enforces, in the order of the report: `jerk`, `strut acceleration`."""
-        return tuple(dict.fromkeys(family(c.name) for c in self.limits.checks if c.status is Status.NOT_ENFORCED))
+        return self._families(Status.NOT_ENFORCED)
+
+    def _families(self, status: Status) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(family(c.name) for c in self.limits.checks if c.status is status))
 
     @property
     def verdict(self) -> str:
         """What the proof comes to, never more than it holds."""
         if self.violations:
             return "NOT proven"
-        if self.relies_on:
-            return f"proven, but nobody enforces: {', '.join(self.relies_on)}"
-        return "proven"
+        kept = [name for name in self._families(Status.ENFORCED) if name not in self.relies_on]
+        return "; ".join(
+            [
+                "proven",
+                *([f"{self.controller} enforces: {', '.join(kept)}"] if kept else []),
+                *([f"nobody enforces: {', '.join(self.relies_on)}"] if self.relies_on else []),
+            ]
+        )
 
     def require_accepted(self, accepted: Collection[str]) -> None:
         """Raises ProgramError unless the proof holds and every limit that nobody enforces is accepted by name.
@@ -103,9 +114,8 @@ class ProgramProof:
         if self.violations:
             first = self.violations[0]
             more = f" ({len(self.violations) - 1} more)" if len(self.violations) > 1 else ""
-            raise ProgramError(
-                self.file, first.line, 0, f"{first.check.sentence()}; slow down or change the move{more}"
-            )
+            remedy = "slow down or change the move" if family(first.check.name) in AT_A_SPEED else "change the move"
+            raise ProgramError(self.file, first.line, 0, f"{first.check.sentence()}; {remedy}{more}")
 
 
 def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> ProgramProof:

@@ -62,7 +62,7 @@ def make_program(
 
     from cases.errors import HexciteError
     from cases.files import atomic_file, check_file
-    from planner.fingerprints import plan_line
+    from planner.fingerprints import case_line, plan_line
     from planner.plan import load_plan
     from postprocessors.dialects import DIALECTS, dialect
     from postprocessors.files import ProgramFile
@@ -79,7 +79,7 @@ def make_program(
     saved = load_plan(plan)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
-        f"case {saved.case.name}, hash {saved.case.hash}, controller settings {saved.case.controller_hash}",
+        case_line(saved.case),
         f"plan {plan.resolve().name}: {saved.data['family']}, {saved.motion.duration:g} s at speed {speed:g}",
         plan_line(plan),
         language.start,
@@ -158,6 +158,7 @@ def check_program(
     """The JSON answer, and the error where a limit is passed."""
     from cases.errors import ProgramError
     from cases.loading import load_case
+    from planner.fingerprints import written_for_another
     from postprocessors.files import read_program
     from postprocessors.proof import prove_program
 
@@ -165,6 +166,7 @@ def check_program(
     with status(f"proving {program.name}", quiet):
         read = read_program(program, loaded, dialect)
         proof = prove_program(read.reading, loaded, read.guarantees)
+    other = written_for_another(read.content, loaded)
     reason = None
     try:
         proof.require()
@@ -176,7 +178,7 @@ def check_program(
         "relies_on": list(proof.relies_on),
         "violations": [{"line": v.line, "sentence": v.check.sentence()} for v in proof.violations],
         "duration_s": proof.duration,
-        "remarks": list(proof.remarks),
+        "remarks": [*proof.remarks, *([other] if other else [])],
         "limits": proof.limits.to_json(),
     }
     return answer, reason

@@ -54,13 +54,13 @@ _PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 _CENTRES = "IJK"
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
 _REMEDY = {
-    "G20": "inches are not used here; write G21",
-    "G91": "incremental coordinates are not used here; write G90",
-    "G92": "shifts the coordinates, what follows is not known; write G92.1",
+    "G20": "inches, which are not used here; write G21",
+    "G91": "incremental, which is not used here; write G90",
+    "G92": "a shift of all coordinates by an amount that is not known; write G92.1",
     "G60": "not known to LinuxCNC; write G61",
     "G70": "a finishing cycle here; write G21 for millimetres",
     "G71": "a turning cycle here; write G21 for millimetres",
-    "G90.1": "absolute arc centres are not used here; write G91.1",
+    "G90.1": "for absolute arc centres, which are not used here; write G91.1",
 }
 
 
