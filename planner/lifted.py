@@ -1,9 +1,9 @@
-"""The D-optimal problem with exact second derivatives.
+"""The problem of every criterion with exact second derivatives.
 
--log det F couples all unknowns: its Hessian is full, and automatic differentiation takes seconds for it. Here the mean
+A criterion couples all unknowns: its Hessian is full, and automatic differentiation takes seconds for it. Here the mean
 information is an unknown of its own, tied to the motion by an equation. Then the Hessian of the Lagrangian falls apart:
 
-- in the information, that of -log det alone: d^2(-log det F) = trace(F^-1 dF F^-1 dF);
+- in the information, that of the criterion alone, a function of eigenvalues (`planner.curvature`);
 - in the motion, a sum over states, each a small matrix in pose, rates and accelerations: of what the equation and the
   non-linear limits weigh it with. Of splines and moves, states depend on few unknowns, so that it is sparse.
 
@@ -16,8 +16,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.curvature import curvature_function
 from planner.families.family import Sampling
-from planner.objective import inverse, objective
+from planner.objective import objective
 from planner.problem import Constraints, Problem
 from planner.solvers import Program
 
@@ -34,10 +35,12 @@ class Lifted:
     Args:
         program: with second derivatives.
         information: unknowns of the motion -> that triangle.
+        curvature: second derivatives of the criterion, which the program calls: CasADi does not keep it alive.
     """
 
     program: Program
     information: ca.Function
+    curvature: ca.Function
 
     def start(self, unknowns: Array) -> Array:
         """The unknowns of a motion and its information."""
@@ -90,12 +93,14 @@ class _Columns:
         return result + bent(self.unknowns, _weighed(function, used, 1).map(self.count)(self.values, multipliers))
 
 
-def lifted(problem: Problem, active: NDArray[np.bool_], barrier: float) -> Lifted:
+def lifted(problem: Problem, active: NDArray[np.bool_], letter: str, halvings: int, barrier: float) -> Lifted:
     """The lifted program.
 
     Args:
         problem: of any family; those with linear states are quicker.
         active: non-linear limits that are held, as `Problem.constraints` has them.
+        letter: of the criterion.
+        halvings: see `planner.objective`.
         barrier: see `Program`.
     """
     sampling, n = problem.sampling, problem.unknowns.shape[0]
@@ -125,17 +130,18 @@ def lifted(problem: Problem, active: NDArray[np.bool_], barrier: float) -> Lifte
         np.r_[held.lower, zeros],
         np.r_[held.upper, zeros],
     )
-    hessian = ca.triu(ca.diagcat(curvature, factor * _of_log_determinant(triangle, problem.size)))
+    of_criterion = curvature_function(letter, problem.size, halvings)
+    hessian = ca.triu(ca.diagcat(curvature, factor * of_criterion(triangle)))
     program = Program(
         everything,
-        objective("D", problem.size)(triangle),
+        objective(letter, problem.size, halvings)(triangle),
         constraints,
         np.r_[sampling.lower, -free],
         np.r_[sampling.upper, free],
         ca.Function("hessian", [everything, ca.MX.sym("p", 0), factor, multipliers], [hessian], *HESSIAN),
         barrier,
     )
-    return Lifted(program, ca.Function("information", [sampling.unknowns], [problem.information]))
+    return Lifted(program, ca.Function("information", [sampling.unknowns], [problem.information]), of_criterion)
 
 
 def _stacked(function: ca.Function) -> ca.Function:
@@ -182,20 +188,3 @@ def _of_limits(problem: Problem, active: NDArray[np.bool_], multipliers: ca.MX) 
     used = np.flatnonzero(active.any(axis=1)).tolist()
     function = _stacked(problem.state_limits.shares)
     return columns.curvature(function, used, ca.reshape(table, active.shape[0], columns.count))
-
-
-def _of_log_determinant(triangle: ca.MX, size: int) -> ca.MX:
-    """Second derivative of -log det F / u by the lower triangle of F: (P_ik P_jl + P_il P_jk) / u, P = F^-1.
-
-    Elements off the diagonal stand for two of F and count twice, those on it once: half of that for each pair.
-    """
-    values = ca.vec(inverse(size)(triangle))
-    row, column = (np.array(k) for k in ca.Sparsity.lower(size).get_triplet())
-    count = np.where(row == column, 1.0, 2.0)
-
-    def pairs(first: Array, second: Array) -> ca.MX:
-        places = (first[:, None] + size * second[None, :]).ravel(order="F")
-        return ca.reshape(values[places.tolist()], len(row), len(row))
-
-    both = pairs(row, row) * pairs(column, column) + pairs(row, column) * pairs(column, row)
-    return both * ca.DM(np.outer(count, count) / (2 * size))

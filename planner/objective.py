@@ -31,13 +31,6 @@ def _inverse_factor(lower: ca.SX) -> ca.SX:
     return inverse
 
 
-def inverse(size: int) -> ca.Function:
-    """Lower triangle of a positive definite matrix of this size -> its inverse, shape (u, u)."""
-    triangle = ca.SX.sym("triangle", ca.Sparsity.lower(size).nnz())
-    factor = _inverse_factor(_factor(_full(triangle, size)))
-    return ca.Function("inverse", [triangle], [factor.T @ factor], ["triangle"], ["inverse"])
-
-
 def _log_norm(matrix: ca.SX, halvings: int) -> ca.SX:
     """Log of the p-norm of the eigenvalues of a positive definite matrix, p = 2^(halvings + 1): at least the largest.
 

@@ -18,6 +18,7 @@ from planner.bound import Bound
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.saved import motion_entries, motion_of_entries
+from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise
 from planner.request import LONGEST, Request
 from planner.solving import Failed, Start
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
 BINDING = 0.99  # share of a limit from which it shapes the motion
+FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
 LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
 
@@ -113,6 +115,13 @@ class Plan:
             notes.append(f"re-timed with {method}: {self.motion.duration:.2f} s instead of {before:.2f} s{off}")
         if all(s.converged is False for s in self.starts) and self.starts:
             notes.append("no start converged within its iterations; more --starts or another --solver may find more")
+        if self.family == "spline" and (knots := self.settings.get("knots")) is not None:
+            enough = enough_intervals(self.case, self.motion.duration)
+            if knots < FEW_KNOTS * enough:
+                notes.append(
+                    f"{knots} knots, not the machine, keep accelerations from their limits: --knots {enough} carries "
+                    "more information"
+                )
         if self.family != self.request.family:
             notes.append(
                 f"this is a {self.family} plan: no {self.request.family} found carries more; more --knots may help"

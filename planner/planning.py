@@ -42,10 +42,11 @@ ANNEALING = 200  # proposals for each pair of moves: half a minute for 40 moves,
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
 # last iterations bring.
 STAGES = {
-    "fourier": (Stage("explore", 100, False), Stage("refine", 150, True)),
+    "fourier": (Stage("explore", 100, False), Stage("refine", 240, True, barrier=1e-4)),
     "ptp": (Stage("explore", 200, False, ANNEALING), Stage("refine", 300, True)),
-    "spline": (Stage("explore", 500, False, barrier=1e-2), Stage("refine", 800, True, barrier=AT_HAND)),
+    "spline": (Stage("explore", 300, False, barrier=1e-2), Stage("refine", 900, True, barrier=AT_HAND)),
 }
+ANEW = 1e-2  # barrier of a refinement by A, K or N: the D-optimal motion, where it begins, is no optimum
 # Solvers that approximate second derivatives need minutes from splines that start by chance. For these they begin from
 # point-to-point motions, which reach in seconds what such splines do not.
 BEGIN_FROM_MOVES = ("sqp", "slsqp")
@@ -100,6 +101,8 @@ def _refine(request: Request, case: Case, start: Start) -> Task:
         family = SplineFamily.of(case, request.intervals, request.duration)
         unknowns = family.through(start.family.motion(start.begin))
     stage = STAGES[request.family][1]
+    if request.criterion != "D" and stage.barrier:
+        stage = stage._replace(barrier=ANEW)
     return Task(
         case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns, request.payload
     )

@@ -167,9 +167,10 @@ _SQP = {
 }
 
 
-# What SQP says when its quadratic program found no step though multipliers do not yet balance: the approximated Hessian
-# has become useless. It goes on from there with a new one.
+# What SQP says when its quadratic program found no step though multipliers do not yet balance, and SciPy's status where
+# that of its own leads uphill: the approximated Hessian has become useless. They go on from there with a new one.
 STUCK = "Search_Direction_Becomes_Too_Small"
+UPHILL = 8
 
 
 class _Stopped(Exception):
@@ -215,14 +216,18 @@ def _slsqp(program: Program, start: Array, iterations: int, watch: Watch) -> Rea
             }
         )
     bounds = None if np.isinf(program.lower).all() else list(zip(program.lower, program.upper, strict=True))
-    try:
-        done = minimize(
-            objective, start, jac=True, method="SLSQP", bounds=bounds, constraints=constraints, callback=count,
-            options={"maxiter": iterations, "ftol": TOLERANCE / 10},
-        )  # fmt: skip
-    except _Stopped:
-        return Reached(latest, "stopped", False, taken)
-    return Reached(np.asarray(done.x), str(done.message).lower(), bool(done.success), int(done.nit))
+    at, begun = start, 0
+    while True:
+        try:
+            done = minimize(
+                objective, at, jac=True, method="SLSQP", bounds=bounds, constraints=constraints, callback=count,
+                options={"maxiter": iterations - begun, "ftol": TOLERANCE / 10},
+            )  # fmt: skip
+        except _Stopped:
+            return Reached(latest, "stopped", False, taken)
+        at, begun = np.asarray(done.x), begun + int(done.nit)
+        if done.status != UPHILL or done.nit <= 1 or begun >= iterations or not np.isfinite(at).all():
+            return Reached(at, str(done.message).lower(), bool(done.success), begun)
 
 
 SOLVERS: dict[str, Solver] = {

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 LIMIT_ROUNDS = 5  # rounds of adding the non-linear limits that came close
 AGAIN = 3  # later rounds have one in so many of the first one's iterations: they begin where it has ended
-EXACT = 5  # with exact second derivatives one in so many iterations is enough
+EXACT = 3  # with exact second derivatives one in so many iterations is enough
 AT_HAND = 1e-6  # barrier where a round begins from the result of the one before
 OUTSIDE = 1.1, 1e-3  # from this share of a non-linear limit on, a start is outside and the barrier at least so high
 NEAR = 0.9  # share of a non-linear limit from which it counts as close
@@ -42,6 +42,7 @@ BISECTIONS = 25
 GUESSES = 3  # of them, before any motion keeps the limits, go where limits would be kept that shrink with the motion
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 SHARPNESS = (1, 3, 5)  # halvings of the p-norms of K and N, one round after the other: p = 4, 16, 64
+SHARPER = (2, 8)  # the same with exact second derivatives, which bend with p: p = 8, 512, within 0.6 %
 
 
 class Stage(NamedTuple):
@@ -54,8 +55,8 @@ class Stage(NamedTuple):
             them, and A, K and N begin from the D-optimal motion.
         annealing: proposals of the annealing that finds starts of point-to-point motions, for each pair of moves: what
             there is to choose grows with their number, and so does the cost of a choice. 0: starts are random.
-        barrier: with which IPOPT begins on criterion D, and then has exact second derivatives; high for starts far from
-            an optimum. 0: they are approximated.
+        barrier: with which IPOPT begins, and then has exact second derivatives; high for starts far from an optimum. 0:
+            they are approximated.
     """
 
     name: str
@@ -139,6 +140,11 @@ class Task:
     seed: int
     unknowns: Array | None = None
     payload: int = 0
+
+    @property
+    def exact(self) -> bool:
+        """Whether second derivatives are exact."""
+        return self.stage.barrier > 0.0 and self.solver == "ipopt"
 
 
 class Rating(NamedTuple):
@@ -237,7 +243,8 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     before = rate(model, scaling, family, unknowns, task.criterion)
     score, found, reached = -np.inf, unknowns, None
     iterations = 0
-    for halvings in SHARPNESS if fine and task.criterion in "KN" else (0,):
+    rounds = SHARPER if task.exact else SHARPNESS
+    for halvings in rounds if fine and task.criterion in "KN" else (0,):
         letter = task.criterion if fine else "D"
         reached = _optimise(problem, family, found, task, letter, halvings, watch)
         iterations += reached.iterations
@@ -292,11 +299,11 @@ def _optimise(
     for after in range(LIMIT_ROUNDS if task.stage.fine else 1):
         sampling = problem.sampling
         most = task.stage.iterations if after == 0 else max(1, task.stage.iterations // AGAIN)
-        if task.stage.barrier and letter == "D" and task.solver == "ipopt":
-            barrier = task.stage.barrier if after == 0 else AT_HAND
+        if task.exact:
+            barrier = task.stage.barrier if after == 0 and halvings <= SHARPER[0] else AT_HAND
             if problem.limit_shares(unknowns).max() > OUTSIDE[0]:
                 barrier = max(barrier, OUTSIDE[1])
-            raised = lifted(problem, active, barrier)
+            raised = lifted(problem, active, letter, halvings, barrier)
             reached = SOLVERS[task.solver](raised.program, raised.start(unknowns), max(1, most // EXACT), told)
         else:
             program = Program(

@@ -30,7 +30,22 @@ DEGREE = 3
 FEWEST, MOST = 20, 150  # intervals
 FINE = 4  # instants an interval at which positions and rates are limited
 START_SHARE = 0.8
+ROUNDING = 1e-6  # of a number of intervals
 GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
+
+
+def enough_intervals(case: Case, duration: float) -> int:
+    """With how many intervals a spline gains as much from accelerations as the limits of jerk let it; MOST at most.
+
+    Between knots accelerations are straight lines: with knots further apart than it takes to go from one limit of
+    acceleration to the other at the limit of jerk, it is the knots that keep a motion from full acceleration.
+
+    Raises:
+        CaseError: the case has no machine or limits.
+    """
+    box = case.need_machine("planning")[2].motion
+    swing = float(np.min(2 * box.acceleration / box.jerk))
+    return min(MOST, int(np.ceil(duration / swing * (1 - ROUNDING))))
 
 
 def _spline(knots: Array, coefficients: Array) -> "BSpline":

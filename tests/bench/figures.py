@@ -21,6 +21,7 @@ from planner.running import execute, linuxcnc_missing
 from tests.bench.building import building_rows
 from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised
+from tests.bench.criteria import criteria_table
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
 from tests.bench.identified import identification_figures
@@ -30,7 +31,7 @@ from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.retiming import retiming_table
 from tests.bench.single_moves import single_moves_rows
-from tests.bench.solvers import criteria_rows, paper_study
+from tests.bench.solvers import paper_study
 from tests.bench.study import study_rows
 from tests.bench.validation import validation_rows
 
@@ -115,7 +116,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
-    yield "Planner", [*building_rows(), *criteria_rows()]
+    yield "Planner", building_rows()
 
 
 def main() -> None:
@@ -124,6 +125,7 @@ def main() -> None:
         print_table(title, ("figure", "measured", "wanted"), rows)
         sys.stdout.flush()
     retiming_table()
+    criteria_table()
     paper_study()
     monte_carlo_table()
     with tempfile.TemporaryDirectory() as name:

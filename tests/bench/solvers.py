@@ -1,4 +1,4 @@
-"""The paper's study of criteria, orders and solvers (section 7), and what each criterion gains."""
+"""The paper's study of criteria, orders and solvers (section 7)."""
 
 import os
 import time
@@ -16,9 +16,7 @@ from identification.criteria import CRITERIA
 from planner.cli.console import print_table
 from planner.families.family import box_middle
 from planner.families.fourier import FINE, FourierFamily
-from planner.parallel import Listener
-from planner.planning import search
-from planner.request import SOLVER_NAMES, Request
+from planner.request import SOLVER_NAMES
 from planner.solving import Failed, Stage, Start, Task, run_safely, seeds_of
 
 PERIOD = 3.0  # [s]
@@ -29,8 +27,6 @@ MANY = 20  # of D and order 5
 MANY_SOLVERS = ("ipopt", "sqp")
 WHOLE = Stage("study", 1000, True)
 MOST_SECONDS = 60.0  # of processor time a start; what is stopped then counts as not converged, with what it has reached
-GAINS = {"fourier": 4, "ptp": 2, "spline": 2}  # starts of the motions whose criteria are compared
-SILENT = Listener(lambda start: None, lambda news: None)
 
 
 class Key(NamedTuple):
@@ -117,32 +113,3 @@ def paper_study() -> None:
         f"{minutes:.0f} min in all"
     )
     print_table(title, columns, rows)
-
-
-def criteria_rows() -> list[list[str]]:
-    """What optimising A, K and N gains over the D-optimal motion of each family, from the same starts."""
-    case = load_case("hexapod")
-    rows = []
-    for family, starts in GAINS.items():
-        values = {}
-        for letter in CRITERIA:
-            request = Request("hexapod", family=family, criterion=letter, starts=starts)
-            values[letter] = _rated(case, search(request, case, SILENT).motion)
-        d = values["D"]
-        rows += [
-            [f"{family}, K: condition, D-optimal over K-optimal", f"{d['K'] / values['K']['K']:.2f}", "1.5"],
-            [f"{family}, N: value, N-optimal over D-optimal", f"{values['N']['N'] / d['N']:.2f}", "1.3"],
-            [f"{family}, A: trace, A-optimal over D-optimal", f"{values['A']['A'] / d['A']:.3f}", "0.95"],
-        ]
-    return rows
-
-
-def _rated(case: Case, motion: object) -> dict[str, float]:
-    from identification.criteria import singular_values
-    from identification.model import identification_model
-    from identification.reference import reference_scaling
-    from planner.problem import mean_information
-
-    model = identification_model(case, 9)
-    mu = singular_values(mean_information(model, reference_scaling(case, model), motion), model.names)  # type: ignore[arg-type]
-    return {letter: criterion.of(mu) for letter, criterion in CRITERIA.items()}

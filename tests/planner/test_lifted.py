@@ -28,19 +28,30 @@ def families(case: Case) -> list[Family]:
     ]
 
 
-@pytest.fixture(scope="module", params=[0, 1, 2], ids=["spline", "fourier", "ptp"])
-def problem(request: pytest.FixtureRequest, hexapod_case: Case) -> tuple[Problem, np.ndarray]:
+@pytest.fixture(scope="module", params=["spline, K", "spline, D", "fourier, A", "ptp, N"])
+def chosen(request: pytest.FixtureRequest) -> tuple[str, str]:
+    name, letter = request.param.split(", ")
+    return name, letter
+
+
+@pytest.fixture(scope="module")
+def letter(chosen: tuple[str, str]) -> str:
+    return chosen[1]
+
+
+@pytest.fixture(scope="module")
+def problem(chosen: tuple[str, str], hexapod_case: Case) -> tuple[Problem, np.ndarray]:
     model = identification_model(hexapod_case, MODEL)
-    family = families(hexapod_case)[request.param]
+    family = next(family for family in families(hexapod_case) if family.name == chosen[0])
     problem = build_problem(hexapod_case, model, family, reference_scaling(hexapod_case, model))
     return problem, random_start(4, family, problem)
 
 
 @pytest.fixture(scope="module")
-def raised(problem: tuple[Problem, np.ndarray]) -> Lifted:
+def raised(problem: tuple[Problem, np.ndarray], letter: str) -> Lifted:
     active = problem[0].held_from_the_start()
     active[:, ::3] = True  # lengths, joints and singularity too
-    return lifted(problem[0], active, 1e-2)
+    return lifted(problem[0], active, letter, 2, 1e-2)
 
 
 def test_the_hessian_is_the_derivative_of_the_lagrangians_gradient(problem: tuple[Problem, np.ndarray], raised: Lifted):

@@ -1,0 +1,68 @@
+"""What each criterion gains over the D-optimal motion of its family, in reference scaling."""
+
+from cases.loading import load_case
+from cases.schema import Case
+from identification.criteria import CRITERIA, singular_values
+from identification.model import identification_model
+from identification.motion import Trajectory
+from identification.reference import reference_scaling
+from planner.bound import box_bound
+from planner.cli.console import print_table
+from planner.parallel import Listener
+from planner.planning import search
+from planner.problem import mean_information
+from planner.request import Request
+
+MODEL = 9
+STARTS = {"fourier": 4, "ptp": 2, "spline": 2}
+SILENT = Listener(lambda start: None, lambda news: None)
+WANTED = {"A": "trace 5 % lower", "D": "", "K": "1.50 times smaller", "N": "1.30 times larger"}
+
+
+def criteria_table() -> None:
+    """Prints all criteria of the motions that are optimal by each of them, and the gains that are wanted."""
+    case = load_case("hexapod")
+    model = identification_model(case, MODEL)
+    bound = box_bound(case, model)
+    rows = []
+    for family, starts in STARTS.items():
+        values = {}
+        for letter in sorted(CRITERIA, key=lambda letter: letter != "D"):
+            request = Request("hexapod", family=family, criterion=letter, model=MODEL, starts=starts)
+            found = search(request, case, SILENT)
+            values[letter] = criteria_of(case, found.motion)
+            seconds = [start.seconds for start in found.starts]
+            rows.append(
+                [
+                    f"{family}, {letter}-optimal, {starts} starts",
+                    f"{-values[letter]['A']:.4g}",
+                    f"{bound.efficiency(values[letter]['D']):.3f}",
+                    f"{-values[letter]['K']:.4g}",
+                    f"{values[letter]['N']:.4g}",
+                    gain(letter, values[letter], values["D"]),
+                    WANTED[letter],
+                    f"{max(seconds):.0f} s",
+                ]
+            )
+    columns = (
+        "motion", "A: trace", "d_efficiency", "K: condition", "N: value", "against D-optimal", "wanted",
+        "longest stage",
+    )  # fmt: skip
+    print_table("Criteria of Table 4 on the hexapod, model 9, 12 s, reference scaling", columns, rows)
+
+
+def gain(letter: str, own: dict[str, float], of_d: dict[str, float]) -> str:
+    """What a motion that is optimal by a criterion gains by it over the D-optimal one, worded as what is wanted."""
+    ratio = own[letter] / of_d[letter]
+    if letter == "A":
+        return f"trace {100 * (1 - ratio):.1f} % lower"
+    if letter == "K":
+        return f"{1 / ratio:.2f} times smaller"
+    return f"{ratio:.2f} times larger" if letter == "N" else ""
+
+
+def criteria_of(case: Case, motion: Trajectory) -> dict[str, float]:
+    """Each criterion of a motion, to be maximised."""
+    model = identification_model(case, MODEL)
+    mu = singular_values(mean_information(model, reference_scaling(case, model), motion), model.names)
+    return {letter: criterion.of(mu) for letter, criterion in CRITERIA.items()}
