@@ -47,7 +47,7 @@ class Harmonic:
 
 
 def paper_poses() -> tuple[Array, Array]:
-    """Positions (480, 3) and rotations (480, 3, 3) of section 6, tilt-and-torsion angles: see FACTS, section 1."""
+    """Positions (480, 3) and rotations (480, 3, 3) of section 6, in tilt-and-torsion angles."""
     grid = np.arange(-3, 4) * 0.1
     places = [(x, y, 0.9) for x in grid for y in grid if 0.199 <= np.hypot(x, y) <= 0.301]
     angles = [(a, t, s - a) for t in (10, 20) for a in (0, 90, 180, 270) for s in (-15, 0, 15)]

@@ -1,9 +1,8 @@
 """Reads LinuxCNC programs: the part of RS-274/NGC that a hexapod excitation needs, and an error for all else.
 
 A word that is not understood is an error, never skipped: a proof of a text that was half understood proves nothing.
-Meanings follow the LinuxCNC documentation and DIALECTS, section 1: G93 F is 1/min on every line; G94 F counts XYZ only,
-or degrees where only ABC moves; M62/M63 switch with the next motion, M64/M65 at
-once; G4 P is in seconds.
+Meanings follow the LinuxCNC documentation: G93 F is 1/min on every line; G94 F counts XYZ only, or degrees where only
+ABC moves; M62/M63 switch with the next motion, M64/M65 at once; G4 P is in seconds.
 """
 
 import math

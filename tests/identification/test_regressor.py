@@ -32,7 +32,7 @@ def drawn_parameters(number: int) -> dict[str, float]:
 
 
 def deformation(u: dict[str, float], pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """f_K by (12)-(15) as read in FACTS: force and moment on the platform, and forces at the sensors."""
+    """f_K by (12)-(15), with the signs of (22): force and moment on the platform, and forces at the sensors."""
     turn = Rotation.from_euler("xyz", pose[3:])
     vector = turn.as_rotvec()
     angle = np.linalg.norm(vector)

@@ -1,4 +1,4 @@
-"""Table 5, column Q5M, as our stand-in of the sensor frame reproduces it (FACTS, section 1): an oracle of digits."""
+"""Table 5, column Q5M, as our stand-in of the sensor frame reproduces it: an oracle of digits."""
 
 import numpy as np
 import pytest

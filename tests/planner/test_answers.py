@@ -11,7 +11,7 @@ from tests.planner.json_answer import one_json_object
 
 Chain = dict[str, dict[str, Any]]
 
-KEYS = {  # the table of the command line in DESIGN
+KEYS = {  # that other programs may rely on
     "plan": "plan family criterion status duration_s solve_s starts logdet condition d_efficiency predicted_std limits",
     "post": "program dialect blocks duration_s limits",
     "check": "ok violations duration_s limits",

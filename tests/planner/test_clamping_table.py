@@ -29,13 +29,14 @@ def record(file: Path, mean: np.ndarray, seed: int, clock: bool = True) -> Path:
     return file
 
 
-@pytest.fixture
-def results(tmp_path: Path) -> tuple[Path, Path]:
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """Results of the table without and with the payload."""
+    folder = tmp_path_factory.mktemp("table")
     for name, mass, seed in (("empty", 0.0, 1), ("loaded", MASS, 2)):
-        file = record(tmp_path / f"{name}.csv", bars(mass, CENTRE, CASE.gravity), seed)
-        call("identify", file, "--case", "clamping_table", "-o", tmp_path / name, "--json").json()
-    return tmp_path / "empty", tmp_path / "loaded"
+        file = record(folder / f"{name}.csv", bars(mass, CENTRE, CASE.gravity), seed)
+        call("identify", file, "--case", "clamping_table", "-o", folder / name, "--json").json()
+    return folder / "empty", folder / "loaded"
 
 
 @pytest.mark.parametrize("clock", [True, False])
@@ -91,7 +92,7 @@ def test_the_same_table_twice_is_no_payload(results: tuple[Path, Path]) -> None:
 
 
 def test_external_force_and_tare(results: tuple[Path, Path], tmp_path: Path) -> None:
-    loaded = tmp_path / "loaded.csv"
+    loaded = results[1].with_suffix(".csv")
     words = ("force", loaded, "--parameters", results[0], "--case", "clamping_table", "-o", tmp_path / "f.csv")
     answer = call(*words, "--json").json()
     assert answer["rms"]["fz_N"] == pytest.approx(MASS * 9.81, rel=0.02)

@@ -136,7 +136,7 @@ def test_what_is_no_run_is_named_with_its_file(what: str, tmp_path: Path) -> Non
 
 @real
 def test_the_three_files_of_a_real_run_are_three_streams_in_any_order() -> None:
-    """FACTS, section 8: 698, 254 and 100 Hz on the clock of one host."""
+    """Wrench, orientations and accelerometer came at 698, 100 and 254 Hz, on the clock of one host."""
     paths = [NTNU / f"1-baseline_{kind}.csv" for kind in ("wrench", "orientations", "accel")]
     for order in permutations(paths):
         recording = read_run(order, WRIST)
