@@ -138,7 +138,7 @@ def _casadi(plugin: str, options: dict[str, Any], exact: dict[str, Any]) -> Solv
 
 
 _IPOPT = {
-    "hessian_approximation": "limited-memory",  # by automatic differentiation an exact Hessian costs 1.7 s an evaluation
+    "hessian_approximation": "limited-memory",  # AD's exact Hessian costs 1.7 s an evaluation
     "limited_memory_max_history": 40,  # with the default of 6 half of the runs end in the iteration limit
     "tol": TOLERANCE,
     "print_level": 0,

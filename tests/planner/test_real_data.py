@@ -52,7 +52,7 @@ def test_a_model_that_standstills_cannot_excite_is_refused(tmp_path: Path):
 def test_a_moving_run_of_three_clocks_gives_the_mass_and_the_delay_of_the_accelerometer(
     order: tuple[str, ...], tmp_path: Path
 ):
-    """Others find 0.923 to 0.940 kg by treatment, and 5.8 to 6.5 ms of delay where misalignment is estimated too."""
+    """Others find 0.923 to 0.940 kg by treatment, 5.8 to 6.5 ms of delay where misalignment is estimated too."""
     answer = identified(order, "-o", tmp_path / "r", "--json").json()
     mass = answer["parameters"]["m"]
     assert abs(mass["value"] - 0.932) < 3.0 * max(mass["std"], mass["std_robust"])
