@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +11,14 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError
 from cases.schema import Case
 from identification.ahead import ahead
-from identification.evaluation import MOVING, Run, checked_filter, spoilt_by
-from identification.formats.stream import UNIFORMITY, Recording, Stream
+from identification.evaluation import MOST_BRIDGED, MOVING, Run, about_left_out, checked_filter, spoilt_by
+from identification.formats.clock import lost_samples, require_step
+from identification.formats.stream import Recording, Stream
 from identification.hexapod import Hexapod
 from identification.long_feed import LongFeed
-from identification.long_rates import at_their_samples, gathered, joined, last_rows
+from identification.long_rates import at_their_samples, first_rows, gathered, joined, last_rows
 from identification.model import Model
-from identification.plausibility import bridged, scan
+from identification.plausibility import NO_FILTER, behind, bridged, require_usable, scan
 from identification.rates import HELD_CHANGES, Rhythm, changes_of, rhythm_of
 from identification.recording import read_batches
 from identification.signals import Filter
@@ -40,6 +42,8 @@ class Blocks:
         moving: first and last instant of movement [s], which stand for a trigger; None where there is one.
         held: how struts are held that come at a lower rate than the rows; known once the file has been looked at.
         feed: what the file says of the feed; known after the first reading.
+        window: samples of the excitation, those that are missing included; known after the first reading.
+        left_out: of these, by damage and the filter's reach around it.
     """
 
     path: Path
@@ -49,6 +53,8 @@ class Blocks:
     moving: tuple[float, float] | None = None
     held: Rhythm | None = None
     feed: LongFeed = field(default_factory=LongFeed)
+    window: int = 0
+    left_out: int = 0
 
     def head(self) -> tuple[Recording, Filter]:
         """The first rows of the window, with what the filter needs around them, and the filter.
@@ -77,31 +83,51 @@ class Blocks:
         """The blocks, each with the last rows of the one before: filtered samples are those of the whole run."""
         first = not self.bad
         hexapod, passed = Hexapod.of(self.case), 0
-        before: tuple[Recording, Rows] | None = None
+        before: _Behind | None = None
         step = None
+        rows = 0
         for number, batch in enumerate(self._batches()):
+            rows += len(batch.forces)
             if first:
-                found = scan(batch, self.case)
-                self.warnings += found.warnings
-                # Without a trigger every recorded override counts, as in a whole run.
-                self.feed.add(batch if self.moving is None else replace(batch, trigger=None))
-                self.bad.append(np.flatnonzero(found.bad))
+                self._look_at(batch, None if before is None else before.recording)
             bad = np.zeros(len(batch.forces), dtype=bool)
             bad[self.bad[number]] = True
-            part, _ = mended(batch, bad)
+            part, known = batch, 0
             if before is not None:
-                part, bad = joined([before[0], part]), np.r_[before[1], bad]
+                part, bad, known = joined([before.recording, batch]), np.r_[before.bad, bad], before.known
             assert part.t is not None
             step = part.step if step is None else step
-            uneven = np.abs(np.diff(part.t) - step) > UNIFORMITY * step
-            if uneven.any():
-                _ = part.step  # names the place
-            if len(part.t) > 2 * low_pass.margin + 1:
-                run = block_run(part, bad, model, hexapod, low_pass, passed)
+            require_step(part.source, part.t, part.lines, step)
+            held = _few_at_the_end(bad)  # to be bridged when the next block tells where to
+            used = len(bad) - held
+            if used - known > 2 * low_pass.margin + 1:
+                block, _ = mended(first_rows(part, used), bad[:used])
+                run = block_run(block, bad[:used], model, hexapod, low_pass, passed, known)
                 passed += run.passed
+                if first:
+                    self.window, self.left_out = self.window + run.window, self.left_out + run.left_out
                 yield run.run
-                part, bad = last_rows(part, 2 * low_pass.margin), bad[len(bad) - 2 * low_pass.margin :]
-            before = part, bad
+                overlap = 2 * low_pass.margin + held
+                known = 1 + _few_at_the_end(bad[: len(bad) - overlap]) if bad[len(bad) - overlap] else 0
+                part, bad = last_rows(part, overlap + known), bad[len(bad) - overlap - known :]
+            before = _Behind(part, bad, known)
+        if first:
+            require_usable(str(self.path), sum(map(len, self.bad)), rows, self.warnings)
+        if first and self.window:
+            self.warnings[:0] = about_left_out(str(self.path), self.left_out / self.window, low_pass)
+
+    def _look_at(self, batch: Recording, before: Recording | None) -> None:
+        """What the first reading is to say of a batch, and what follows the rows before it."""
+        if before is not None and before.t is not None and batch.t is not None:
+            lost = int(lost_samples(np.r_[before.t[-1], batch.t])[0])
+            if lost:
+                last = np.array([len(before.t) - 1])
+                self.warnings.append(f"{behind(before.lines, last, lost)}; {NO_FILTER}")
+        found = scan(batch, self.case, most=1.0)  # of the whole run, not of a block
+        self.warnings += found.warnings
+        # Without a trigger every recorded override counts, as in a whole run.
+        self.feed.add(batch if self.moving is None else replace(batch, trigger=None))
+        self.bad.append(np.flatnonzero(found.bad))
 
     def _batches(self) -> Iterator[Recording]:
         yield from self._batches_of(self.moving)
@@ -163,16 +189,38 @@ def mended(recording: Recording, bad: Rows) -> tuple[Recording, Rows]:
     return replace(recording, struts=struts, forces=forces), bad
 
 
+class _Behind(NamedTuple):
+    """Rows that the next block begins with.
+
+    Args:
+        recording: the rows.
+        bad: samples among them that no estimate may use, shape (n,).
+        known: first of them that only tell where to bridge to.
+    """
+
+    recording: Recording
+    bad: Rows
+    known: int
+
+
+def _few_at_the_end(bad: Rows) -> int:
+    """Bad samples at the end where they are few enough to be bridged; 0 where they are more."""
+    end = bad[-MOST_BRIDGED - 1 :][::-1]
+    return 0 if end.all() else int(np.argmin(end))
+
+
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A block as a run, and how many samples of the window it holds."""
+    """A block as a run, how many samples it evaluates, and of how many of the window it left how many out."""
 
     run: Run
     passed: int
+    window: int
+    left_out: int
 
 
 def block_run(
-    recording: Recording, bad: Rows, model: Model, hexapod: Hexapod, low_pass: Filter, passed: int = 0
+    recording: Recording, bad: Rows, model: Model, hexapod: Hexapod, low_pass: Filter, passed: int = 0, known: int = 0
 ) -> Part:
     """A block as a run.
 
@@ -183,12 +231,19 @@ def block_run(
         hexapod: kinematics.
         low_pass: the filter.
         passed: samples of the window before this block, so that every stride-th is kept across blocks as in one run.
+        known: rows at its beginning beside those that the filter needs: evaluated in the block before.
     """
     assert recording.trigger is not None
-    on = recording.trigger[low_pass.margin : -low_pass.margin] & ~spoilt_by(bad, low_pass)
-    inside = np.flatnonzero(on)
+    inner = slice(low_pass.margin, -low_pass.margin)
+    window, spoilt = recording.trigger[inner].copy(), spoilt_by(bad, recording.lost, low_pass)
+    window[:known] = False
+    before = slice(low_pass.margin - 1, -low_pass.margin - 1)
+    lost = int(recording.lost[low_pass.margin - 1 : -low_pass.margin][window & recording.trigger[before]].sum())
+    inside = np.flatnonzero(window & ~spoilt)
     rows = inside[(-passed) % low_pass.stride :: low_pass.stride]
-    return Part(Run(recording, model, hexapod, low_pass, rows, len(inside)), len(inside))
+    count = int(window.sum())
+    run = Run(recording, model, hexapod, low_pass, rows, len(inside), spoilt=spoilt)
+    return Part(run, len(inside), count + lost, count - len(inside) + lost)
 
 
 def fits_blocks(path: Path, case: Case) -> bool:
@@ -217,6 +272,8 @@ def _recording(stream: Stream, case: Case, moving: tuple[float, float] | None) -
     if on is None:
         start, end = _ALWAYS if moving is None else moving
         on = (stream.t >= start) & (stream.t <= end)
+    missing = np.zeros(len(stream.forces), dtype=bool) if stream.missing is None else stream.missing
     return Recording(
-        stream.source, stream.t, struts, None, stream.forces, on, lines=stream.lines, override=stream.override
-    )
+        stream.source, stream.t, struts, None, stream.forces, on, lines=stream.lines, override=stream.override,
+        missing=missing, missing_in=stream.missing_in,
+    )  # fmt: skip

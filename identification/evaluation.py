@@ -15,6 +15,7 @@ from cases.schema import Case
 from identification.coloured import coloured_covariance
 from identification.decimation import decimated
 from identification.fit import Filtered
+from identification.formats.lost import MOST_PUT_BACK
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.plausibility import Scan, bridged
@@ -30,7 +31,10 @@ SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods th
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below what the filter lets pass
 SMALLER_UNITS = {"ms": 1e-3, "us": 1e-6}  # of clocks [s]
 MOST_RATE = 20e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
-MOST_BRIDGED = 3  # bad samples in a row that a straight line replaces; the filter makes nothing of the difference
+MOST_LEFT_OUT = 0.5  # of the motion, by damage and the filter's reach around it
+MOST_BRIDGED = (
+    MOST_PUT_BACK  # bad samples in a row that a straight line replaces; the filter makes nothing of the difference
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +68,7 @@ class Run:
         samples: recorded samples of the window that they stand for.
         warnings: sentences about the window.
         smoothing: whether it is estimated by how much more the forces are smoothed than the motion.
+        spoilt: filtered samples that feel damage or a gap, shape (samples of the recording less two margins,).
     """
 
     recording: Recording
@@ -74,6 +79,7 @@ class Run:
     samples: int
     warnings: tuple[str, ...] = ()
     smoothing: bool = False
+    spoilt: NDArray[np.bool_] | None = None
 
     @property
     def t(self) -> Array:
@@ -89,7 +95,9 @@ class Run:
     @property
     def places(self) -> NDArray[np.int64]:
         """Of the evaluated samples in a series of equal steps, shape (n,): sections and gaps are no neighbours."""
-        return np.asarray(np.floor((self.rows - self.rows[0]) / self.filter.stride + 0.5), dtype=np.int64)
+        lost = np.r_[0, np.cumsum(self.recording.lost)][self.filter.margin + self.rows]
+        rows = self.rows + lost - lost[0]
+        return np.asarray(np.floor((rows - rows[0]) / self.filter.stride + 0.5), dtype=np.int64)
 
     @property
     def filtered(self) -> Filtered:
@@ -260,18 +268,20 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     low_pass = checked_filter(recording, case)
     count = len(recording.struts) - 2 * low_pass.margin
     warnings: tuple[str, ...] = ()
-    spoilt = np.zeros(max(count, 0), dtype=bool)
-    if found is not None and found.bad.any():
-        spoilt = spoilt_by(found.bad, low_pass)
-        recording = replace(
-            recording, struts=bridged(recording.struts, found.bad), forces=bridged(recording.forces, found.bad)
-        )
+    bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
+    spoilt = spoilt_by(bad, recording.lost, low_pass)
+    if bad.any():
+        recording = replace(recording, struts=bridged(recording.struts, bad), forces=bridged(recording.forces, bad))
     assert recording.struts is not None
     if whole:
         low_pass.apply(recording.struts)  # raises where the run is shorter than the filter
         window = np.arange(max(count, 0))
     else:
         window, warnings = _window(recording, low_pass)
+    together = np.flatnonzero(np.diff(window) == 1)
+    lost = int(recording.lost[low_pass.margin + window[together]].sum())
+    share = 1.0 - float(np.sum(~spoilt[window])) / (len(window) + lost)
+    warnings += about_left_out(recording.source, share, low_pass)
     window = window[~spoilt[window]]
     rows = window[:: low_pass.stride]
     if len(rows) < 2:
@@ -279,7 +289,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
             f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a "
             f"{low_pass.cutoff:g} Hz filter; record longer"
         )
-    return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window), warnings)
+    return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window), warnings, spoilt=spoilt)
 
 
 def checked_filter(recording: Recording, case: Case) -> Filter:
@@ -312,16 +322,47 @@ def _other_clock(step: float, cutoff: float) -> str:
     return ""
 
 
-def spoilt_by(bad: NDArray[np.bool_], low_pass: Filter) -> NDArray[np.bool_]:
-    """Filtered samples that feel more than a short bridge of bad ones, shape (n - 2 margin,)."""
+def spoilt_by(bad: NDArray[np.bool_], lost: NDArray[np.int64], low_pass: Filter) -> NDArray[np.bool_]:
+    """Filtered samples that feel more than a short bridge of bad ones, or reach across a gap, shape (n - 2 margin,).
+
+    Args:
+        bad: samples that may not be used, shape (n,).
+        lost: how many are missing between each and the next, shape (n - 1,).
+        low_pass: the filter; each section between gaps is filtered by itself.
+    """
+    count, margin = len(bad), low_pass.margin
+    change = np.zeros(count + 1, dtype=np.int64)
+    cuts = 1 + np.flatnonzero(lost)
+    np.add.at(change, np.maximum(cuts - margin, 0), 1)
+    np.add.at(change, np.minimum(cuts + margin, count), -1)
+    ends = {0, count, *cuts.tolist()}  # of sections, beyond which there is nothing to bridge to
     edges = np.flatnonzero(np.diff(np.r_[False, bad, False].astype(np.int8)))
-    change = np.zeros(len(bad) + 1, dtype=np.int64)
     for first, end in zip(edges[::2], edges[1::2], strict=True):
-        if end - first > MOST_BRIDGED:
-            change[max(first - low_pass.margin, 0)] += 1
-            change[min(end + low_pass.margin, len(bad))] -= 1
+        if end - first > MOST_BRIDGED or first in ends or end in ends:
+            change[max(first - margin, 0)] += 1
+            change[min(end + margin, count)] -= 1
     spoilt = np.cumsum(change)[:-1] > 0
-    return np.asarray(spoilt[low_pass.margin : len(bad) - low_pass.margin])
+    return np.asarray(spoilt[margin : count - margin])
+
+
+def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[str, ...]:
+    """What to say where damage, with the filter's reach around it, takes a share of the motion.
+
+    Raises:
+        RecordingError: it takes too much.
+    """
+    reach = low_pass.margin * low_pass.step
+    if share > MOST_LEFT_OUT:
+        raise RecordingError(
+            f"{source}: damage, with the filter's reach of {reach:.3g} s on either side, takes {100 * share:.3g} % of "
+            f"the motion, at most {100 * MOST_LEFT_OUT:g} % may be left out; record again"
+        )
+    if share <= 0.0:
+        return ()
+    return (
+        f"{100 * share:.2g} % of the motion is left out: damage longer than {MOST_BRIDGED} samples, gaps, and "
+        f"{reach:.3g} s on either side, as far as the filter reaches",
+    )
 
 
 def require_position(recording: Recording, model: Model) -> None:

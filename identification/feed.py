@@ -72,6 +72,8 @@ def against_plan(recording: Recording, case: Case, planned: Trajectory, name: st
     if recording.struts is None or recording.t is None:
         raise RecordingError(f"{recording.source}: is no moving run with struts; it cannot be compared with {name}")
     low_pass = checked_filter(recording, case)
+    if recording.lost.any():
+        raise RecordingError(f"{recording.source}: has gaps; how fast it went cannot be compared with {name}")
     margin, step = low_pass.margin, low_pass.step
     bad = scan(recording, case).bad
     measured = bridged(recording.struts, bad & ~binary_opening(bad, np.ones(MOST_BRIDGED + 1)))

@@ -12,6 +12,7 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluation import moving_run, standstills
 from identification.model import OFFSETS, Model
+from identification.plausibility import unmeasured
 from identification.recording import Recording
 from identification.saved import SavedResult
 
@@ -25,11 +26,13 @@ class ExternalForce(NamedTuple):
         t: time, shape (n,) [s]; numbers of the standstills where there is no clock.
         wrench: shape (n, 6) [N, N m].
         residuals: of the sensors, measured less expected, shape (n, 6) [N, or N and N m].
+        warnings: sentences about what was not measured, and is left out.
     """
 
     t: Array
     wrench: Array
     residuals: Array
+    warnings: tuple[str, ...] = ()
 
     @property
     def rms(self) -> Array:
@@ -56,15 +59,18 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
     model = result.model_of(case)
+    found = unmeasured(recording)
+    warnings = found.warnings
     if recording.t is None or case.setup == "1a":
-        still = standstills(recording, case, model)
-        t = np.arange(1.0, still.samples + 1.0) if recording.t is None else recording.t
+        still = standstills(recording, case, model, found)
+        t = (np.arange(1.0, len(found.bad) + 1.0) if recording.t is None else recording.t)[~found.bad]
         forces, matrices = still.forces, still.regressors
     else:
-        run = moving_run(recording, case, model, whole)
+        run = moving_run(recording, case, model, whole, found)
+        warnings += run.warnings
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
     residuals = forces - matrices @ result.values
-    return ExternalForce(t, -(residuals @ model.structure.T), residuals)
+    return ExternalForce(t, -(residuals @ model.structure.T), residuals, warnings)
 
 
 class Tare(NamedTuple):
@@ -99,16 +105,17 @@ def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
         FileProblem: parameters of another case.
     """
     model = result.model_of(case)
-    count = len(recording.forces)
+    found = unmeasured(recording)
+    count = int(np.sum(~found.bad))
     if count < 2:
         raise IdentificationError(f"{recording.source}: {count} sample; a tare needs a standstill of two or more")
-    if recording.struts is not None and np.ptp(recording.struts, axis=0).max() > STILL:
-        travel = float(np.ptp(recording.struts, axis=0).max())
+    travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~found.bad], axis=0).max())
+    if travel > STILL:
         raise IdentificationError(
             f"{recording.source}: struts move by {travel * 1e3:.3g} mm, at most {STILL * 1e3:g} mm in a standstill; "
             "cut the motion off"
         )
-    still = standstills(recording, case, model)
+    still = standstills(recording, case, model, found)
     residuals = still.forces - still.regressors @ result.values
     change = residuals.mean(axis=0)
     variance = residuals.var(axis=0, ddof=1) / count

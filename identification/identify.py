@@ -110,9 +110,9 @@ def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Ide
     model = identification_model(case, estimate.model, estimate.terms)
     selection = estimate.how.selection(model)
     if recording.t is None or case.setup == "1a":
-        matrices = standstills(recording, case, model).regressors
+        matrices = standstills(recording, case, model, scan(recording, case)).regressors
     else:
-        run = run_of(recording, case, model, estimate.conditioning, biases=estimate.how.biases)
+        run = run_of(recording, case, model, estimate.conditioning, scan(recording, case), estimate.how.biases)
         matrices = run.regressors(estimate.delay.value if estimate.delay else 0.0)
     return analyse(matrices @ selection.basis, selection.names)
 
@@ -168,7 +168,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     if isinstance(run, WristRun):
         band = delay_band(recording)
-        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band)
+        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band, bad=found.bad)
         held = fit_with_delay(wide, GAUSS_MARKOV, problem).delay
         notes.append(
             f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up to "

@@ -11,7 +11,7 @@ from cases.schema import Case
 from identification.formats.stream import Recording
 from identification.rates import HELD, HELD_CHANGES, Rhythm, changes_of, released
 
-_ARRAYS = ("t", "struts", "forces", "trigger", "override")
+_ARRAYS = ("t", "struts", "forces", "trigger", "override", "missing")
 
 
 def at_their_samples(parts: Iterator[Recording], rhythm: Rhythm, case: Case) -> Iterator[Recording]:
@@ -23,7 +23,7 @@ def at_their_samples(parts: Iterator[Recording], rhythm: Rhythm, case: Case) -> 
         case: range of the sensors.
 
     Raises:
-        RecordingError: the struts lose their rhythm, or the forces have gaps.
+        RecordingError: the struts lose their rhythm.
     """
     before: Recording | None = None
     passed = 0  # rows of the file before those at hand
@@ -73,8 +73,20 @@ def joined(parts: list[Recording]) -> Recording:
     arrays: dict[str, Any] = {
         n: None if getattr(parts[0], n) is None else np.concatenate([getattr(p, n) for p in parts]) for n in _ARRAYS
     }
+    names = tuple(dict.fromkeys(n for p in parts for n in p.missing_in))
     skipped = tuple(dict.fromkeys(s for p in parts for s in p.lines.skipped))
-    return replace(parts[0], **arrays, lines=replace(parts[0].lines, skipped=skipped))
+    starts = np.cumsum([0, *(len(p.forces) * p.lines.every for p in parts)]).tolist()
+    inserted = tuple(start + k for start, p in zip(starts, parts, strict=False) for k in p.lines.inserted)
+    lines = replace(parts[0].lines, skipped=skipped, inserted=inserted)
+    return replace(parts[0], **arrays, missing_in=names, lines=lines)
+
+
+def first_rows(recording: Recording, count: int) -> Recording:
+    """The first rows of a recording."""
+    arrays: dict[str, Any] = {
+        n: None if getattr(recording, n) is None else getattr(recording, n)[:count] for n in _ARRAYS
+    }
+    return replace(recording, **arrays)
 
 
 def last_rows(recording: Recording, count: int) -> Recording:
@@ -85,4 +97,4 @@ def last_rows(recording: Recording, count: int) -> Recording:
     }
     place = int(recording.lines.place(rows).rsplit(" ", 1)[1])
     later = tuple(s for s in recording.lines.skipped if s > place)
-    return replace(recording, **arrays, lines=replace(recording.lines, first=place, skipped=later))
+    return replace(recording, **arrays, lines=replace(recording.lines.later(rows), first=place, skipped=later))

@@ -73,7 +73,7 @@ def run_of(
     if conditioning.periodic is not None:
         return periodic_run(recording, case, model, conditioning.periodic, found)
     if recording.struts is None:
-        return wrist_run(recording, case, model, MOST_DELAY, biases)
+        return wrist_run(recording, case, model, MOST_DELAY, biases, bad=None if found is None else found.bad)
     run = moving_run(recording, case, model, found=found)
     return run if conditioning.accelerated is None else accelerated(run, conditioning.accelerated).run
 

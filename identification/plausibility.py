@@ -13,12 +13,14 @@ from scipy.ndimage import maximum_filter1d
 from cases.errors import RecordingError
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.stream import Recording
+from identification.formats.clock import GAP, HOST_GAP, lost_samples
+from identification.formats.stream import Recording, Stream
 from identification.formats.table import Lines
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
+NO_FILTER = "no filter reaches across"
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is no chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
@@ -62,30 +64,42 @@ def places(lines: Lines, rows: Rows) -> str:
     return f"{lines.word}{plural} {', '.join(named)}{more}"
 
 
-def scan(recording: Recording, case: Case) -> Scan:
+def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
     """Looks through a recording.
 
     Args:
         recording: any.
         case: range of the sensors, workspace and limits of the machine.
+        most: share of the samples that may be unusable.
 
     Raises:
         RecordingError: rows without a clock that are samples of a motion, or so much damage that the rest is no run.
     """
     if recording.t is None:
         _require_standstills(recording)
-    count = len(recording.forces)
-    bad, warnings = np.zeros(count, dtype=bool), []
+    count, found = len(recording.forces), unmeasured(recording)
+    bad, warnings = found.bad, list(found.warnings)
     for text, rows in (*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)):
         warnings.append(f"{places(recording.lines, rows)}: {text}; left out")
         bad |= rows
     warnings += [f"{places(recording.lines, rows)}: {text}" for text, rows in _outside(recording, case)]
-    if bad.sum() > MOST_BAD * count:
-        raise RecordingError(
-            f"{recording.source}: {100 * bad.mean():.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % "
-            f"may be: {warnings[0]}; mend the sensor and record again"
-        )
+    require_usable(recording.source, int(bad.sum()), count, warnings, most)
     return Scan(tuple(warnings), bad)
+
+
+def require_usable(source: str, bad: int, count: int, warnings: Sequence[str], most: float = MOST_BAD) -> None:
+    """Raises RecordingError where more than a share of the samples may not be used."""
+    if bad > most * count:
+        raise RecordingError(
+            f"{source}: {100 * bad / count:.0f} % of the samples are unusable, at most {100 * most:.0f} % may be: "
+            f"{warnings[0]}; mend the sensor and record again"
+        )
+
+
+def unmeasured(recording: Recording) -> Scan:
+    """What was not measured, whatever the rest looks like: values that are missing, and gaps."""
+    bad = np.zeros(len(recording.forces), dtype=bool) if recording.missing is None else recording.missing.copy()
+    return Scan(tuple(text for stream in recording.streams for text in missing_told(stream)), bad)
 
 
 def bridged(values: Array, bad: Rows) -> Array:
@@ -97,6 +111,40 @@ def bridged(values: Array, bad: Rows) -> Array:
     for k in range(values.shape[1]):
         result[bad, k] = np.interp(index[bad], good, values[good, k])
     return result
+
+
+def missing_told(stream: Stream) -> list[str]:
+    """What to say of values that were not measured, and of samples that were lost."""
+    found = []
+    count = len(stream.missing) if stream.missing is not None else 0
+    put_back = np.zeros(count, dtype=bool)
+    put_back[[k // stream.lines.every for k in stream.lines.inserted if k % stream.lines.every == 0]] = True
+    if stream.missing is not None and np.any(stream.missing & ~put_back):
+        names = ", ".join(dict.fromkeys(stream.missing_in))
+        found.append(f"{places(stream.lines, stream.missing & ~put_back)}: no measured value in {names}; left out")
+    if put_back.any():
+        before = np.flatnonzero(np.diff(np.r_[False, put_back].astype(np.int8)) > 0)
+        found.append(f"{behind(stream.lines, before, int(put_back.sum()))}; bridged from their neighbours")
+    lost = lost_samples(stream.t, HOST_GAP if stream.struts is None else GAP)
+    if lost.any():
+        found.append(f"{behind(stream.lines, np.flatnonzero(lost), int(lost.sum()))}; {NO_FILTER}")
+    return found
+
+
+def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
+    """Behind which rows samples are missing, and how many.
+
+    Args:
+        lines: where the rows stand.
+        rows: before each of the gaps, counted from 0.
+        count: samples that are missing in all.
+    """
+    named = [lines.place(int(k)).rsplit(" ", 1)[1] for k in rows[:MOST_NAMED]]
+    more = f" and {len(rows) - MOST_NAMED} more places" if len(rows) > MOST_NAMED else ""
+    return (
+        f"behind {lines.word}{'s' if len(rows) > 1 else ''} {', '.join(named)}{more}: {count} "
+        f"{'samples are' if count > 1 else 'sample is'} missing"
+    )
 
 
 def _clipped(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
@@ -159,6 +207,8 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     limits = case.limits.motion
     most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
     away = recording.struts[1:-1] - (recording.struts[:-2] + recording.struts[2:]) / 2
+    lost = recording.lost > 0
+    away[lost[1:] | lost[:-1]] = 0.0  # neighbours that are no neighbours in time
     for k in range(6):
         rows = _peaks(away[:, k], most)
         if rows.any():

@@ -30,14 +30,14 @@ ROUNDING = 1e-6  # of a step, that clocks may be off by rounding
 
 
 def on_one_clock(recording: Recording, case: Case) -> Recording:
-    """The run with forces and struts at the same instants.
+    """The run with forces and struts at the same instants; those that a gap of either would hide are marked missing.
 
     Args:
         recording: any; without a clock or a machine, or with one rate, it is returned as it is.
         case: with the machine whose struts were recorded, and the range of the sensors.
 
     Raises:
-        RecordingError: the forces have gaps, which an average would hide.
+        RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
     """
     if case.machine is None or recording.t is None:
         return recording
@@ -93,7 +93,24 @@ def _released(recording: Recording) -> Stream | None:
     """The samples of struts that a file holds until the next one comes; None where every row has its own."""
     assert recording.struts is not None
     rhythm = rhythm_of(recording.struts)
-    return None if rhythm is None else _samples(recording, rhythm)
+    if rhythm is None:
+        _require_one_rhythm(recording)
+        return None
+    return _samples(recording, rhythm)
+
+
+def _require_one_rhythm(recording: Recording) -> None:
+    """Raises RecordingError where struts are held between gaps, but not in one rhythm over these."""
+    cuts = 1 + np.flatnonzero(recording.lost)
+    if not len(cuts) or recording.struts is None:
+        return
+    longest = max(np.split(recording.struts, cuts), key=len)
+    held = rhythm_of(longest)
+    if held is not None:
+        raise RecordingError(
+            f"{recording.source}, {recording.lines.place(int(cuts[0]))}: the struts are held for {held.ratio} rows "
+            "each, and a gap breaks their rhythm; cut the run there, or export struts and forces as files of their own"
+        )
 
 
 def _samples(recording: Recording, rhythm: Rhythm) -> Stream:
@@ -102,10 +119,11 @@ def _samples(recording: Recording, rhythm: Rhythm) -> Stream:
     rows = slice(rhythm.phase, None, rhythm.ratio)
     trigger = None if recording.trigger is None else recording.trigger[rows]
     velocities = None if recording.strut_velocities is None else recording.strut_velocities[rows]
-    lines = replace(recording.lines, first=recording.lines.first + rhythm.phase, every=rhythm.ratio)
+    lines = recording.lines.later(rhythm.phase, rhythm.ratio)
+    missing = None if recording.missing is None else recording.missing[rows]
     return Stream(
         recording.source, recording.t[rows], recording.struts[rows], trigger=trigger, strut_velocities=velocities,
-        lines=lines,
+        lines=lines, missing=missing, missing_in=recording.missing_in,
     )  # fmt: skip
 
 
@@ -134,14 +152,7 @@ def released(recording: Recording, rhythm: Rhythm, case: Case) -> Recording | No
 def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
     assert motion.t is not None
     assert recording.t is not None
-    t, forces = recording.t, recording.forces
-    steps = np.diff(t)
-    if steps.max() > max(GAP, 0.5 * interval / step) * step:
-        row = int(np.argmax(steps)) + 1
-        raise RecordingError(
-            f"{recording.source}, {recording.lines.place(row)}, t_s: step of {steps[row - 1] * 1e3:.4g} ms where the "
-            f"forces have {step * 1e3:.4g} ms; an average would hide it: export the run without gaps"
-        )
+    t, forces = _measured(recording.t, recording.forces, recording.missing)
     half = interval / 2.0
     # A sample more on either side for the curvature; whether the first reaches the edge is no matter of rounding.
     room = half - ROUNDING * step
@@ -152,6 +163,9 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
     curvature = means[2:] - 2.0 * means[1:-1] + means[:-2]
     means = means[1:-1] - (1.0 / 24.0 + (step / interval) ** 2 / 12.0) * curvature
     inside = inside[1:-1]
+    # The neighbours' averages are in the curvature.
+    hidden = _reach_a_gap(t, max(GAP, 0.5 * interval / step) * step, motion.t[inside], 1.5 * interval)
+    missing = hidden if motion.missing is None else hidden | motion.missing[inside]
     means = _at_full_range(means, t, forces, motion.t[inside], half, case)
     trigger, override = motion.trigger, _latest(recording, "override", motion.t)
     if trigger is None:
@@ -162,10 +176,26 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
         motion.source, motion.t[inside], motion.struts[inside], None, means,
         None if trigger is None else trigger[inside],
         None if motion.strut_velocities is None else motion.strut_velocities[inside],
-        lines=replace(motion.lines, first=motion.lines.first + int(inside[0]) * motion.lines.every),
+        lines=motion.lines.later(int(inside[0])),
         averaged=Averaged(interval / step, interval, noise),
         override=None if override is None else override[inside],
+        missing=missing, missing_in=(*motion.missing_in, *(("the forces averaged there",) if hidden.any() else ())),
     )  # fmt: skip
+
+
+def _measured(t: Array, values: Array, missing: NDArray[np.bool_] | None) -> tuple[Array, Array]:
+    """The samples without those that stand for nothing: a gap is left where they were."""
+    return (t, values) if missing is None else (t[~missing], values[~missing])
+
+
+def _reach_a_gap(t: Array, most: float, centres: Array, reach: float) -> NDArray[np.bool_]:
+    """Whether samples further apart than `most` are within reach of some instants, shape (m,)."""
+    long = np.flatnonzero(np.diff(t) > most)
+    ends = np.searchsorted(centres + reach, t[long], side="right"), np.searchsorted(centres - reach, t[long + 1])
+    change = np.zeros(len(centres) + 1, dtype=np.int64)
+    np.add.at(change, ends[0], 1)
+    np.add.at(change, np.maximum(*ends), -1)
+    return np.asarray(np.cumsum(change)[:-1] > 0)
 
 
 def interval_means(t: Array, values: Array, centres: Array, interval: float) -> Array:
@@ -222,21 +252,18 @@ def _at_the_forces(recording: Recording, motion: Stream, case: Case) -> Recordin
     assert motion.t is not None
     assert motion.struts is not None
     assert recording.t is not None
-    steps = np.diff(motion.t)
-    usual = float(np.median(steps))
-    if steps.max() > GAP * usual:
-        row = int(np.argmax(steps)) + 1
-        raise RecordingError(
-            f"{motion.source}, {motion.lines.place(row)}, t_s: step of {steps[row - 1] * 1e3:.4g} ms where the struts "
-            f"have {usual * 1e3:.4g} ms; export the run without gaps"
-        )
-    inside = np.flatnonzero((recording.t >= motion.t[0]) & (recording.t <= motion.t[-1]))
+    at, struts = _measured(motion.t, motion.struts, motion.missing)
+    usual = float(np.median(np.diff(at)))
+    inside = np.flatnonzero((recording.t >= at[0]) & (recording.t <= at[-1]))
     if not len(inside):
         return recording
     t = recording.t[inside]
     trigger, override = (_latest(recording, name, t) for name in ("trigger", "override"))
+    hidden = _reach_a_gap(at, GAP * usual, t, usual)
+    missing = hidden if recording.missing is None else hidden | recording.missing[inside]
     return replace(
-        recording, t=t, struts=CubicSpline(motion.t, motion.struts)(t), forces=recording.forces[inside],
+        recording, t=t, struts=CubicSpline(at, struts)(t), forces=recording.forces[inside],
         trigger=trigger, override=override, rotations=None, poses=None, specific_forces=None,
-        strut_velocities=None, others=(), lines=replace(recording.lines, first=recording.lines.first + int(inside[0])),
+        strut_velocities=None, others=(), lines=recording.lines.later(int(inside[0])),
+        missing=missing, missing_in=(*recording.missing_in, *(("the struts there",) if hidden.any() else ())),
     )  # fmt: skip

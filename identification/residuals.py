@@ -77,11 +77,11 @@ def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residu
     """
     model = identification_model(case, estimate.model, estimate.terms)
     if recording.t is None or case.setup == "1a":
-        data = standstills(recording, case, model)
+        data = standstills(recording, case, model, scan(recording, case))
         count = np.arange(1.0, data.samples + 1.0)
         return Residuals(count, data.forces, data.regressors @ estimate.values, None)
     if recording.struts is None:
-        wrist = wrist_run(recording, case, model, MOST_DELAY, estimate.how.biases)
+        wrist = wrist_run(recording, case, model, MOST_DELAY, estimate.how.biases, bad=scan(recording, case).bad)
         values = wrist.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
         return Residuals(wrist.t, wrist.recorded_forces, values, wrist.filter.step * wrist.filter.stride)
     if estimate.conditioning.periodic is not None:
@@ -90,7 +90,8 @@ def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residu
         expected = periodic.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
         recorded = recording.forces[periodic.used][:MOST_SAMPLES]
         return Residuals(t, recorded, periodic.predicted(expected, t), recording.step)
-    run = moving_run(recording, case, model)
-    every = replace(run, rows=np.arange(run.rows[0], min(run.rows[-1] + 1, run.rows[0] + MOST_SAMPLES)))
+    run = moving_run(recording, case, model, found=scan(recording, case))
+    rows = np.arange(run.rows[0], run.rows[-1] + 1)
+    every = replace(run, rows=(rows if run.spoilt is None else rows[~run.spoilt[rows]])[:MOST_SAMPLES])
     predicted = every.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
     return Residuals(every.t, every.recorded_forces, predicted, run.filter.step, every.forces)

@@ -20,6 +20,7 @@ _WINDOW = (0.355768, 0.487396, 0.144232, 0.012604)
 # The main lobe of the window is 4 / half length wide: at 4 / cut-off the transition spans half to one and a half cut-
 # offs.
 _HALF_LENGTH = 4.0
+_ROUNDING = 1e-6  # of a step
 
 
 class Filter(NamedTuple):
@@ -38,7 +39,8 @@ class Filter(NamedTuple):
     @property
     def margin(self) -> int:
         """Samples lost at each end."""
-        return int(np.ceil((_HALF_LENGTH / self.cutoff + self.reach) / self.step)) + 1
+        # Steps are means of time stamps: their rounding is not to decide over a sample.
+        return int(np.ceil((_HALF_LENGTH / self.cutoff + self.reach) / self.step - _ROUNDING)) + 1
 
     @property
     def stride(self) -> int:

@@ -12,6 +12,7 @@ from cases.units import DEG, MM
 from identification.evaluation import MOVING
 from identification.formats.table import Lines
 from identification.hexapod import Hexapod
+from identification.plausibility import unmeasured
 from identification.recording import Recording
 
 Array = NDArray[np.float64]
@@ -103,15 +104,23 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
         windows: of at least ten rows each.
     """
     assert recording.struts is not None
-    forces = np.array([recording.forces[w.start : w.end].mean(axis=0) for w in windows])
-    struts = np.array([recording.struts[w.start : w.end].mean(axis=0) for w in windows])
-    variance = np.array([_variance_of_mean(recording.forces[w.start : w.end]) for w in windows])
+    bad = unmeasured(recording).bad
+    rows = [w.start + np.flatnonzero(~bad[w.start : w.end]) for w in windows]
+    for w, measured in zip(windows, rows, strict=True):
+        if len(measured) < BATCHES:
+            raise RecordingError(
+                f"{recording.source}, {recording.lines.place(w.start)}: the standstill that begins here has "
+                f"{len(measured)} samples with all values, {BATCHES} are needed; record again"
+            )
+    forces = np.array([recording.forces[r].mean(axis=0) for r in rows])
+    struts = np.array([recording.struts[r].mean(axis=0) for r in rows])
+    variance = np.array([_variance_of_mean(recording.forces[r]) for r in rows])
     usual = np.maximum(np.median(variance, axis=0), np.finfo(float).tiny)
     scatter = np.sqrt(np.maximum(np.mean(variance / usual, axis=1), 1e-6))
     averages = replace(
         recording, t=None, struts=struts, forces=forces, trigger=None, strut_velocities=None, poses=None,
         rotations=None, specific_forces=None, others=(), lines=_COUNTED,
-        weights=1.0 / scatter,
+        weights=1.0 / scatter, missing=None, missing_in=(),
     )  # fmt: skip
     return Standing(averages, windows, scatter)
 

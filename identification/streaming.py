@@ -118,7 +118,7 @@ def _identified(path: Path, case: Case, problem: Problem, how: Method) -> LongRu
     model, blocks = problem.model, Blocks(path, case)
     selection = how.selection(model)
     head, low_pass = blocks.head()
-    usable, bad = mended(head, scan(head, case).bad)
+    usable, bad = mended(head, scan(head, case, most=1.0).bad)
     begin = block_run(usable, bad, model, Hexapod.of(case), low_pass).run
     first = fit_with_delay(begin, how, problem)
     count = len(model.names)

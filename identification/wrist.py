@@ -6,6 +6,7 @@ small angles is estimated with the parameters, as without that the delay is anyt
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +17,19 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.biases import Biases
 from identification.coloured import coloured_covariance
+from identification.evaluation import about_left_out, spoilt_by
 from identification.fit import Filtered
+from identification.formats.clock import HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
 from identification.model import MASS, Model
+from identification.plausibility import bridged
 from identification.signals import Filter
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving
-MOST_JITTER = 5.0  # steps by which stamps of a host may stray from equal steps
+MOST_JITTER = HOST_GAP  # steps by which stamps of a host may stray from equal steps
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay
 LEAST_ROWS = 20
 
@@ -132,6 +137,7 @@ def wrist_run(
     reach: float,
     biases: Biases | None = None,
     cutoff: float | None = None,
+    bad: Rows | None = None,
 ) -> WristRun:
     """A moving run with its window found: from the first turn out of rest to rest again.
 
@@ -142,6 +148,7 @@ def wrist_run(
         reach: largest delay that will be asked for [s].
         biases: those of the accelerometer are taken from its readings.
         cutoff: of the filter [Hz]; by default the case's.
+        bad: samples of the forces that may not be used, shape (n,).
 
     Raises:
         RecordingError: a stream or the filter is missing, or too slow or too short for it.
@@ -164,31 +171,59 @@ def wrist_run(
     beside = np.zeros(3) if biases is None else biases.require_accelerometer().values
     # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
     band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
-    quaternion = _smooth(turning, quaternions * flips[:, None], band, reach)
-    specific = _smooth(felt, felt.specific_forces - beside, cutoff, reach)
+    turned = _smooth(turning, quaternions * flips[:, None], band, reach)
+    pushed = _smooth(felt, felt.specific_forces - beside, cutoff, reach)
+    quaternion, specific = turned.signal, pushed.signal
     t, step = _equal_steps(force_stream)
     low_pass = _filter(force_stream, cutoff, step, reach)
     inner = slice(low_pass.margin, len(t) - low_pass.margin)
-    smooth, t = low_pass.apply(recording.forces), t[inner]
+    bad = np.zeros(len(t), dtype=bool) if bad is None else bad
+    spoilt = spoilt_by(bad, _lost(force_stream), low_pass)
+    recorded = bridged(recording.forces, bad)
+    smooth, t = low_pass.apply(recorded), t[inner]
+    spoilt |= turned.spoilt_at(t) | pushed.spoilt_at(t)
     speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
+    speed[spoilt] = 0.0
     moving = np.flatnonzero(speed > TURNING)
     if not len(moving):
         raise IdentificationError("the sensor does not turn; record a motion, or remove t_s from averaged standstills")
     inside = (t >= max(quaternion.x[0], specific.x[0]) + reach) & (t <= min(quaternion.x[-1], specific.x[-1]) - reach)
     inside[: moving[0]] = inside[moving[-1] + 1 :] = False
-    rows = np.flatnonzero(inside)
+    window = np.flatnonzero(inside)
+    lost = _lost(force_stream)[low_pass.margin + window[:-1]].sum() if len(window) else 0
+    share = float(np.sum(spoilt[window])) + float(lost)
+    rows = window[~spoilt[window]]
+    warnings = about_left_out(recording.source, share / max(len(window) + int(lost), 1), low_pass)
     kept = rows[:: low_pass.stride]
     if len(kept) < LEAST_ROWS:
         raise RecordingError("the streams overlap for too short a time behind the filter; record longer")
-    recorded = recording.forces[inner]
-    return WristRun(model, low_pass, t[kept], smooth[kept], recorded[kept], quaternion, specific, len(rows))
+    return WristRun(
+        model, low_pass, t[kept], smooth[kept], recorded[inner][kept], quaternion, specific, len(rows), warnings
+    )
 
 
-def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> CubicSpline:
-    """A stream behind the filter, at any instant."""
+class _Smooth(NamedTuple):
+    """A stream behind the filter, at any instant, and whether its samples feel damage or a gap."""
+
+    signal: CubicSpline
+    spoilt: Rows
+
+    def spoilt_at(self, t: Array) -> Rows:
+        """Whether that is felt at some instants, with any delay that is asked for."""
+        after = np.clip(np.searchsorted(self.signal.x, t), 1, len(self.signal.x) - 1)
+        return np.asarray(self.spoilt[after] | self.spoilt[after - 1])
+
+
+def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> _Smooth:
     t, step = _equal_steps(stream)
     low_pass = _filter(stream, cutoff, step, reach)
-    return CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(values))
+    bad = np.zeros(len(t), dtype=bool) if stream.missing is None else stream.missing
+    signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, bad)))
+    return _Smooth(signal, spoilt_by(bad, _lost(stream), low_pass))
+
+
+def _lost(stream: Stream) -> NDArray[np.int64]:
+    return lost_samples(stream.t, HOST_GAP)
 
 
 def _filter(stream: Stream, cutoff: float, step: float, reach: float) -> Filter:
@@ -215,19 +250,27 @@ def delay_band(recording: Recording) -> float:
 
 
 def _equal_steps(stream: Stream) -> tuple[Array, float]:
-    """Sampling instants behind the jitter of a host's stamps: the straight line through them, and its step [s]."""
+    """Sampling instants behind the jitter of a host's stamps, and their step [s].
+
+    They are a straight line through the stamps; behind a gap it begins anew, with the same step.
+    """
     if stream.t is None or len(stream.t) < LEAST_ROWS:
         raise RecordingError(f"{stream.source}: has too few samples with time stamps for a moving run; record longer")
+    section = np.r_[0, np.cumsum(_lost(stream) > 0)]
+    count = np.bincount(section)
     index = np.arange(len(stream.t), dtype=float)
-    step, start = np.polyfit(index, stream.t, 1)
-    away = np.abs(stream.t - start - step * index)
-    if away.max() > MOST_JITTER * step:
-        row = int(np.argmax(away))
+    middle, mean = (np.bincount(section, weights=v) / count for v in (index, stream.t))
+    away, late = index - middle[section], stream.t - mean[section]
+    step = float(away @ late / (away @ away))
+    instants = mean[section] + step * away
+    off = np.abs(stream.t - instants)
+    if off.max() > MOST_JITTER * step:
+        row = int(np.argmax(off))
         raise RecordingError(
-            f"{stream.source}, {stream.lines.place(row)}: the time stamp is {away[row] * 1e3:.3g} ms from equal steps "
-            f"of {step * 1e3:.4g} ms; export the run without gaps at one rate"
+            f"{stream.source}, {stream.lines.place(row)}: the time stamp is {off[row] * 1e3:.3g} ms from equal steps "
+            f"of {step * 1e3:.4g} ms; export the run at one rate"
         )
-    return start + step * index, float(step)
+    return instants, step
 
 
 def _product(a: Array, b: Array) -> Array:

@@ -20,6 +20,7 @@ from identification.hexapod import Hexapod
 from identification.identify import default_model
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, sample
+from identification.plausibility import scan
 from identification.rates import on_one_clock
 from identification.recording import Recording, files_of, read_recording
 from identification.reference import reference_scaling
@@ -237,9 +238,10 @@ def _seen(matrices: Array, root: Array | None, scaling: Array) -> Array:
 
 def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Array | None, int]:
     """Regressors that are evaluated, the way of the platform, and the number of samples that they stand for."""
+    found = scan(recording, case)
     if recording.t is None:
-        return standstills(recording, case, model).regressors, None, len(recording.forces)
-    run = moving_run(recording, case, model)
+        return standstills(recording, case, model, found).regressors, None, int(np.sum(~found.bad))
+    run = moving_run(recording, case, model, found=found)
     struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
     way = None if struts is None else Hexapod.of(case).poses(struts)[:, :3]
     return run.regressors(0.0), way, run.samples

@@ -22,15 +22,17 @@ from cases.recording_columns import (
 )
 from cases.schema import Case
 from identification.formats.checks import (
-    require_finite,
     require_gravity,
     require_increasing,
     require_override,
     require_reach,
     require_rotations,
+    require_stamps,
     require_switch,
 )
 from identification.formats.header import without
+from identification.formats.lost import with_lost_rows
+from identification.formats.missing import Marked, marked
 from identification.formats.stream import Stream
 from identification.formats.table import Array, Table, listed
 
@@ -61,20 +63,25 @@ def streams_of(
         origin: what becomes time 0, see `start_of`; by default the first sample of the first table.
 
     Raises:
-        RecordingError: a value cannot have been measured, columns are missing, or time runs backwards.
+        RecordingError: a value cannot be what it should, columns are missing, or time runs backwards.
     """
     last: dict[tuple[str, tuple[str, ...]], float | int] = {}
+    ends: dict[tuple[str, tuple[str, ...]], float] = {}
+    steps: dict[tuple[str, tuple[str, ...]], float] = {}
     for table in tables:
-        require_finite(table, form)
-        t = None
-        if table.stamps is not None:
-            key = table.source, tuple(table.values)
-            require_increasing(table, form, last.get(key))
-            last[key] = table.stamps[-1].item()
-            start = start_of(table, form)
-            origin = start if origin is None else origin
-            t = (table.stamps - table.stamps[0]) * table.tick + float(start - origin)
-        yield _stream(table, t, case, form)
+        require_stamps(table, form)
+        if table.stamps is None:
+            yield _stream(marked(table, form), None, case, form)
+            continue
+        key = table.source, tuple(table.values)
+        require_increasing(table, form, last.get(key))
+        last[key] = table.stamps[-1].item()
+        start = start_of(table, form)
+        origin = start if origin is None else origin
+        t = (table.stamps - table.stamps[0]) * table.tick + float(start - origin)
+        steps.setdefault(key, float(np.median(np.diff(t))) if len(t) > 1 else 0.0)
+        yield with_lost_rows(_stream(marked(table, form), t, case, form), ends.get(key), steps[key])
+        ends[key] = float(t[-1])
 
 
 def start_of(table: Table, form: RecordingFormat) -> Fraction:
@@ -91,7 +98,8 @@ def start_of(table: Table, form: RecordingFormat) -> Fraction:
     return Fraction(table.stamps[0].item()) * tick + Fraction(max(shifts, default=0.0))
 
 
-def _stream(table: Table, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
+def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
+    table = found.table
     forces = _group(table, form, forces_of(case))
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
@@ -112,6 +120,8 @@ def _stream(table: Table, t: Array | None, case: Case, form: RecordingFormat) ->
         poses=_group(table, form, POSE),
         specific_forces=_specific_forces(table, form),
         lines=table.lines,
+        missing=found.missing,
+        missing_in=found.columns,
     )
     if not stream.channels:
         raise RecordingError(f"{table.source}: {_nothing(table, forces_of(case), form)}")

@@ -20,25 +20,17 @@ MOST_OVERRIDE = 3.0  # controls offer 120 to 200 %
 _FIRST = 10_000  # rows that tell a wrong unit as well as all of them
 
 
-def require_finite(table: Table, form: RecordingFormat) -> None:
-    """Raises RecordingError at the first row with a value that is no number, or none that was measured."""
-    columns = dict(table.values)
-    if table.stamps is not None:
-        columns[CLOCK] = table.stamps.astype(float)
-    worst: tuple[int, str] | None = None
-    for ours, values in columns.items():
-        possible = np.abs(values) < _MOST
-        if not possible.all():
-            row = int(np.argmin(possible))
-            worst = min(worst or (row, ours), (row, ours))
-    if worst is not None:
-        row, ours = worst
-        # A run needs equal steps: without a row it would have a gap.
-        moves = table.stamps is not None and ours != CLOCK
-        remedy = "fill it in from its neighbours, or cut the run there" if moves else "remove the row"
+def require_stamps(table: Table, form: RecordingFormat) -> None:
+    """Raises RecordingError at the first time stamp that is no number, or none of a clock."""
+    if table.stamps is None:
+        return
+    stamps = table.stamps.astype(float)
+    possible = np.abs(stamps) < _MOST
+    if not possible.all():
+        row = int(np.argmin(possible))
         raise RecordingError(
-            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(ours))}: {columns[ours][row]} is not a "
-            f"measured value; {remedy}"
+            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(CLOCK))}: {stamps[row]} is no time "
+            "stamp; remove the row"
         )
 
 

@@ -14,7 +14,9 @@ from identification.formats.blocks import Block, read_blocks, read_head
 from identification.formats.diagnosis import Dialect
 from identification.formats.header import Selection, cells, decoded, require_known, select
 from identification.formats.parsing import Fields, lines_of, parse
-from identification.formats.table import Table
+from identification.formats.table import Table, shown
+
+NOTHING = ("", " ")  # fields of what was not measured
 
 
 def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
@@ -27,7 +29,7 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.
     """
-    dialect = Dialect(form.delimiter or ",", form.decimal or ".", encoding=form.encoding)
+    dialect = Dialect(form.delimiter or ",", form.decimal or ".", NOTHING, form.encoding)
     header_rows, names = _header(file, form, dialect)
     chosen = select(file, names, form)
     tick = form.clock.period if chosen.clock is None else form.tick
@@ -59,7 +61,16 @@ def rows_of(
         values = {ours: columns[k].to_numpy() for ours, k in chosen.values.items()}
         stamps = None
         if tick is not None:
-            stamps = np.arange(count, count + rows) if chosen.clock is None else columns[chosen.clock].to_numpy()
+            stamps = np.arange(count, count + rows)
+            if chosen.clock is not None:
+                clock = columns[chosen.clock]
+                if clock.null_count:
+                    place = lines_of(block, rows).place(int(np.argmin(clock.is_valid().to_numpy())))
+                    raise RecordingError(
+                        f"{file}, {place}, {shown(names[chosen.clock])}: is empty where a time stamp is needed; remove "
+                        "the row"
+                    )
+                stamps = clock.to_numpy()
         yield Table(str(file), tuple(names), values, stamps, tick or 0.0, lines_of(block, rows))
         count += rows
     if not count:

@@ -12,11 +12,12 @@ from cases.recording import RecordingFormat
 from cases.recording_columns import POSE, ROTATION, STRUTS
 from cases.schema import Case
 from identification.formats.assembly import forces_of, start_of, streams_of
-from identification.formats.checks import require_finite
+from identification.formats.checks import require_stamps
 from identification.formats.header import without
+from identification.formats.missing import require_measured
 from identification.formats.reading import read_batches as read_table_batches
 from identification.formats.reading import read_tables
-from identification.formats.stream import Recording, Stream
+from identification.formats.stream import Recording, Stream, either
 from identification.formats.table import Table
 
 
@@ -54,7 +55,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         held = sum(table.rows * len(table.values) for table, _ in tables)
         tables += [(table, form) for table in read_tables(file, form, held)]
     for table, form in tables:
-        require_finite(table, form)  # before the first stamp is taken for the run's beginning
+        require_stamps(table, form)  # before the first of them is taken for the run's beginning
+        require_measured(table, form)
     starts = [start_of(table, form) for table, form in tables if table.stamps is not None]
     origin = min(starts, default=None)
     streams = [stream for table, form in tables for stream in streams_of([table], case, form, origin)]
@@ -70,7 +72,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     others = tuple(s for s in streams if s.forces is None)
     return Recording(
         main.source, main.t, main.struts, main.rotations, main.forces, main.trigger, main.strut_velocities, main.poses,
-        main.specific_forces, others, main.lines, override=main.override,
+        main.specific_forces, others, main.lines, override=main.override, missing=main.missing,
+        missing_in=main.missing_in,
     )  # fmt: skip
 
 
@@ -138,7 +141,9 @@ def _joined(streams: Sequence[Stream]) -> list[Stream]:
             joined.append(stream)
         else:
             more: dict[Any, Any] = {**stream.channels}
-            joined[same] = replace(joined[same], **more)
+            missing = either(joined[same].missing, stream.missing)
+            names = (*joined[same].missing_in, *stream.missing_in)
+            joined[same] = replace(joined[same], missing=missing, missing_in=names, **more)
     return joined
 
 

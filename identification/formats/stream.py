@@ -6,16 +6,15 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import RecordingError
+from identification.formats.clock import lost_samples, uniform_step
 from identification.formats.table import Array, Lines
 
-# Time stamps of equal steps are printed with rounding; beyond this share of a step the sampling is not uniform.
-UNIFORMITY = 0.05
 Channel = Literal[
     "struts", "rotations", "forces", "trigger", "strut_velocities", "poses", "specific_forces", "override"
 ]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
 _BELOW_A_HEADER = Lines()
+Rows = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +33,8 @@ class Stream:
         specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
         override: of the feed, shape (n,); 1 is none.
         lines: where the rows stand in the file.
+        missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
+        missing_in: the columns in which they are, as the file calls them.
     """
 
     source: str
@@ -47,6 +48,8 @@ class Stream:
     specific_forces: Array | None = None
     override: Array | None = None
     lines: Lines = _BELOW_A_HEADER
+    missing: Rows | None = None
+    missing_in: tuple[str, ...] = ()
 
     @property
     def channels(self) -> dict[Channel, Any]:
@@ -129,6 +132,8 @@ class Recording:
         weights: of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
         averaged: how forces were averaged that were sampled faster than the motion.
         override: of the feed, shape (n,); 1 is none.
+        missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
+        missing_in: the columns in which they are, as the file calls them.
     """
 
     source: str
@@ -145,6 +150,8 @@ class Recording:
     weights: Array | None = None
     averaged: Averaged | None = None
     override: Array | None = None
+    missing: Rows | None = None
+    missing_in: tuple[str, ...] = ()
 
     @property
     def step(self) -> float:
@@ -152,10 +159,18 @@ class Recording:
         return uniform_step(self.source, self.t, self.lines)
 
     @property
+    def lost(self) -> NDArray[np.int64]:
+        """How many samples were lost between each row and the next, shape (n - 1,)."""
+        return lost_samples(self.t)
+
+    @property
     def streams(self) -> tuple[Stream, ...]:
         """All streams of the run, that of the forces first."""
         own: dict[Any, Any] = {**_present(self)}
-        return Stream(source=self.source, t=self.t, lines=self.lines, **own), *self.others
+        main = Stream(
+            source=self.source, t=self.t, lines=self.lines, missing=self.missing, missing_in=self.missing_in, **own
+        )
+        return main, *self.others
 
     def stream_with(self, channel: Channel) -> Stream | None:
         """The stream that has a channel; None where the run has no such channel."""
@@ -167,41 +182,8 @@ def _present(samples: "Stream | Recording") -> dict[Channel, Any]:
     return {name: array for name, array in arrays.items() if array is not None}
 
 
-def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
-    """Time between samples [s].
-
-    Args:
-        source: the file, for the message.
-        t: time, shape (n,) [s].
-        lines: where the rows stand in the file.
-
-    Raises:
-        RecordingError: there is no clock, or it is not uniform; the message names the first step that differs.
-    """
-    if t is None:
-        raise RecordingError(f"{source}: has no t_s column; its rows are standstills")
-    if len(t) < 2:
-        raise RecordingError(f"{source}: has one row, which is no motion; record again")
-    steps = np.diff(t)
-    usual = float(np.median(steps))
-    off = np.abs(steps - usual) > UNIFORMITY * usual
-    if off.any():
-        raise RecordingError(_uneven(source, steps, usual, off, lines))
-    return float((t[-1] - t[0]) / (len(t) - 1))
-
-
-_FEW_STEPS, _TYPICAL_STEPS = 5, 20  # that tell a rate which has changed from a gap
-
-
-def _uneven(source: str, steps: Array, usual: float, off: NDArray[np.bool_], lines: Lines) -> str:
-    """What to say of a clock that is not uniform: another rate, missing samples, or single steps that differ."""
-    row, count = int(np.argmax(off)), int(off.sum())
-    there = float(np.median(steps[row : row + _TYPICAL_STEPS]))
-    where = f"{source}, {lines.place(row + 1)}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has "
-    where += f"{usual * 1e3:.4g} ms"
-    if count >= _FEW_STEPS and off[row : row + _TYPICAL_STEPS].mean() > 0.5 and abs(there - usual) > UNIFORMITY * usual:
-        return f"{where}; the sampling rate changes: export the run without gaps at one rate"
-    missing = round(steps[row] / usual) - 1
-    lost = f" ({missing} samples are missing)" if missing > 0 else ""
-    more = f", and at {count - 1} more places" if count > 1 else ""
-    return f"{where}{lost}{more}; export the run without gaps at one rate"
+def either(one: Rows | None, other: Rows | None) -> Rows | None:
+    """Rows that are marked in one of two, None standing for no rows at all."""
+    if one is None or other is None:
+        return other if one is None else one
+    return one | other

@@ -1,7 +1,8 @@
 """What a reader makes of a file: columns of numbers that share their rows, and where in the file each row stands."""
 
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,16 +23,25 @@ class Lines:
         skipped: numbers of lines behind it that hold no row, ascending.
         word: what the file's rows are called.
         every: of the file's rows only each so-manyth is one of the samples.
+        inserted: rows that stand in no line, counted from 0 and ascending, before only each so-manyth is taken.
     """
 
     first: int = 2
     skipped: tuple[int, ...] = ()
     word: str = "line"
     every: int = 1
+    inserted: tuple[int, ...] = ()
+
+    def later(self, row: int, every: int = 1) -> "Lines":
+        """Of the rows from one on, counted from 0, or of each so-manyth of them."""
+        start = row * self.every
+        count = bisect_right(self.inserted, start)
+        inserted = tuple(k - start for k in self.inserted[count:])
+        return replace(self, first=self.first + start - count, every=self.every * every, inserted=inserted)
 
     def place(self, row: int) -> str:
-        """Place of a row, counted from 0, as a message names it."""
-        line = self.first + row * self.every
+        """Place of a row, counted from 0, as a message names it; one that stands in no line has that before it."""
+        line = self.first + row * self.every - bisect_right(self.inserted, row * self.every)
         for skipped in self.skipped:
             if skipped > line:
                 break

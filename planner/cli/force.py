@@ -44,6 +44,7 @@ def force(
         "samples": len(found.t),
         "rms": {f"{a}_{u.replace(' ', '')}": float(v) for a, u, v in zip(AXES, UNITS, found.rms, strict=True)},
         "peak": {f"{a}_{u.replace(' ', '')}": float(v) for a, u, v in zip(AXES, UNITS, found.peak, strict=True)},
+        "warnings": list(found.warnings),
     }
     if json:
         print_json(answer)
@@ -52,6 +53,8 @@ def force(
         [a, f"{r:.4g}", f"{p:.4g}", u] for a, u, r, p in zip(AXES, UNITS, found.rms, found.peak, strict=True)
     ]  # fmt: skip
     print_table("External force and moment in {P}", ("component", "rms", "peak", "unit"), rows)
+    for warning in found.warnings:
+        print(f"warning: {warning}")
     print(f"written: {file} ({len(found.t)} samples, behind the filter of the case)")
 
 

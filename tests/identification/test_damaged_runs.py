@@ -140,4 +140,4 @@ def within_3_std(seeds: range, folder: Path) -> float:
 
 @pytest.mark.parametrize("seeds", [range(10), pytest.param(range(10, 200), marks=pytest.mark.slow)])
 def test_mild_damage_leaves_most_runs_usable(seeds: range, tmp_path: Path) -> None:
-    assert within_3_std(seeds, tmp_path) >= 0.3
+    assert within_3_std(seeds, tmp_path) >= 0.9

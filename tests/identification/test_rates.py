@@ -147,13 +147,41 @@ def test_an_average_over_a_clipped_sample_counts_as_clipped() -> None:
     assert any("at the end of its range" in w for w in identify(joined, CASE).warnings)
 
 
-def test_missing_samples_of_forces_are_refused_with_their_place() -> None:
+def test_averages_over_missing_forces_are_marked() -> None:
+    """4 ms of forces at 5 kHz are missing; averages over 2 ms that reach there, or whose neighbours do, are none."""
     recording = two_rates(10.0)
     keep = np.r_[0:5000, 5020 : len(recording.t)]
     broken = replace(recording, t=recording.t[keep], forces=recording.forces[keep])
-    with pytest.raises(RecordingError, match=r"forces.csv, line 5002, t_s: step of 4.2 ms where .* 0.2 ms") as caught:
+    joined, sound = on_one_clock(broken, CASE), on_one_clock(recording, CASE)
+    marked = joined.missing
+    assert joined.t[marked].min() == pytest.approx(recording.t[5000] - 2.5e-3, abs=1e-3)
+    assert joined.t[marked].max() == pytest.approx(recording.t[5020] + 2.5e-3, abs=1e-3)
+    np.testing.assert_allclose(joined.forces[~marked], sound.forces[~marked], rtol=1e-6)
+    assert np.abs(joined.forces[marked] - sound.forces[marked]).max() > 1e-3
+
+
+def test_forces_where_struts_of_their_own_clock_are_missing_are_marked() -> None:
+    t, fine = np.arange(0.0, 3.0, 3e-3), np.arange(0.0, 3.0, 1e-3)
+    keep = (fine < 1.0) | (fine > 1.2)
+    struts = Stream("struts.csv", fine[keep], struts=EXECUTION.struts(fine[keep]))
+    joined = on_one_clock(
+        Recording("forces.csv", t, None, None, true_forces(CASE, EXECUTION, t), None, others=(struts,)), CASE
+    )
+    inside = (t[: len(joined.t)] > 1.0) & (t[: len(joined.t)] < 1.2)
+    assert joined.missing[inside].all()
+    assert joined.missing.sum() <= inside.sum() + 2
+    np.testing.assert_allclose(joined.struts[~joined.missing], EXECUTION.struts(joined.t[~joined.missing]), atol=1e-8)
+
+
+def test_held_struts_whose_rhythm_a_gap_breaks_are_refused() -> None:
+    t = np.arange(0.0, 3.0, 1e-3)
+    held = EXECUTION.struts(t[5 * (np.arange(len(t)) // 5)])
+    run = Recording("run.csv", t, held, None, true_forces(CASE, EXECUTION, t), None)
+    assert on_one_clock(run, CASE).step == pytest.approx(5e-3)
+    keep = np.r_[0:1500, 1512 : len(t)]
+    broken = replace(run, t=t[keep], struts=held[keep], forces=run.forces[keep])
+    with pytest.raises(RecordingError, match=r"run.csv, line 1502: the struts are held for 5 rows .* breaks their"):
         on_one_clock(broken, CASE)
-    one_line(caught.value)
 
 
 def test_single_samples_that_are_missing_among_many_do_not_matter() -> None:

@@ -115,13 +115,22 @@ def test_what_comes_late_in_a_long_file_counts_as_what_comes_first(
     one_line(caught.value)
 
 
-def test_uneven_sampling_is_named_where_it_happens(recording: Recording) -> None:
-    """A gap of a second in a run of a second doubles the mean step; still the gap is at fault, not the first line."""
+def test_a_gap_is_counted_and_does_not_change_the_step(recording: Recording) -> None:
+    """A gap of a second in a run of a second doubles the mean step; the sampling goes on as before."""
     late = recording.t.copy()
     late[700:] += 1.0
-    with pytest.raises(RecordingError, match=r"line 702, t_s: step of 1001 ms where the run has 1 ms") as caught:
+    gap = replace(recording, t=late)
+    assert gap.step == pytest.approx(1e-3)
+    assert np.flatnonzero(gap.lost).tolist() == [699]
+    assert gap.lost[699] == 1000
+
+
+def test_uneven_sampling_is_named_where_it_happens(recording: Recording) -> None:
+    late = recording.t.copy()
+    late[700] += 0.0003
+    with pytest.raises(RecordingError, match=r"line 702, t_s: step of 1.3 ms where the run has 1 ms") as caught:
         _ = replace(recording, t=late).step
-    assert "without gaps" in one_line(caught.value)
+    assert "export the run at one rate" in one_line(caught.value)
 
 
 def test_rounded_time_stamps_count_as_even(recording: Recording) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from tests.planner.command_line import refused
+from tests.planner.command_line import call, refused
 
 Rows = list[list[str]]
 
@@ -50,16 +50,20 @@ def all_on(rows: Rows) -> Rows:
     return [rows[0], *([*row[:k], "1", *row[k + 1 :]] for row in rows[1:])]
 
 
+def emptied(rows: Rows, name: str) -> Rows:
+    k = column(rows, name)
+    return [rows[0], *([*row[:k], "", *row[k + 1 :]] for row in rows[1:])]
+
+
 DAMAGE: dict[str, tuple[Callable[[Rows], Rows], tuple[str, ...]]] = {
     "a missing column": (without("l3_mm"), ("l3_mm", "is missing", "add it or map its name")),
     "no forces": (lambda r: [row[:7] for row in r], ("f1_N", "no forces")),
     "text in a number": (with_value(17, "f2_N", "strong"), ("line 17", "f2_N", "'strong'", "correct")),
-    "nothing in a number": (with_value(17, "f2_N", ""), ("line 17", "f2_N", "empty")),
+    "nothing in a column": (lambda r: emptied(r, "f2_N"), ("line 2", "f2_N", "100 %", "at most 30 %")),
     "a decimal comma": (with_value(17, "f2_N", '"1,5"'), ("line 17", "f2_N", "'1,5'")),
-    "NaN": (with_value(300, "l1_mm", "nan"), ("line 300", "l1_mm", "nan", "fill it in")),
-    "infinity": (with_value(300, "l1_mm", "inf"), ("line 300", "l1_mm", "inf")),
     "time that runs backwards": (backwards, ("line 401", "t_s", "must increase")),
-    "a gap in time": (lambda r: r[:300] + r[400:], ("t_s", "step")),
+    "stamps that stray": (with_value(300, "t_s", "0.2983"), ("line 300", "t_s", "step of", "at one rate")),
+    "a rate that changes": (lambda r: r[:400] + r[400::2], ("t_s", "step of 2 ms", "at one rate")),
     "a row that is too short": (
         lambda r: [*r[:50], r[50][:5], *r[51:]],
         ("line 51", "expected 14 columns, got 5", "correct"),
@@ -82,6 +86,24 @@ def test_a_damaged_recording_is_refused(what: str, rows: Rows, tmp_path: Path):
     for word in words:
         assert any(w in line for w in word.split("|")), line
     assert not (tmp_path / "result").exists()
+
+
+def test_a_run_with_gaps_and_nothing_in_some_rows_is_identified(shared: Path, chain: dict[str, Any], tmp_path: Path):
+    """What is left of the run is enough: the answer says which rows it is without, and how much of the motion."""
+    lines = (shared / "recording" / "recording.csv").read_text().splitlines()
+    middle = len(lines) // 2
+    lines[middle : middle + 20] = [line.rsplit(",", 3)[0] + ",,nan,1" for line in lines[middle : middle + 20]]
+    del lines[middle + 1000 : middle + 1100]
+    file = tmp_path / "run.csv"
+    file.write_text("\n".join(lines) + "\n")
+    found = call("identify", file, "--case", "hexapod", "-o", tmp_path / "result", "--json").json()
+    warnings = " / ".join(found["warnings"])
+    assert f"lines {middle + 1} to {middle + 20}: no measured value in f5_N, f6_N; left out" in warnings
+    assert f"behind line {middle + 1000}: 100 samples are missing; no filter reaches across" in warnings
+    assert "% of the motion is left out" in warnings
+    sound = chain["identify"]["parameters"]
+    for name, value in found["parameters"].items():
+        assert abs(value["value"] - sound[name]["value"]) < 3.0 * sound[name]["std_robust"], name
 
 
 @pytest.mark.parametrize("content", [b"", b"\x00\x01\x02" * 50, b"\xff\xfe\x00a", b"just words\n", b"\n\n\n"])

@@ -39,12 +39,16 @@ def test_batches_do_not_grow_with_the_file(file: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("row", [0, 1, 44_000, 59_999])
-def test_a_bad_value_is_named_with_its_line_in_any_batch(row: int, tmp_path: Path) -> None:
+def test_a_bad_value_is_marked_in_its_line_in_any_batch(row: int, tmp_path: Path) -> None:
     lines = TEXT.splitlines()
     lines[row + 1] = lines[row + 1].rsplit(",", 1)[0] + ",nan"
     bad = written(tmp_path, "\n".join(lines))
-    with pytest.raises(RecordingError, match=rf"line {row + 2}, f6_N: nan is not a measured value"):
-        list(read_batches(bad, HEXAPOD))
+    batches = list(read_batches(bad, HEXAPOD))
+    marked = np.concatenate([np.zeros(b.rows, dtype=bool) if b.missing is None else b.missing for b in batches])
+    assert np.flatnonzero(marked).tolist() == [row]
+    (batch,) = [b for b in batches if b.missing is not None]
+    assert batch.missing_in == ("f6_N",)
+    assert batch.lines.place(int(np.argmax(batch.missing))) == f"line {row + 2}"
 
 
 def test_time_runs_forwards_across_batches(file: Path, tmp_path: Path) -> None:

@@ -8,6 +8,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from cases.errors import RecordingError
+from identification.formats.table import Lines
+from identification.plausibility import unmeasured
 from identification.recording import read_recording
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, csv, rows, written
@@ -64,8 +66,8 @@ WRONG = {
     "backwards by one of many": (["1708857503931759", "1708857503931758"], "us", r"1708857503931758 us comes after"),
     "a date": (["2026-11-01", "2026-11-02"], "s", r"line 2, t_s: '2026-11-01' is not a number"),
     "a time of day": (["08:00:00.001", "08:00:00.002"], "s", r"line 2, t_s: '08:00:00.001' is not a number"),
-    "nothing": (["0", "", "2"], "s", r"line 3, t_s: is empty where a number is needed"),
-    "NaN": (["0", "nan", "2"], "s", r"line 3, t_s: nan is not a measured value"),
+    "nothing": (["0", "", "2"], "s", r"line 3, t_s: is empty where a time stamp is needed; remove the row"),
+    "NaN": (["0", "nan", "2"], "s", r"line 3, t_s: nan is no time stamp"),
 }
 
 
@@ -92,12 +94,30 @@ def test_a_line_is_counted_in_the_file_whatever_stands_above_it(tmp_path: Path) 
     lines = stamped([f"{t:.3f}" for t in times]).splitlines()
     text = "\n".join(["title", "", *lines[:11], "", "", *lines[11:]])
     recording = read_recording(written(tmp_path, text), case_with(header_rows=3))
-    with pytest.raises(RecordingError, match=rf"line {text.splitlines().index(lines[21]) + 1}, t_s"):
-        _ = recording.step
+    (told,) = unmeasured(recording).warnings
+    assert told.startswith(f"behind line {text.splitlines().index(lines[20]) + 1}: 1000 samples are missing; no filter")
 
 
-def test_missing_samples_are_counted(tmp_path: Path) -> None:
+def test_a_few_missing_samples_are_put_back_and_marked(tmp_path: Path) -> None:
     times = [f"{t:.3f}" for t in (*RUN.t[:10], *(RUN.t[10:] + 3e-3))]
     recording = read_recording(written(tmp_path, stamped(times)), case_with())
-    with pytest.raises(RecordingError, match=r"line 12, t_s: step of 4 ms .*\(3 samples are missing\).*one rate"):
-        _ = recording.step
+    assert recording.step == pytest.approx(1e-3)
+    assert np.flatnonzero(recording.missing).tolist() == [10, 11, 12]
+    np.testing.assert_allclose(np.diff(recording.t), 1e-3, rtol=1e-6)
+    share = np.arange(1, 4)[:, None] / 4
+    line = (1 - share) * RUN.struts[9] + share * RUN.struts[10]
+    np.testing.assert_allclose(recording.struts[10:13], line, rtol=1e-9)
+    np.testing.assert_allclose(recording.struts[13:], RUN.struts[10:], rtol=1e-9)
+    assert recording.lines.place(12) == "line 11"
+    assert recording.lines.place(13) == "line 12"
+    (told,) = unmeasured(recording).warnings
+    assert told == "behind line 11: 3 samples are missing; bridged from their neighbours"
+
+
+def test_lines_are_counted_behind_rows_that_stand_in_none() -> None:
+    lines = Lines(first=2, inserted=(3, 4, 9))
+    places = [int(lines.place(row).split()[1]) for row in range(12)]
+    assert places == [2, 3, 4, 4, 4, 5, 6, 7, 8, 8, 9, 10]
+    for row in range(12):
+        assert [int(lines.later(row).place(k).split()[1]) for k in range(12 - row)] == places[row:]
+    assert [int(lines.later(2, 3).place(k).split()[1]) for k in range(4)] == places[2::3]

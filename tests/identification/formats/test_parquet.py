@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
+from identification.plausibility import unmeasured
 from identification.recording import Recording, read_batches, read_recording, write_recording
 from tests.helpers import answer, one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, written
@@ -78,9 +79,16 @@ def gap(name: str, value: object) -> dict[str, object]:
     return columns() | {name: values}
 
 
+@pytest.mark.parametrize("value", [None, float("nan"), float("inf")])
+def test_what_was_not_measured_is_marked(value: float | None, tmp_path: Path) -> None:
+    recording = read_recording(parquet(tmp_path, gap("f2_N", value)), HEXAPOD)
+    assert np.flatnonzero(recording.missing).tolist() == [7]
+    assert unmeasured(recording).warnings == ("row 8: no measured value in f2_N; left out",)
+    others = np.arange(RUN.count) != 7
+    np.testing.assert_allclose(recording.forces[others], RUN.forces[others], rtol=1e-6)
+
+
 WRONG = {
-    "null": (gap("f2_N", None), r"row 8, f2_N: nan is not a measured value"),
-    "NaN": (gap("f2_N", float("nan")), r"row 8, f2_N: nan is not a measured value"),
     "null in the clock": (gap("t_s", None), r"t_s: has no value in .* row 8"),
     "time backwards": (gap("t_s", 0.001), r"row 8, t_s: 0.001000 s comes after 0.006000 s"),
     "text": (columns() | {"f2_N": ["1.5"] * RUN.count}, r"f2_N: holds string, not numbers; export it as double"),

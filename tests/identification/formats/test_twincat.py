@@ -156,11 +156,6 @@ DAMAGES = {
     "one channel missing": (GOOD.replace("force 3", "fors 3", 1), {}, r"column force 3 is missing; it has .*fors 3"),
     "separated by blanks": (GOOD.replace("\t", " "), {}, r"separated by blanks; export with tabulators or semicolons"),
     "a hole in a clock": (GOOD.replace("\n5\t", "\n \t", 1), {}, r"line 19: a clock has no value but goes on below"),
-    "a hole in a channel": (
-        "\n".join([*LINES[:20], "\t".join([*LINES[20].split("\t")[:2], " ", *LINES[20].split("\t")[3:]]), *LINES[21:]]),
-        {},
-        r"line 21, MAIN.strut\[2\]: nan is not a measured value",
-    ),
     "channels filled with previous values": (GOOD.replace("\n5\t", "\n4\t", 1), {}, r"line 19.*4 ms comes after|part"),
     "text": (GOOD.replace("\n5\t", "\nfive\t", 1), {}, r"line 19, time of MAIN.strut\[1\]: 'five' is not a number"),
     "two of one name": (GOOD.replace("force 3", "force 2", 1), {"columns": COLUMNS}, r"column force 2 is there twice"),

@@ -1,0 +1,196 @@
+"""Damage in the middle of a moving run costs what the filter makes of it, and nothing else: sections stand alone."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.errors import RecordingError
+from cases.loading import load_case
+from identification import blocks
+from identification.evaluation import moving_run
+from identification.executed import PoseExecution
+from identification.force import external_force
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.model import identification_model
+from identification.plausibility import scan
+from identification.recording import read_recording, write_recording
+from identification.result import Estimate
+from identification.saved import SavedResult
+from identification.simulate import simulate_recording
+from identification.streaming import identify_long
+from tests.helpers import Harmonic, one_line
+
+CASE = load_case("hexapod")
+MARGIN = 0.141  # [s] that the filter of this case reaches
+Edit = Callable[[list[str]], None]
+
+
+@pytest.fixture(scope="module")
+def lines(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """A run of 4 s at 1 kHz with the trigger on from 0.2 to 3.8 s, as text."""
+    file = tmp_path_factory.mktemp("runs") / "recording.csv"
+    execution = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0))
+    write_recording(file, simulate_recording(CASE, execution, np.array([[0.2, 3.8]]), 1), CASE)
+    return file.read_text().splitlines()
+
+
+def without(first: int, end: int) -> Edit:
+    """Lines that are not there; line 1 is the header."""
+    return lambda rows: rows.__delitem__(slice(first - 1, end - 1))
+
+
+def emptied(first: int, end: int, column: int = 9, by: str = "") -> Edit:
+    """Lines with a value that was not measured."""
+
+    def edit(rows: list[str]) -> None:
+        for k in range(first - 1, end - 1):
+            fields = rows[k].split(",")
+            fields[column] = by
+            rows[k] = ",".join(fields)
+
+    return edit
+
+
+def later(line: int, seconds: float) -> Edit:
+    """A recorder that goes on after a pause."""
+
+    def edit(rows: list[str]) -> None:
+        for k in range(line - 1, len(rows)):
+            stamp, rest = rows[k].split(",", 1)
+            rows[k] = f"{float(stamp) + seconds:.9f},{rest}"
+
+    return edit
+
+
+def damaged(lines: list[str], folder: Path, *edits: Edit) -> Path:
+    rows = list(lines)
+    for edit in edits:
+        edit(rows)
+    file = folder / "run.csv"
+    file.write_text("\n".join(rows) + "\n")
+    return file
+
+
+def identified(file: Path) -> Estimate:
+    return identify(read_recording(file, CASE), CASE)
+
+
+DAMAGES: dict[str, tuple[Edit, float, tuple[str, ...]]] = {  # edit, seconds that are lost, what is told
+    "values of 80 rows": (emptied(1500, 1580), 0.080, ("lines 1500 to 1579: no measured value in f3_N; left out",)),
+    "NaN in 80 rows": (emptied(1500, 1580, 2, "NaN"), 0.080, ("lines 1500 to 1579: no measured value in l2_mm",)),
+    "80 rows": (without(1500, 1580), 0.080, ("behind line 1499: 80 samples are missing; no filter reaches across",)),
+    "two gaps": (
+        lambda rows: (without(2500, 2600)(rows), without(1500, 1580)(rows))[0],
+        0.180 + 2 * MARGIN,
+        ("behind lines 1499, 2419: 180 samples are missing",),
+    ),
+    "a pause of half a step less": (later(1500, 0.0804), 0.080, ("behind line 1499: 80 samples are missing",)),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damage_costs_itself_and_the_filters_reach(damage: str, lines: list[str], tmp_path: Path) -> None:
+    edit, lost, says = DAMAGES[damage]
+    sound = identified(damaged(lines, tmp_path))
+    estimate = identified(damaged(lines, tmp_path, edit))
+    expected = 3600 - (1e3 if "pause" not in damage else 0.0) * lost - 2e3 * MARGIN
+    assert estimate.samples == pytest.approx(expected, abs=4)
+    apart = np.abs(estimate.values - sound.values) / np.sqrt(np.diag(sound.covariance))
+    assert apart.max() < 3.0
+    assert all(any(w.startswith(text) for w in estimate.warnings) for text in says)
+    (share,) = [w for w in estimate.warnings if "of the motion is left out" in w]
+    assert float(share.split(" %")[0]) == pytest.approx(100 * (lost + 2 * MARGIN) / 3.6, abs=0.6)
+    assert "0.141 s on either side, as far as the filter reaches" in share
+
+
+def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[str], tmp_path: Path) -> None:
+    """Whatever stands in the damaged rows: forces and regressors of all others do not feel it, at any delay."""
+    model = identification_model(CASE, 9)
+    sound = read_recording(damaged(lines, tmp_path), CASE)
+    whole = moving_run(sound, CASE, model)
+    whole = replace(whole, rows=np.arange(0, 3700, 5))
+    for edit in (without(1500, 1580), emptied(1500, 1580, 3, "1e30"), emptied(1500, 1580, 10)):
+        broken = read_recording(damaged(lines, tmp_path, edit), CASE)
+        run = moving_run(broken, CASE, model, found=scan(broken, CASE))
+        assert run.spoilt is not None
+        run = replace(run, rows=np.flatnonzero(~run.spoilt))
+        every = np.flatnonzero(np.isin(whole.t.round(6), run.t.round(6)))
+        same = np.flatnonzero(np.isin(run.t.round(6), whole.t.round(6)))
+        assert len(same) == pytest.approx((3.7 - 0.08 - 2 * MARGIN) / 0.005, abs=4)
+        for delay in (0.0, 0.04, -0.04):
+            np.testing.assert_allclose(run.regressors(delay)[same], whole.regressors(delay)[every], atol=1e-8)
+        np.testing.assert_allclose(run.forces[same], whole.forces[every], atol=1e-8)
+        assert not np.any((run.t > 1.498 - MARGIN) & (run.t < 1.578 + MARGIN))
+
+
+@pytest.mark.parametrize(
+    "edit", [without(1500, 1501), without(1500, 1503), emptied(1500, 1503), emptied(1500, 1501, 1)]
+)
+def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], tmp_path: Path) -> None:
+    sound, estimate = identified(damaged(lines, tmp_path)), identified(damaged(lines, tmp_path, edit))
+    assert estimate.samples == sound.samples
+    assert len(estimate.warnings) == len(sound.warnings) + 1
+    apart = np.abs(estimate.values - sound.values) / np.sqrt(np.diag(sound.covariance))
+    assert 0.0 < apart.max() < 1.0
+
+
+def test_places_of_samples_count_what_is_missing(lines: list[str], tmp_path: Path) -> None:
+    """Noise with memory is correlated over the time that has passed, not over the rows that are left."""
+    recording = read_recording(damaged(lines, tmp_path, without(1500, 2000)), CASE)
+    run = moving_run(recording, CASE, identification_model(CASE, 9))
+    np.testing.assert_allclose(run.places * run.step, run.t - run.t[0], atol=0.51 * run.step)
+    assert np.all(np.diff(run.places) >= 1)
+
+
+@pytest.mark.parametrize("damage", [*DAMAGES, "a few at the edge of blocks"])
+def test_blocks_give_what_the_whole_run_gives(
+    damage: str, lines: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def at_edges(rows: list[str]) -> None:
+        for first in (701, 1399, 2102, 2799):
+            emptied(first, first + 3)(rows)
+
+    monkeypatch.setattr(blocks, "LEAST", 700)
+    monkeypatch.setattr("identification.formats.blocks.SIZE", 20_000)
+    file = damaged(lines, tmp_path, DAMAGES[damage][0] if damage in DAMAGES else at_edges)
+    whole, streamed = identified(file), identify_long(file, CASE).estimate
+    assert streamed.samples == whole.samples
+    std = np.sqrt(np.diag(whole.covariance))
+    assert np.abs((streamed.values - whole.values) / std).max() < 1e-5
+    assert {w for w in whole.warnings if "left out" in w or "missing" in w} <= set(streamed.warnings)
+
+
+@pytest.mark.parametrize("edit", [without(600, 3500), emptied(1200, 2700), emptied(30, 1300, 5)])
+def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines: list[str], tmp_path: Path) -> None:
+    file = damaged(lines, tmp_path, edit)
+    for of in (identified, lambda file: identify_long(file, CASE)):
+        with pytest.raises(RecordingError, match=r"at most (30|50) % may be") as caught:
+            of(file)
+        assert one_line(caught.value).startswith(str(file))
+
+
+def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
+    sound = identified(damaged(lines, tmp_path))
+    assert sound.delay is not None
+    covariances = sound.covariance, sound.covariance_robust
+    result = SavedResult("here", CASE.name, CASE.hash, 9, sound.values, *covariances, (), sound.delay.value)
+    before = external_force(read_recording(damaged(lines, tmp_path), CASE), CASE, result)
+    force = external_force(read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE), CASE, result)
+    assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))
+    assert np.abs(force.wrench).max() <= np.abs(before.wrench).max() * (1.0 + 1e-6)
+    assert any("80 samples are missing" in w for w in force.warnings)
+
+
+def test_periods_and_plans_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) -> None:
+    from identification.conditioning import Conditioning, Periodic
+    from identification.feed import against_plan
+
+    recording = read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE)
+    with pytest.raises(RecordingError, match=r"line 1500: samples are missing before this one, .*leave --period out"):
+        identify(recording, CASE, conditioning=Conditioning(Periodic(None, None)))
+    with pytest.raises(RecordingError, match=r"run.csv: has gaps; how fast it went cannot be compared with plan"):
+        against_plan(recording, CASE, Harmonic(seed=1, duration=4.0), "plan")
