@@ -99,7 +99,9 @@ def require_usable(source: str, bad: int, count: int, warnings: Sequence[str], m
 def unmeasured(recording: Recording) -> Scan:
     """What was not measured, whatever the rest looks like: values that are missing, and gaps."""
     bad = np.zeros(len(recording.forces), dtype=bool) if recording.missing is None else recording.missing.copy()
-    return Scan(tuple(text for stream in recording.streams for text in missing_told(stream)), bad)
+    own, *others = recording.streams
+    told = [*missing_told(own), *(f"{other.source}, {text}" for other in others for text in missing_told(other))]
+    return Scan(tuple(told), bad)
 
 
 def bridged(values: Array, bad: Rows) -> Array:

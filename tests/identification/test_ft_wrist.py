@@ -107,19 +107,19 @@ def test_delay_and_mass_of_the_moving_run_hold_for_every_filter(cutoff: float) -
 
 
 def test_gaps_of_single_streams_leave_the_mass_where_it_is() -> None:
-    """Two seconds of the accelerometer and one of the forces are lost; the sections are evaluated each by itself."""
+    """A fifth of a second of the accelerometer and a tenth of the forces are lost: sections stand each by itself."""
     whole = moving(CASE)
     assert whole.t is not None
-    keep = (whole.t < whole.t[0] + 12.0) | (whole.t > whole.t[0] + 13.0)
+    keep = (whole.t < whole.t[0] + 3.5) | (whole.t > whole.t[0] + 3.6)
     (felt,) = [s for s in whole.others if s.specific_forces is not None]
     assert felt.t is not None
-    there = (felt.t < whole.t[0] + 5.0) | (felt.t > whole.t[0] + 7.0)
+    there = (felt.t < whole.t[0] + 2.0) | (felt.t > whole.t[0] + 2.2)
     assert felt.specific_forces is not None
     less = replace(felt, t=felt.t[there], specific_forces=felt.specific_forces[there])
     others = tuple(less if s is felt else s for s in whole.others)
     run = replace(whole, t=whole.t[keep], forces=whole.forces[keep], others=others)
     sound, estimate = identify(whole, CASE), identify(run, CASE)
-    assert sound.samples - estimate.samples > 3 * 650
+    assert sound.samples - estimate.samples > 0.3 * 690
     assert sum("samples are missing; no filter reaches across" in w for w in estimate.warnings) == 2
     mass, before = estimate.physical["m"], sound.physical["m"]
     assert abs(mass.value - before.value) < 2.0 * before.reported
