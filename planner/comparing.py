@@ -25,13 +25,13 @@ from identification.rates import on_one_clock
 from identification.recording import Recording, files_of, read_recording
 from identification.reference import reference_scaling
 from identification.saved import load_result
+from planner.deviations import SAMPLES_PER_SECOND, predicted_std
 from planner.fingerprints import plan_hash
 from planner.noise import expected_noise
-from planner.plan import load_plan
-from planner.planning import SAMPLES_PER_SECOND, predicted_std
 from planner.poses.regressors import pose_regressors
 from planner.problem import mean_information
 from planner.recorded import standing_of
+from planner.saved_plan import load_plan
 
 Array = NDArray[np.float64]
 

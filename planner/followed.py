@@ -8,8 +8,8 @@ from cases.errors import HexciteError, ProgramError
 from cases.files import read_json
 from cases.schema import Case
 from identification.motion import Trajectory
-from planner.plan import load_plan
 from planner.running import planned_excitation
+from planner.saved_plan import load_plan
 from postprocessors.files import read_program
 from postprocessors.measured import measures_at_poses
 from postprocessors.stretches import stretches

@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import FileProblem
-from cases.files import PLAN, atomic_folder, json_text, read_json
-from cases.loading import load_case
+from cases.files import PLAN, atomic_folder, json_text
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limits import LimitReport
@@ -17,10 +15,10 @@ from identification.motion import Motion, Trajectory, sample
 from planner.bound import Bound
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
-from planner.families.saved import motion_entries, motion_of_entries
+from planner.families.saved import motion_entries
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise
-from planner.request import LONGEST, Request
+from planner.request import Request
 from planner.solving import Failed, Start
 
 Array = NDArray[np.float64]
@@ -29,7 +27,6 @@ SCHEMA_VERSION = 1
 BINDING = 0.99  # share of a limit from which it shapes the motion
 FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
-LONGEST_OF_POSES = 4 * 3600.0  # [s] of a measurement at poses: the paper's took 21 min
 
 _AXES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
 _RATES = ("v_x_mm_s", "v_y_mm_s", "v_z_mm_s", "v_a_deg_s", "v_b_deg_s", "v_c_deg_s")
@@ -214,61 +211,3 @@ def motion_csv(motion: Motion) -> str:
     table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
     lines = [",".join(f"{value:.9g}" for value in row) for row in table]
     return "\n".join([HEADER, *lines]) + "\n"
-
-
-@dataclass(frozen=True, slots=True)
-class SavedPlan:
-    """What other commands need of a plan folder.
-
-    Args:
-        folder: where it is.
-        case: loaded anew and unchanged since.
-        case_file: name or file of the case.
-        motion: the excitation.
-        data: all of plan.json.
-    """
-
-    folder: Path
-    case: Case
-    case_file: str
-    motion: Trajectory
-    data: dict[str, Any]
-
-
-def load_plan(folder: Path) -> SavedPlan:
-    """Reads a plan folder; its figures are computed anew from its motion.
-
-    Raises:
-        FileProblem: no plan there, damaged, changed by hand, or its case has changed since.
-        CaseError: its case is gone or no longer valid.
-    """
-    file = folder / "plan.json"
-    data = read_json(file, "hexcite plan")
-    try:
-        case_file, case_hash = str(data["case_file"]), str(data["case_hash"])
-        motion = motion_of_entries(data)
-        for key in ("family", "model"):
-            if key not in data:
-                raise KeyError(key)
-    except (KeyError, TypeError, ValueError, OverflowError) as error:
-        raise FileProblem(f"{file}: entry {error} is missing or damaged; plan again") from error
-    if not motion.duration <= (LONGEST_OF_POSES if data["family"] == "poses" else LONGEST):
-        raise FileProblem(f"{file}: a motion of {motion.duration:g} s is no excitation; plan again")
-    case = load_case(case_file)
-    if case.hash != case_hash:
-        what = _what_changed(case, data)
-        raise FileProblem(
-            f"{file}: case {case_file} has changed since{what} (hash {case.hash}, was {case_hash}); plan again"
-        )
-    from planner.verifying import problem_of  # which needs the planner that needs this module
-
-    if problem := problem_of(data, motion, case):
-        raise FileProblem(f"{file}: {problem}; plan again")
-    return SavedPlan(folder, case, case_file, motion, data)
-
-
-def _what_changed(case: Case, data: dict[str, Any]) -> str:
-    """In which tables, where the plan says what they were."""
-    then = data.get("case_tables")
-    names = case.changes_since(then) if isinstance(then, dict) else ()
-    return f" in {', '.join(names)}" if names else ""

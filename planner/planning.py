@@ -1,6 +1,5 @@
 """Plans an excitation from start to proof."""
 
-from collections.abc import Sequence
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -13,10 +12,10 @@ from identification.criteria import CRITERIA, singular_values
 from identification.limits import PROOF_RATE, LimitReport, prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
-from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
 from planner.bound import box_bound, known_tight_bound
 from planner.choices import choices
+from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family, box_middle
 from planner.families.fourier import COARSE, FourierFamily
 from planner.families.manual import manual_motion, sequence_file
@@ -33,7 +32,6 @@ from planner.solving import AT_HAND, Failed, Stage, Start, Task, keep_limits, re
 
 Array = NDArray[np.float64]
 
-SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
 CLOSED = 1e-9  # [m, rad] between start and end
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
 KEPT = 3  # of several orders and periods, the best are looked at from all starts
@@ -250,40 +248,6 @@ def _closed(motion: Trajectory) -> bool:
     return bool(np.abs(ends[1] - ends[0]).max() < CLOSED)
 
 
-def predicted_std_of(
-    case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
-) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run of a motion at 1 kHz, by weights and noise.
-
-    Raises:
-        CaseError: the case has no nominal body.
-    """
-    information = mean_information(seen_through(model, noise.whitening), scaling, motion)
-    scattered = None
-    if noise.scatter is not None:
-        scattered = mean_information(seen_through(model, noise.scatter), scaling, motion)
-    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload, scattered)
-
-
-def worst_std(
-    case: Case, model: Model, scaling: Array, motion: Trajectory, payloads: Sequence[int]
-) -> dict[str, tuple[float, int]]:
-    """Largest predicted standard deviation of each parameter over numbers of payloads, and the number that has it.
-
-    Each run has the noise and weights of what is mounted; the fewest payloads count where several are alike.
-
-    Raises:
-        CaseError: the case has no nominal body, or fewer payloads.
-    """
-    found: dict[str, tuple[float, int]] = {}
-    for payload in payloads:
-        noise = expected_noise(case, model, payload)
-        for name, std in predicted_std_of(case, model, scaling, motion, noise, payload).items():
-            if name not in found or std > found[name][0] * (1.0 + 1e-6):
-                found[name] = (std, payload)
-    return found
-
-
 def _told(
     case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
 ) -> tuple[str, ...]:
@@ -309,43 +273,3 @@ def _told(
 
 def _rms(noise: ExpectedNoise) -> float:
     return float(np.sqrt(np.mean(noise.std[:3] ** 2)))
-
-
-def predicted_std(
-    case: Case,
-    model: Model,
-    scaling: Array,
-    information: Array,
-    duration: float,
-    noise: float,
-    payload: int = 0,
-    scattered: Array | None = None,
-) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run at 1 kHz with white force noise.
-
-    Expected is the nominal body with a number of payloads.
-
-    Args:
-        case: gives the body.
-        model: whose parameters are meant.
-        scaling: diagonal of H, shape (u,).
-        information: mean of H A^T W A H, shape (u, u).
-        duration: [s].
-        noise: standard deviation of a force sample [N], 1 / sqrt of what W is in units of.
-        payload: number of the case's payloads that are mounted.
-        scattered: mean of H A^T W C W A H, C the noise in units of `noise`, where W is not right for it, shape (u, u).
-
-    Raises:
-        CaseError: the case has no nominal body.
-    """
-    inverse = np.linalg.inv(information)
-    if scattered is not None:
-        inverse = inverse @ scattered @ inverse
-    covariance = noise**2 / (duration * SAMPLES_PER_SECOND) * inverse
-    covariance *= np.outer(scaling, scaling)
-    form = physical_form(model)
-    body = body_parameters(case.body(payload))
-    nominal = np.array([body.get(name, 0.0) for name in model.names])  # the rest is linear: its values do not matter
-    _, physical = form.of(nominal, covariance)
-    std = np.sqrt(np.diag(physical))
-    return {p.name: float(s) for p, s in zip(form.parameters, std, strict=True)}

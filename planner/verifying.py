@@ -12,8 +12,8 @@ from identification.criteria import CRITERIA, singular_values
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
+from planner.deviations import worst_std
 from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.planning import worst_std
 from planner.poses.regressors import pose_regressors, total_information
 from planner.problem import mean_information
 from planner.request import FAMILIES

@@ -63,7 +63,7 @@ def make_program(
     from cases.errors import HexciteError
     from cases.files import atomic_file, check_file
     from planner.fingerprints import case_line, plan_line
-    from planner.plan import load_plan
+    from planner.saved_plan import load_plan
     from postprocessors.dialects import DIALECTS, dialect
     from postprocessors.files import ProgramFile
     from postprocessors.writing import proven_program

@@ -132,8 +132,8 @@ def _given(source: Path, case: str | None, model: int | None) -> _Given:
     from cases.errors import HexciteError
     from cases.loading import find_case, load_case
     from planner.motion_table import read_motion
-    from planner.plan import load_plan
     from planner.request import Request
+    from planner.saved_plan import load_plan
 
     if not source.exists():
         raise HexciteError(f"{source}: cannot be read (there is nothing); give a plan folder or a table of poses")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cases.errors import FileProblem, HexciteError
 from cases.files import read_json
 from identification.motion import Joined, Measurement
-from planner.plan import load_plan
+from planner.saved_plan import load_plan
 
 Array = NDArray[np.float64]
 

@@ -18,6 +18,7 @@ from identification.limits import LimitReport, prove, worst_of
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from identification.parameters import body_parameters, physical_form
+from planner.deviations import SAMPLES_PER_SECOND
 from planner.families.saved import motion_entries
 from planner.noise import sensor_noise
 from planner.poses.approximate import approximate_design
@@ -32,7 +33,6 @@ from planner.poses.travel import fastest_move, require_ways, travel_times
 Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
-SAMPLES_PER_SECOND = 1000.0  # of the recording, for predicted standard deviations
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
 SEEDS = 2000  # poses from which the design over the space starts
 HEADER = "pose,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg"

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from cases.loading import built_in_cases
-from planner.plan import SavedPlan, load_plan
+from planner.saved_plan import SavedPlan, load_plan
 from tests.planner.browser import browser
 from tests.planner.command_line import ACCEPT, hexcite
 

@@ -11,8 +11,8 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import physical_form
 from identification.reference import reference_scaling
+from planner.deviations import predicted_std, predicted_std_of
 from planner.noise import expected_noise
-from planner.planning import predicted_std, predicted_std_of
 from planner.problem import mean_information
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 

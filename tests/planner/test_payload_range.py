@@ -7,11 +7,11 @@ import pytest
 from cases.loading import load_case
 from identification.model import identification_model
 from identification.reference import reference_scaling
+from planner.deviations import predicted_std_of, worst_std
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import expected_noise
-from planner.plan import load_plan
-from planner.planning import predicted_std_of, worst_std
 from planner.request import Request, read_payloads
+from planner.saved_plan import load_plan
 from tests.planner.command_line import call, refused
 from tests.planner.monte_carlo import vibrating
 

@@ -14,11 +14,12 @@ from identification.model import identification_model
 from identification.motion import Joined, Standstill, TimedPoints, sample
 from identification.profile import StraightMove, fastest_profile
 from planner.motion_table import read_motion
-from planner.plan import load_plan, motion_csv
+from planner.plan import motion_csv
 from planner.request import Request
 from planner.retimed_moves import by_controller
 from planner.retimed_plan import retimed_plan
 from planner.retiming import Method, fitting_method, retimed
+from planner.saved_plan import load_plan
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 

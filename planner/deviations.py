@@ -1,0 +1,91 @@
+"""Standard deviations that one run of a motion will have, predicted from its information and the expected noise."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from identification.model import Model
+from identification.motion import Trajectory
+from identification.parameters import body_parameters, physical_form
+from planner.noise import ExpectedNoise, expected_noise, seen_through
+from planner.problem import mean_information
+
+Array = NDArray[np.float64]
+
+SAMPLES_PER_SECOND = 1000.0  # of the recording
+
+
+def predicted_std(
+    case: Case,
+    model: Model,
+    scaling: Array,
+    information: Array,
+    duration: float,
+    noise: float,
+    payload: int = 0,
+    scattered: Array | None = None,
+) -> dict[str, float]:
+    """Standard deviations of the physical parameters for one run at 1 kHz with white force noise.
+
+    Expected is the nominal body with a number of payloads.
+
+    Args:
+        case: gives the body.
+        model: whose parameters are meant.
+        scaling: diagonal of H, shape (u,).
+        information: mean of H A^T W A H, shape (u, u).
+        duration: [s].
+        noise: standard deviation of a force sample [N], 1 / sqrt of what W is in units of.
+        payload: number of the case's payloads that are mounted.
+        scattered: mean of H A^T W C W A H, C the noise in units of `noise`, where W is not right for it, shape (u, u).
+
+    Raises:
+        CaseError: the case has no nominal body.
+    """
+    inverse = np.linalg.inv(information)
+    if scattered is not None:
+        inverse = inverse @ scattered @ inverse
+    covariance = noise**2 / (duration * SAMPLES_PER_SECOND) * inverse
+    covariance *= np.outer(scaling, scaling)
+    form = physical_form(model)
+    body = body_parameters(case.body(payload))
+    nominal = np.array([body.get(name, 0.0) for name in model.names])  # the rest is linear: its values do not matter
+    _, physical = form.of(nominal, covariance)
+    std = np.sqrt(np.diag(physical))
+    return {p.name: float(s) for p, s in zip(form.parameters, std, strict=True)}
+
+
+def predicted_std_of(
+    case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
+) -> dict[str, float]:
+    """Standard deviations of the physical parameters for one run of a motion at 1 kHz, by weights and noise.
+
+    Raises:
+        CaseError: the case has no nominal body.
+    """
+    information = mean_information(seen_through(model, noise.whitening), scaling, motion)
+    scattered = None
+    if noise.scatter is not None:
+        scattered = mean_information(seen_through(model, noise.scatter), scaling, motion)
+    return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload, scattered)
+
+
+def worst_std(
+    case: Case, model: Model, scaling: Array, motion: Trajectory, payloads: Sequence[int]
+) -> dict[str, tuple[float, int]]:
+    """Largest predicted standard deviation of each parameter over numbers of payloads, and the number that has it.
+
+    Each run has the noise and weights of what is mounted; the fewest payloads count where several are alike.
+
+    Raises:
+        CaseError: the case has no nominal body, or fewer payloads.
+    """
+    found: dict[str, tuple[float, int]] = {}
+    for payload in payloads:
+        noise = expected_noise(case, model, payload)
+        for name, std in predicted_std_of(case, model, scaling, motion, noise, payload).items():
+            if name not in found or std > found[name][0] * (1.0 + 1e-6):
+                found[name] = (std, payload)
+    return found
