@@ -19,7 +19,10 @@ def bound(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
     json: Json = False,
 ) -> None:
-    """The most information that any motion inside the limits can carry, with its certificate."""
+    """Tell the most information that a motion inside the limits has.
+
+    No motion passes it: the answer comes with its certificate.
+    """
     answer = information_limit(case, model, tight, time_limit, renew, output, quiet=json)
     if json:
         print_json(answer)

@@ -86,7 +86,10 @@ def new(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to make; NAME by default.")] = None,
     json: Json = False,
 ) -> None:
-    """Begin the description of one's own machine: a case file to fill in, section by section."""
+    """Begin the description of one's own machine.
+
+    The case file is filled in section by section; it tells how.
+    """
     from cases.scaffold import new_case
 
     file = new_case(name, like, output if output is not None else Path(name))

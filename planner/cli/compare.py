@@ -13,7 +13,9 @@ def compare(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder to write.")] = Path("hexcite-comparison"),
     json: Json = False,
 ) -> None:
-    """Compare excitations before and after running them: cost, information, standard deviations, and which to prefer.
+    """Compare excitations before and after running them.
+
+    Told are cost, information and standard deviations, and which to prefer.
 
     A result belongs to the run it was made of, a run to the plan whose path it followed.
     """

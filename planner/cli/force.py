@@ -80,7 +80,10 @@ def tare(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Identify the sensor offsets anew from a short standstill; leave all other parameters."""
+    """Identify the sensor offsets anew from a short standstill.
+
+    All other parameters stay as they are.
+    """
     from cases.files import RESULT, atomic_folder, json_text
     from identification.force import tare as new_offsets
     from identification.rates import on_one_clock
@@ -111,7 +114,10 @@ def payload(
     case: Annotated[str, typer.Option("--case", help="Built-in name, folder or case file.")],
     json: Json = False,
 ) -> None:
-    """Tell the payload's mass, centre of gravity and inertia from two results."""
+    """Tell the payload from results without and with it.
+
+    Mass, centre of gravity and inertia, as far as both results determine them.
+    """
     from cases.loading import load_case
     from identification.payload import payload_between, payload_on_table, require_two
     from identification.saved import load_result

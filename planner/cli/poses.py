@@ -30,7 +30,10 @@ def poses(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Choose the poses that tell most when measured standing still, and the fastest way through them."""
+    """Choose the poses that tell most when measured standing still.
+
+    They are visited in the fastest order.
+    """
     from planner.poses.request import PoseRequest
 
     request = PoseRequest(case, criterion, count, method, model, candidates, seed, noise)

@@ -33,7 +33,10 @@ def post(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Write a plan as a program for the machine's controller, proven before it is written."""
+    """Write a plan as a program for the machine's controller.
+
+    It is read back and proven before it is written.
+    """
     from postprocessors.dialects import DIALECTS
 
     if plan is None:

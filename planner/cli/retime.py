@@ -35,7 +35,10 @@ def retime(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Re-time a motion; tell criteria and limits before and after, and write it as a plan."""
+    """Make a plan of the same path at another pace.
+
+    Tells criteria and limits before and after; without -o nothing is written.
+    """
     answer = make_retimed(source, case, method, fastest, model, output, quiet=json)
     if json:
         print_json(answer)

@@ -27,7 +27,10 @@ def run(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Execute a program, simulate the sensors for what was executed, and write a recording."""
+    """Execute a program and write a recording.
+
+    Sensors and encoders are simulated for the motion that the controller executed.
+    """
     answer, _ = make_recording(program, case, on, seed, output, json, payload, disturbed)
     if json:
         print_json(answer)

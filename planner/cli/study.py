@@ -21,7 +21,10 @@ def study(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Plan, run and identify every cell of a grid of settings; stop and go on at any time."""
+    """Plan, run and identify every cell of a grid of settings.
+
+    It can be stopped at any time: the same command goes on.
+    """
     answer = run(case, spec, scheduler, workers, retry, output, quiet=json)
     if json:
         print_json(answer)

@@ -41,10 +41,10 @@ def validate(
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder to write.")] = Path("hexcite-validation"),
     json: Json = False,
 ) -> None:
-    """Mount known weights, identify them by each method, and compare with theory.
+    """Identify known weights by each method; compare with theory.
 
-    Without --recordings the case's simulated machine is used, and the answer says what it models. Interrupted, the same
-    command goes on.
+    They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
+    what it models. Interrupted, the same command goes on.
     """
     settings = Settings(on, starts, seed, plans)
     answer = run_validation(case, methods, weights, recordings, settings, undisturbed, output, quiet=json)
