@@ -201,11 +201,10 @@ class Joined:
         starts = self.starts
         which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.parts) - 1)
         values = np.zeros((4, len(time), 6))
-        for k, part in enumerate(self.parts):
-            rows = which == k
-            if rows.any():
-                here = part.at(np.clip(time[rows] - starts[k], 0.0, part.duration))
-                values[:, rows] = here.pose, here.rates, here.accelerations, here.jerks
+        for k in np.unique(which):
+            part, rows = self.parts[k], which == k
+            here = part.at(np.clip(time[rows] - starts[k], 0.0, part.duration))
+            values[:, rows] = here.pose, here.rates, here.accelerations, here.jerks
         return Motion(time, *values)
 
 
