@@ -131,8 +131,9 @@ def _casadi(plugin: str, options: dict[str, Any], exact: dict[str, Any]) -> Solv
             stuck = stats["return_status"] == STUCK and stats["iter_count"] > 1
             if not stuck or taken >= iterations or not np.isfinite(at).all():
                 break
-        status = last_words(stats["return_status"])
-        return Reached(at, status, bool(stats["success"]), taken)
+        if stats["return_status"] == STUCK and multipliers_balance(program, at):
+            return Reached(at, BALANCED, True, taken)
+        return Reached(at, last_words(stats["return_status"]), bool(stats["success"]), taken)
 
     return solve
 
@@ -167,10 +168,41 @@ _SQP = {
 }
 
 
-# What SQP says when its quadratic program found no step though multipliers do not yet balance, and SciPy's status where
-# that of its own leads uphill: the approximated Hessian has become useless. They go on from there with a new one.
+# What SQP says when its quadratic program found no step though multipliers do not yet balance: the approximated Hessian
+# has become useless. It goes on from there with a new one.
 STUCK = "Search_Direction_Becomes_Too_Small"
-UPHILL = 8
+# SciPy's status where linearised constraints contradict each other, and where a step leads uphill: such steps have led
+# far outside. It goes on, with a new Hessian, from the last iterate that kept the constraints.
+ASTRAY = (4, 8)
+OUTSIDE = 1e-3  # of a constraint
+
+
+BALANCED = "no step is left, multipliers balance"
+
+
+def multipliers_balance(program: Program, at: Array) -> bool:
+    """Whether a point keeps the constraints and multipliers of those that bind balance the slope of the objective.
+
+    These are found by non-negative least squares: where more constraints bind than there are unknowns they are not
+    unique, and those of an active-set method need not balance though others do (first-order conditions, Karush, Kuhn
+    and Tucker).
+
+    Args:
+        program: with bounds on unknowns too.
+        at: shape (n,).
+    """
+    from scipy.optimize import nnls
+
+    x, c = program.unknowns, program.constraints
+    together = [ca.densify(ca.gradient(program.objective, x)), c.rows, ca.densify(c.jacobian)]
+    slope, values, slopes = (m.full() for m in ca.Function("together", [x], together)(at))
+    rows = np.vstack([slopes, np.eye(len(at))])
+    value, low, high = np.r_[values[:, 0], at], np.r_[c.lower, program.lower], np.r_[c.upper, program.upper]
+    if np.any(value < low - TOLERANCE) or np.any(value > high + TOLERANCE):
+        return False
+    outwards = np.vstack([rows[value > high - TOLERANCE], -rows[value < low + TOLERANCE]])
+    least = outwards.T @ nnls(outwards.T, -slope[:, 0])[0] if len(outwards) else 0.0
+    return bool(np.abs(slope[:, 0] + least).max() < TOLERANCE)
 
 
 class _Stopped(Exception):
@@ -186,7 +218,7 @@ def _slsqp(program: Program, start: Array, iterations: int, watch: Watch) -> Rea
     slopes = ca.Function("slopes", [x], [c.jacobian])
     equal = np.flatnonzero(c.lower == c.upper)
     bounded = np.flatnonzero(c.lower != c.upper)
-    taken, latest = 0, start
+    taken, latest, kept = 0, start, start
 
     def objective(at: Array) -> tuple[float, Array]:
         f, g = value(at)
@@ -201,8 +233,11 @@ def _slsqp(program: Program, start: Array, iterations: int, watch: Watch) -> Rea
         return np.concatenate([-slope, slope])
 
     def count(at: Array) -> None:
-        nonlocal taken, latest
+        nonlocal taken, latest, kept
         taken, latest = taken + 1, at.copy()
+        g = rows(at).full()[:, 0]
+        if np.all((g >= c.lower - OUTSIDE) & (g <= c.upper + OUTSIDE)):
+            kept = latest
         if watch(float(value(at)[0])):
             raise _Stopped
 
@@ -225,9 +260,10 @@ def _slsqp(program: Program, start: Array, iterations: int, watch: Watch) -> Rea
             )  # fmt: skip
         except _Stopped:
             return Reached(latest, "stopped", False, taken)
-        at, begun = np.asarray(done.x), begun + int(done.nit)
-        if done.status != UPHILL or done.nit <= 1 or begun >= iterations or not np.isfinite(at).all():
-            return Reached(at, str(done.message).lower(), bool(done.success), begun)
+        begun += int(done.nit)
+        if done.status not in ASTRAY or kept is at or begun >= iterations:
+            return Reached(np.asarray(done.x), str(done.message).lower(), bool(done.success), begun)
+        at = kept
 
 
 SOLVERS: dict[str, Solver] = {

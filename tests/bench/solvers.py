@@ -25,7 +25,7 @@ ORDERS = range(1, 8)  # order 1 with run-in and run-out
 STARTS = 2  # of each cell, the same for every criterion and solver
 MANY = 20  # of D and order 5
 MANY_SOLVERS = ("ipopt", "sqp")
-WHOLE = Stage("study", 1000, True)
+WHOLE = Stage("study", 1000, True, barrier=1e-2)  # from random starts
 MOST_SECONDS = 60.0  # of processor time a start; what is stopped then counts as not converged, with what it has reached
 
 

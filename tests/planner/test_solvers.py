@@ -9,7 +9,7 @@ from identification.limits import prove
 from planner.families.family import box_middle
 from planner.families.fourier import COARSE, FINE, FourierFamily
 from planner.problem import Constraints
-from planner.solvers import SOLVERS, Program
+from planner.solvers import SOLVERS, Program, multipliers_balance
 from planner.solving import Stage, Task, run_start
 
 
@@ -63,3 +63,46 @@ def test_sqp_goes_on_where_its_approximated_hessian_has_become_useless(hexapod_c
     start = run_start(Task(hexapod_case, 9, family, "D", "sqp", Stage("study", 500, True), 3757552657))
     assert start.converged
     assert start.status == "solve succeeded"
+
+
+@pytest.mark.slow
+def test_slsqp_comes_back_from_far_outside(hexapod_case: Case):
+    """From this start its 22nd step passes the limits a hundred times; from there it finds no step within them."""
+    family = FourierFamily.lasting(5, 3.0, 4, *box_middle(hexapod_case), FINE)
+    start = run_start(Task(hexapod_case, 9, family, "D", "slsqp", Stage("study", 500, True), 3757552657))
+    assert start.converged
+
+
+def nearest_corner(to: tuple[float, float], times: int) -> Program:
+    """The point of a square that lies nearest to a point; every side counts several times."""
+    x = ca.MX.sym("x", 2)
+    rows = ca.repmat(x, times, 1)
+    constraints = Constraints(rows, ca.jacobian(rows, x), np.full(2 * times, -1.0), np.full(2 * times, 1.0))
+    free = np.full(2, np.inf)
+    return Program(x, ca.sumsqr(x - ca.DM(to)), constraints, -free, free)
+
+
+@pytest.mark.parametrize("times", [1, 3])
+@pytest.mark.parametrize(
+    ("to", "at", "expected"),
+    [
+        ((2.0, -3.0), (1.0, -1.0), True),
+        ((2.0, 0.5), (1.0, 0.5), True),
+        ((0.3, 0.5), (0.3, 0.5), True),
+        ((2.0, 0.5), (1.0, 1.0), False),  # the upper side pulls, which constraints cannot
+        ((2.0, 0.5), (1.0, 0.4), False),
+        ((0.3, 0.5), (1.0, 0.5), False),
+        ((2.0, -3.0), (2.0, -3.0), False),  # outside
+    ],
+)
+def test_multipliers_balance_at_an_optimum_and_nowhere_else(
+    times: int, to: tuple[float, float], at: tuple[float, float], expected: bool
+):
+    assert multipliers_balance(nearest_corner(to, times), np.array(at)) is expected
+
+
+def test_sqp_without_a_step_is_done_where_multipliers_balance(hexapod_case: Case):
+    """More limits bind here than there are unknowns: the multipliers of its last quadratic program are not balanced."""
+    family = FourierFamily.lasting(2, 3.0, 4, *box_middle(hexapod_case), FINE)
+    start = run_start(Task(hexapod_case, 9, family, "D", "sqp", Stage("study", 500, True), 3757552657))
+    assert start.converged
