@@ -97,6 +97,13 @@ class Biases:
         """The offsets as known values by name."""
         return dict(zip(OFFSET_NAMES, map(float, self.values), strict=True))
 
+    @property
+    def exact(self) -> "Biases":
+        """The same without their uncertainty."""
+        felt = self.accelerometer
+        felt = None if felt is None else replace(felt, covariance=np.zeros((3, 3)))
+        return replace(self, covariance=np.zeros((6, 6)), accelerometer=felt)
+
     def to_json(self) -> dict[str, Any]:
         """What a result says about where its offsets come from."""
         return {
@@ -137,6 +144,22 @@ class Biases:
             f"deviations from that of {self.source}: offsets have drifted, or the two runs err differently; the other "
             f"parameters carry it{mass}"
         ]
+
+
+def mass_told(model: Model, fit: Fit, exact: Fit) -> str:
+    """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
+
+    Args:
+        model: with a mass.
+        fit: with the uncertainty of the offsets, and of the accelerometer's biases.
+        exact: the same fit as if these were exact.
+    """
+    place = model.names.index("m")
+    std, left = (max(f.covariance[place, place], f.covariance_robust[place, place]) for f in (fit, exact))
+    return (
+        f"of the mass's standard deviation of {std**0.5:.2g} kg the offsets that were taken make "
+        f"{max(std - left, 0.0) ** 0.5:.2g} kg; what this run leaves of its forces makes {left**0.5:.2g} kg"
+    )
 
 
 def gain(regressors: Array, w: Array, columns: Array) -> Array:

@@ -7,6 +7,11 @@ by Akaike 1974) and first-order noises with memories of up to the run's length, 
 autoregressive model nothing. How much there is of each, their spectra say below half the cut-off, by Whittle's
 likelihood (1953): the residuals' against those that the mixture would leave behind the same fit, exactly, so that what
 the fit took away is put back. Noise slower than the run looks like a parameter, and nothing can tell it.
+
+Shares cannot be negative, so that of 300 samples of white noise the slow noises get a little in half of the fits:
+deviations are 15 to 20 % too wide then. It is the price of intervals that hold. A memory of a sixth of the run is not
+told by likelihood (twice its gain is 0.6 a channel, by white noise 1.2), and without slow noises, or with a test that
+must call for them, 95 % intervals hold such a truth in 88 to 92 % of the cases instead of 94 %.
 """
 
 from typing import NamedTuple
@@ -22,7 +27,7 @@ Places = NDArray[np.int64]
 
 MOST_ORDER = 30  # of the autoregressive model; behind the filter samples are a quarter of its shortest period apart
 MOST_ALIKE = 1.0 - 1e-6  # of reflection coefficients, so that no pole lies on the unit circle
-LEAST_SAMPLES = 40  # fewer tell no spectrum
+LEAST_SAMPLES = 20  # fewer tell no spectrum; here intervals hold already, those of a kernel in four of five cases
 PER_ORDER = 16  # samples for each coefficient, at least: more follow what the fit took, dips of the spectrum
 MEMORIES = 6  # of slow noises: the run's length, a half, .. of it
 SLOW = 1.0 / 3.0  # of the evaluated samples' Nyquist frequency: half the cut-off, where the filter changes nothing

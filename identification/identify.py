@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.accelerated import accelerated, compared
-from identification.biases import accelerometer_bias, drift_told, with_uncertain_offsets
+from identification.biases import accelerometer_bias, drift_told, mass_told, with_uncertain_offsets
 from identification.conditioning import USUAL, Conditioning
 from identification.contact import touched
 from identification.contact_free import contact_told, free_of_contact
@@ -25,7 +25,7 @@ from identification.evaluation import MOST_DELAY, Run, standstills
 from identification.feed import about_feed, recorded_overrides
 from identification.flexible import NO_MODE, below, mode_of
 from identification.identifiability import Identifiability, analyse
-from identification.model import Model, identification_model
+from identification.model import MASS, Model, identification_model
 from identification.moving import GAUSS_MARKOV, SANDWICHED, fit_with_delay, run_of
 from identification.noise_components import noise_components
 from identification.noise_sources import noise_sources
@@ -224,6 +224,10 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     if how.biases is not None:
         free = fit_with_delay(moving.run, how.without_biases, problem, moving.delay.value, held)
         warnings += drift_told(how.biases, model, free.fit)
+        if MASS in model.blocks:
+            exactly = replace(how, biases=how.biases.exact)
+            exact = fit_with_delay(moving.run, exactly, problem, moving.delay.value, held)
+            notes.append(mass_told(model, moving.fit, exact.fit))
     if isinstance(moving.run, PeriodicRun):
         notes, told = [*notes, *moving.run.notes], moving.run.told
         warnings += moving.run.doubts(moving.fit, moving.w)
