@@ -209,5 +209,6 @@ def motion_csv(motion: Motion) -> str:
     """The motion as a table in mm and degrees; header as in CONVENTIONS."""
     unit = np.r_[np.full(3, 1 / MM), np.full(3, 1 / DEG)]
     table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
-    lines = [",".join(f"{value:.9g}" for value in row) for row in table]
+    form = ",".join(["%.9g"] * table.shape[1])
+    lines = [form % tuple(row) for row in table.tolist()]
     return "\n".join([HEADER, *lines]) + "\n"
