@@ -20,8 +20,8 @@ class Disturbances(Part):
     """Structural mode between drives and platform, without payload; it falls with the root of the moved mass."""
     mode_damping: Annotated[float, Field(strict=True, gt=0, lt=1)]
     """Share of critical damping."""
-    strut_velocity_noise_mm_s: NonNegative
-    """Rms of the struts' velocity ripple, which really moves the platform."""
+    strut_velocity_noise_percent: NonNegative
+    """Rms of the struts' velocity ripple, which really moves the platform, as a share of each strut's own velocity."""
     strut_velocity_band_Hz: Positive
     """Highest frequency of that ripple."""
     pose_error_N: NonNegative
@@ -37,8 +37,8 @@ class Disturbances(Part):
 
     @property
     def ripple(self) -> float:
-        """Rms of the struts' velocity ripple [m/s]."""
-        return self.strut_velocity_noise_mm_s * MM
+        """Rms of the struts' velocity ripple over their velocity."""
+        return self.strut_velocity_noise_percent / 100.0
 
     @property
     def pose_error_length(self) -> float:

@@ -32,7 +32,9 @@ RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json"
 
 COMPARISON = FolderKind("a comparison", frozenset({"comparison.json", "report.html", "plots"}))
 VALIDATION = FolderKind("a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"}))
-UNFINISHED = FolderKind("an unfinished validation", frozenset({"unfinished.json", "plans", "programs", "runs"}))
+UNFINISHED = FolderKind(
+    "an unfinished validation", frozenset({"unfinished.json", "plans", "programs", "runs", "steps"})
+)
 
 
 COMMANDS = {  # what stands in a folder of each kind, and the commands that take such a folder

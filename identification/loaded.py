@@ -94,18 +94,19 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
 
     Args:
         execution: what the controller did.
-        disturbances: rms and band of the ripple.
+        disturbances: rms and band of the ripple, which grows with the speed, as errors of screws and gears make it.
         seed: of this run.
     """
     if disturbances.ripple == 0.0:
         return execution
     t = np.arange(0.0, execution.duration + 2 * RIPPLE_STEP, RIPPLE_STEP)
-    lengths = execution.struts(np.clip(t, 0.0, execution.duration))
+    inside = np.clip(t, 0.0, execution.duration)
+    lengths, speeds = execution.struts(inside), execution.struts(inside, 1)
     draw = np.random.default_rng([seed, 1])
     band = (0.05 * disturbances.strut_velocity_band_Hz, disturbances.strut_velocity_band_Hz)
     sections = butter(3, band, btype="bandpass", fs=1.0 / RIPPLE_STEP, output="sos")
     velocity = sosfiltfilt(sections, draw.normal(size=lengths.shape), axis=0)
-    velocity *= disturbances.ripple / np.sqrt(np.mean(velocity**2, axis=0))
+    velocity *= disturbances.ripple * speeds / np.sqrt(np.mean(velocity**2, axis=0))
     return StrutExecution.of_log(execution.hexapod, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
 
 

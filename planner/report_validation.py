@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 
 from cases.schema import Case
 from identification.provenance import provenance
-from identification.result import Estimate
 from planner.precision import with_deviation
 from planner.report import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.report_figures import COLOURS, GREY
 from planner.report_ratios import Series, ratio_figure
-from planner.validation import COMPARED, SHOWN, TABLE_3, Step
+from planner.validation import TABLE_3
 from planner.validation_causes import SUSPICIOUS
 from planner.validation_remedy import REMEDY_COLUMNS, Remedy
+from planner.validation_step import COMPARED, SHOWN, Identified, Step
 from planner.validation_verdict import OFF_COLUMNS, Finding, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
@@ -49,7 +49,7 @@ def validation_page(
     case: Case,
     steps: Sequence[Step],
     verdict: Sequence[Finding],
-    columns: Mapping[int, Estimate],
+    columns: Mapping[int, Identified],
     machine: str,
     failed: Mapping[str, str],
     helped: Sequence[Remedy] = (),
@@ -129,7 +129,8 @@ def _warnings(steps: Sequence[Step]) -> list[str]:
     for step in steps:
         for warning in step.estimate.warnings:
             run = f"{step.method} {step.load:.0f} kg"
-            given.setdefault(re.sub(r"[0-9.]+", "#", warning), []).append((run, warning))
+            told = warning.replace("; look at plots/residuals.svg", "")  # those pictures are of single results
+            given.setdefault(re.sub(r"[0-9.]+", "#", told), []).append((run, told))
     sentences = []
     for runs in given.values():
         first, warning = runs[0]
@@ -193,9 +194,9 @@ def _std_table(steps: Sequence[Step]) -> Table:
     return Table(("without payload", *(s.method for s in bare)), tuple(rows))
 
 
-def _error_plots(steps: Sequence[Step]) -> list[Plot]:
+def _error_plots(steps: Sequence[Step]) -> list[Item]:
     """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
-    plots = []
+    plots: list[Item] = []
     for name in COMPARED:
         figure = go.Figure()
         figure.add_hrect(y0=-SUSPICIOUS, y1=SUSPICIOUS, fillcolor=COLOURS[0], opacity=0.12, line_width=0, layer="below")
@@ -211,8 +212,10 @@ def _error_plots(steps: Sequence[Step]) -> list[Plot]:
         figure.update_xaxes(title_text="load [kg]")
         figure.update_yaxes(title_text=f"error of {name} / std")
         if drawn:
-            note = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
-            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), note, half=True))
+            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), half=True))
+    if plots:
+        told = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
+        plots.insert(0, Note(told))
     return plots
 
 
@@ -229,11 +232,13 @@ def _s0_plot(steps: Sequence[Step]) -> Plot:
             line=line,
         )
     figure.update_xaxes(title_text="load [kg]")
-    figure.update_yaxes(title_text="s0 [N]", type="log")
+    figure.update_yaxes(
+        title_text="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)]
+    )
     return Plot("s0", figure.update_layout(height=340, showlegend=True))
 
 
-def _models(case: Case, columns: Mapping[int, Estimate]) -> tuple[Item, ...]:
+def _models(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
     names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
     rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
     for name in names:

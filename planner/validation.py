@@ -4,10 +4,9 @@ Theoretical values are those of the platform as identified without payload plus 
 simulated machine knows its true values too, and errors are also told in reported standard deviations of these.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,17 +21,14 @@ from identification.loaded import Circumstances, loaded_truth
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
-from identification.result import Estimate
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.standing import Standing, average, find_standstills, match
 from planner.validation_answer import linear_answer
-from planner.validation_causes import BODY, Budget, error_budget
+from planner.validation_causes import BODY, error_budget
 from planner.validation_scatter import true_deviations
+from planner.validation_step import Identified, Step
 
 Array = NDArray[np.float64]
-
-COMPARED = ("m", "zC", "IC33")  # what Table 7 compares with theory
-SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
 
 TABLE_3 = {"Q5M": (0, 2, 5), "D9M": (6, 7, 8, 9)}  # models that runs without payload are identified with
 
@@ -100,94 +96,31 @@ def _averages(values: Array, standing: Standing) -> Array:
     return np.array([values[w.start : w.end].mean(axis=0) for w in standing.windows])
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
-    """What a method says with some of the weights mounted.
-
-    Args:
-        method: its name.
-        weights: so many.
-        load: their mass [kg].
-        duration: measuring time [s].
-        estimate: the identification.
-        theory: values by the identification without payload plus the weights, by name [SI].
-        truth: of a simulated machine, by name [SI]; empty for recordings.
-        budget: what a simulated machine's errors consist of; None for recordings.
-        scatter: standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown.
-        columns: of Table 3: the same recording identified with other models, by number, for the methods in `TABLE_3`.
-    """
-
-    method: str
-    weights: int
-    load: float
-    duration: float | None
-    estimate: Estimate
-    theory: Mapping[str, float]
-    truth: Mapping[str, float]
-    budget: Budget | None = None
-    scatter: Mapping[str, float] = field(default_factory=dict)
-    columns: Mapping[int, Estimate] = field(default_factory=dict)
-
-    @property
-    def s0(self) -> float:
-        """(27) of the recorded forces: their residuals, and what the parameters take of them [N]."""
-        forces = 6 * self.estimate.samples
-        return self.estimate.s0_N * float(np.sqrt(forces / (forces - len(self.estimate.names))))
-
-    def deviation(self, name: str) -> float | None:
-        """Relative deviation from theory; None where there is no theory."""
-        if name not in self.theory or name not in self.estimate.physical:
-            return None
-        return self.estimate.physical[name].value / self.theory[name] - 1.0
-
-    def error(self, name: str) -> float | None:
-        """Estimate less truth in reported standard deviations; None where the truth is unknown."""
-        if name not in self.truth or name not in self.estimate.physical:
-            return None
-        value = self.estimate.physical[name]
-        return (value.value - self.truth[name]) / value.reported
-
-    def to_json(self) -> dict[str, Any]:
-        """One row of the answer, SI units."""
-        return {
-            "method": self.method,
-            "weights": self.weights,
-            "load_kg": self.load,
-            "duration_s": self.duration,
-            "model": self.estimate.model,
-            "samples": self.estimate.samples,
-            "s0_N": self.s0,
-            "parameters": {name: value._asdict() for name, value in self.estimate.physical.items()},
-            "relative_deviation": {n: self.deviation(n) for n in SHOWN if self.deviation(n) is not None},
-            "error_in_std": {n: self.error(n) for n in BODY if self.error(n) is not None},
-            "error_budget_in_std": {} if self.budget is None else self.budget.in_std(self.estimate),
-            "std_over_machines": dict(self.scatter),
-            "warnings": list(self.estimate.warnings),
-        }
-
-
 def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
     if case.payloads is None:
         case.missing("payloads", "a validation with payloads")
     return case.payloads.weights[:count]
 
 
-def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Step]:
+def steps(
+    excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None, bare: Identified | None = None
+) -> Iterator[Step]:
     """The simulated machine identified with numbers of weights on it.
 
     A set of poses is travelled through once: its standstills do not tell one way there from another.
 
     Args:
         excitation: the method.
-        mounted: numbers of weights, from 0 on.
+        mounted: numbers of weights, ascending.
         disturbances: of the machine.
+        bare: what it said without weights; None: `mounted` begins with 0.
     """
-    case, bare = excitation.case, None
+    case = excitation.case
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None
     for k in mounted:
         recording, parts = excitation.recorded(k, disturbances, once)
         estimate = identify(recording, case)
-        bare = estimate if bare is None else bare
+        bare = Identified.of(estimate) if bare is None else bare
         weights = _weights(case, k)
         body = loaded_truth(case.need_simulation("the validation").parameters, weights)
         model = identification_model(case, estimate.model)
@@ -202,8 +135,9 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
             scatter = true_deviations(case, answer, estimate, disturbances, load)
         theory = _theory(bare, weights)
         models = TABLE_3.get(excitation.name, ()) if k == 0 else ()
-        columns = {number: identify(recording, case, number) for number in models}
-        yield Step(excitation.name, k, load, excitation.duration, estimate, theory, truth, budget, scatter, columns)
+        columns = {number: Identified.of(identify(recording, case, number)) for number in models}
+        found = Identified.of(estimate)
+        yield Step(excitation.name, k, load, excitation.duration, found, theory, truth, budget, scatter, columns)
 
 
 def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[Step]:
@@ -233,16 +167,16 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
             f"{folder}: holds {len(files)} of the runs 0, 1, .. (folders or CSV files, named after the number of "
             "weights mounted); a validation needs at least 0 and 1"
         )
-    bare: Estimate | None = None
+    bare: Identified | None = None
     for k, file in enumerate(files):
-        estimate = identify(read(file), case)
+        estimate = Identified.of(identify(read(file), case))
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         load = sum(w.mass_kg for w in weights)
         yield Step(folder.name, k, load, None, estimate, _theory(bare, weights), {})
 
 
-def _theory(bare: Estimate, mounted: Sequence[RigidBody]) -> dict[str, float]:
+def _theory(bare: Identified, mounted: Sequence[RigidBody]) -> dict[str, float]:
     """The platform as identified without payload, with weights on it; offsets stay.
 
     Masses, first moments and moments about the origin of {P} add; the estimate need not be one of a real body.

@@ -14,7 +14,7 @@ from cases.schema import Case
 from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.recording import Recording
-from identification.result import Estimate
+from identification.result import Estimate, Value
 from identification.simulate import ForceParts
 from planner.validation_answer import LinearAnswer
 
@@ -43,9 +43,9 @@ class Budget:
         """The disturbance without which the error of a parameter would be smallest."""
         return min(CAUSES, key=lambda cause: abs(self.errors[name] - self.parts[name][cause]))
 
-    def in_std(self, estimate: Estimate) -> dict[str, dict[str, float]]:
+    def in_std(self, physical: Mapping[str, Value]) -> dict[str, dict[str, float]]:
         """The parts over reported standard deviations, by parameter and cause."""
-        std = {name: estimate.physical[name].reported for name in self.parts}
+        std = {name: physical[name].reported for name in self.parts}
         return {name: {cause: v / std[name] for cause, v in parts.items()} for name, parts in self.parts.items()}
 
 

@@ -1,14 +1,13 @@
 """Where a structural mode draws an estimate: the same recording, identified with the mode (`identify --flexible`)."""
 
-from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from cases.disturbances import Disturbances
 from identification.conditioning import Conditioning
 from identification.identify import identify
-from identification.result import Estimate
-from planner.validation import Excitation, Step
+from planner.validation import Excitation
 from planner.validation_causes import BODY, MODE, SUSPICIOUS
+from planner.validation_step import Identified, Step
 
 
 class Remedy(NamedTuple):
@@ -22,13 +21,7 @@ class Remedy(NamedTuple):
 
     step: Step
     names: tuple[str, ...]
-    estimate: Estimate
-
-    @property
-    def mode(self) -> float | None:
-        """Frequency that was found [Hz]; None where the run does not tell it."""
-        found = self.estimate.told.get("structural_mode_Hz")
-        return None if found is None else float(found["value"])
+    estimate: Identified
 
     def error(self, name: str) -> float:
         """That is left, in reported standard deviations."""
@@ -37,7 +30,7 @@ class Remedy(NamedTuple):
 
     def rows(self) -> list[list[str]]:
         """For a table."""
-        mode = "not seen" if self.mode is None else f"{self.mode:.1f} Hz"
+        mode = "not seen" if self.estimate.mode is None else f"{self.estimate.mode:.1f} Hz"
         rows = []
         for name in self.names:
             before, truth = self.step.error(name) or 0.0, self.step.truth[name]
@@ -51,7 +44,7 @@ class Remedy(NamedTuple):
         return {
             "method": self.step.method,
             "weights": self.step.weights,
-            "mode_Hz": self.mode,
+            "mode_Hz": self.estimate.mode,
             "error_in_std": {name: self.error(name) for name in self.names},
         }
 
@@ -59,22 +52,20 @@ class Remedy(NamedTuple):
 REMEDY_COLUMNS = ("method", "load", "parameter", "error in std", "with the mode", "relative", "mode found")
 
 
-def remedies(excitation: Excitation, found: Iterable[Step], disturbances: Disturbances) -> list[Remedy]:
-    """Identifies those steps with the mode whose errors it caused.
+def remedy_of(excitation: Excitation, step: Step, disturbances: Disturbances) -> Remedy | None:
+    """Identifies a step with the mode; None where the mode causes none of its errors.
 
     Args:
-        excitation: the method of the steps.
-        found: its steps.
-        disturbances: of their recordings.
+        excitation: the method of the step.
+        step: as it was.
+        disturbances: of its recording.
     """
-    result = []
-    for step in found:
-        names = tuple(
-            n for n in BODY
-            if step.budget is not None and abs(step.error(n) or 0.0) > SUSPICIOUS and step.budget.cause(n) == MODE
-        )  # fmt: skip
-        if names:
-            recording, _ = excitation.recorded(step.weights, disturbances)
-            estimate = identify(recording, excitation.case, conditioning=Conditioning(flexible=True))
-            result.append(Remedy(step, names, estimate))
-    return result
+    names = tuple(
+        n for n in BODY
+        if step.budget is not None and abs(step.error(n) or 0.0) > SUSPICIOUS and step.budget.cause(n) == MODE
+    )  # fmt: skip
+    if not names:
+        return None
+    recording, _ = excitation.recorded(step.weights, disturbances)
+    estimate = identify(recording, excitation.case, conditioning=Conditioning(flexible=True))
+    return Remedy(step, names, Identified.of(estimate))

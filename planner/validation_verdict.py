@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.schema import Case
-from identification.result import Estimate
-from planner.validation import Step
 from planner.validation_causes import BODY, CAUSES, SUSPICIOUS
+from planner.validation_step import Identified, Step
 
 OURS, MOVING, STANDING = ("ptp", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps
@@ -34,7 +33,7 @@ class Finding(NamedTuple):
         return f"{'yes' if self.holds else 'NO'}: {self.claim} ({self.figures})"
 
 
-def findings(case: Case, steps: Sequence[Step], columns: Mapping[int, Estimate]) -> list[Finding]:
+def findings(case: Case, steps: Sequence[Step], columns: Mapping[int, Identified]) -> list[Finding]:
     """Answers to what the paper's comparison asks, for the methods that were run.
 
     Args:
@@ -84,8 +83,12 @@ def _smaller(ours: Step, theirs: Step) -> list[Finding]:
     ]
     if ours.scatter and theirs.scatter:
         really, figures = _ratios({n: ours.scatter[n] / theirs.scatter[n] for n in shared})
-        claim = f"those of {ours.method} are in truth smaller than those of {theirs.method}, for all {len(shared)}"
-        found.append(Finding(f"{claim} parameters, over machines whose errors of the pose differ", really, figures))
+        claim = (
+            f"the true standard deviations of {ours.method}, over machines whose errors of the pose differ, are smaller"
+        )
+        found.append(
+            Finding(f"{claim} than those of {theirs.method} for all {len(shared)} parameters", really, figures)
+        )
     return found
 
 
@@ -116,7 +119,7 @@ def _seconds(step: Step) -> str:
     return "unknown time" if step.duration is None else f"{step.duration:.2f} s"
 
 
-def _true_mass(case: Case, columns: Mapping[int, Estimate], numbers: Sequence[int]) -> Finding:
+def _true_mass(case: Case, columns: Mapping[int, Identified], numbers: Sequence[int]) -> Finding:
     """Section 5: a motion tells the mass without the orientation-dependent terms, standstills do not."""
     true = case.need_simulation("the comparison of models").parameters.body.mass_kg
     words, holds = [], True
@@ -160,7 +163,7 @@ def off_rows(steps: Sequence[Step]) -> list[list[str]]:
     for step in steps:
         if step.budget is None:
             continue
-        parts = step.budget.in_std(step.estimate)
+        parts = step.budget.in_std(step.estimate.physical)
         for name in BODY:
             error = step.error(name)
             if error is None or abs(error) <= SUSPICIOUS:

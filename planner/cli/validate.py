@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, print_table, progress
+from planner.cli.console import Json, print_json, print_table
 from planner.cli.validate_runs import Settings, carry_out, unfinished
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def validate(
     """Identify known weights by each method; compare with theory.
 
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
-    what it models. Interrupted, the same command goes on.
+    what it models. Interrupted, the same command goes on with what is missing.
     """
     settings = Settings(on, starts, seed, plans)
     answer = run_validation(case, methods, weights, recordings, settings, undisturbed, output, quiet=json)
@@ -79,8 +79,7 @@ def run_validation(
     from planner.plots import save_figure
     from planner.report import render
     from planner.report_validation import std_figure, validation_page
-    from planner.validation import chosen, mounted_weights, steps
-    from planner.validation_remedy import remedies
+    from planner.validation import chosen, mounted_weights
     from planner.validation_verdict import findings
 
     if recordings is not None:
@@ -106,18 +105,11 @@ def run_validation(
             found = _recorded(case, recordings, methods)
         else:
             work = kept.enter_context(unfinished(output, case, settings))
-            excitations, failed = carry_out(name, case, wanted, settings, work, quiet)
-            executed = {e.name: e.controller for e in excitations}
-            with progress("identifying", len(excitations) * len(mounted), quiet) as count:
-                for excitation in excitations:
-                    count(excitation.name, 0)
-                    for step in steps(excitation, mounted, disturbances):
-                        found.append(step)
-                        columns |= step.columns
-                        count(f"{step.method} {step.load:.0f} kg")
-                    if disturbances is not None:
-                        own = [s for s in found if s.method == excitation.name]
-                        helped += remedies(excitation, own, disturbances)
+            carried = carry_out(name, case, wanted, mounted, disturbances, settings, work, quiet)
+            failed, found = carried.failed, [kept.step for kept in carried.steps]
+            executed = {kept.step.method: kept.controller for kept in carried.steps}
+            columns = {number: one for step in found for number, one in step.columns.items()}
+            helped = [kept.remedy for kept in carried.steps if kept.remedy is not None]
         verdict = findings(case, found, columns)
         answer = _answer(case, found, verdict, columns, disturbances, recordings, settings, failed)
         answer |= {"executed": executed, "remedies": [remedy.to_json() for remedy in helped]}
@@ -208,7 +200,8 @@ def _answer(
                 f", with a structural mode at {disturbances.mode_Hz:g} Hz that falls with the load, ripple of the "
                 f"struts and force errors that depend on the pose ({disturbances.source})"
             )
-        machine += f"; programs executed on {settings.on}"
+        where = "LinuxCNC" if settings.on == "linuxcnc" else "the built-in virtual controller"
+        machine += f"; programs executed on {where}"
         if settings.on == "linuxcnc":
             machine += ", which limits no jerk: its steps of acceleration make the structure vibrate"
     return {

@@ -1,18 +1,23 @@
-"""Carries out the methods of a validation: each planned, written as a proven program, and executed on a controller."""
+"""Carries out the methods of a validation: each planned, written as a proven program, executed and identified."""
 
+import hashlib
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from planner.cli.console import progress
 from planner.interruption import Interrupted
 
 if TYPE_CHECKING:
+    from cases.disturbances import Disturbances
     from cases.schema import Case
+    from identification.executed import StrutExecution
     from planner.validation import Excitation
+    from planner.validation_kept import Kept
     from postprocessors.execute.executed_run import ExecutedRun
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
@@ -39,7 +44,7 @@ class Settings:
 
 @contextmanager
 def unfinished(output: Path, case: "Case", settings: Settings) -> Iterator[Path]:
-    """Yields the folder that keeps plans, programs and runs until the validation is written, whatever ends it before.
+    """Yields the folder that keeps plans, programs, runs and steps until the validation is written, whatever ends it.
 
     What an earlier one left there is used where it belongs to the same case and settings.
 
@@ -60,7 +65,7 @@ def unfinished(output: Path, case: "Case", settings: Settings) -> Iterator[Path]
     wanted = json_text({"case_hash": case.hash, "starts": settings.starts, "seed": settings.seed, "plans": plans})
     if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == wanted):
         shutil.rmtree(folder)
-    for name in ("plans", "programs", "runs"):
+    for name in ("plans", "programs", "runs", "steps"):
         (folder / name).mkdir(parents=True, exist_ok=True)
     write_text(about, wanted)
     try:
@@ -80,58 +85,118 @@ def _worth_keeping(folder: Path) -> bool:
     return any(folder.glob("plans/*/plan.json"))
 
 
+@dataclass(frozen=True, slots=True)
+class CarriedOut:
+    """What became of the methods.
+
+    Args:
+        steps: of those that could be carried out, with their remedies.
+        failed: why the others could not.
+    """
+
+    steps: "list[Kept]"
+    failed: dict[str, str]
+
+
 def carry_out(
-    name: str, case: "Case", methods: Sequence[str], settings: Settings, folder: Path, quiet: bool
-) -> tuple[list["Excitation"], dict[str, str]]:
-    """Plans, writes and executes methods; what a controller cannot run is told, and the others go on.
+    name: str,
+    case: "Case",
+    methods: Sequence[str],
+    mounted: Sequence[int],
+    disturbances: "Disturbances | None",
+    settings: Settings,
+    folder: Path,
+    quiet: bool,
+) -> CarriedOut:
+    """Plans, writes, executes and identifies methods; what a controller cannot run is told, and the others go on.
 
     Args:
         name: of the case, as the user gave it.
         case: loaded.
         methods: their names.
+        mounted: numbers of weights, from 0 on.
+        disturbances: of the simulated machine.
         settings: how.
-        folder: that takes plans, programs and runs; what it holds already is not made again.
+        folder: that takes plans, programs, runs and steps; what it holds already is not made again.
         quiet: show no progress.
-
-    Returns:
-        Excitations, and reasons of the methods that did not come to one.
 
     Raises:
         HexciteError: no method could be carried out.
     """
     from cases.errors import HexciteError
+    from planner.validation_kept import kept_step
 
     done, failed = [], {}
-    with progress("carrying out", len(methods), quiet) as count:
+    with progress("validating", len(methods) * len(mounted), quiet) as count:
         for method in methods:
             try:
                 count(f"{method}: planning", 0)
-                plan = _planned(name, method, settings, folder)
-                count(f"{method}: on {settings.on}", 0)
-                done.append(_excitation(case, method, settings, plan, folder))
+                program = _program(method, settings, _planned(name, method, settings, folder), folder)
+                key = _key(program, case, settings, disturbances)
+                own = {k: found for k in mounted if (found := kept_step(folder, method, k, key)) is not None}
+                if len(own) < len(mounted):
+                    count(f"{method}: on {settings.on}", 0)
+                    excitation = _excitation(case, method, settings, program, key, folder)
             except HexciteError as error:
                 failed[method] = str(error).replace(f"{folder}/", "")
-            count(method)
+                count(method, len(mounted))
+                continue
+            count(f"{method}: identifying", len(own))
+            if missing := [k for k in mounted if k not in own]:
+                for found in _identified(excitation, missing, disturbances, own.get(0), key, folder):
+                    own[found.step.weights] = found
+                    count(f"{method} {found.step.load:.0f} kg")
+            done += [own[k] for k in mounted]
     if not done:
         raise HexciteError("; ".join(f"{method}: {why}" for method, why in failed.items()))
-    return done, failed
+    return CarriedOut(done, failed)
 
 
-def _excitation(case: "Case", method: str, settings: Settings, plan: Path, folder: Path) -> "Excitation":
+def _program(method: str, settings: Settings, plan: Path, folder: Path) -> Path:
+    from planner.cli.post import make_program
+
+    dialect, suffix, accepted = ("sinumerik", "mpf", ()) if settings.on == "virtual" else ("linuxcnc", "ngc", ACCEPTED)
+    program = folder / "programs" / f"{method}.{suffix}"
+    make_program(plan, dialect, 1.0, accepted, program, quiet=True)
+    return program
+
+
+def _key(program: Path, case: "Case", settings: Settings, disturbances: "Disturbances | None") -> str:
+    """Fingerprint of a run, and of what its steps follow from beside the settings of the whole validation."""
+    about = (case.controller_hash, settings.on, "undisturbed" if disturbances is None else "", version("hexcite"))
+    return hashlib.sha256(program.read_bytes() + repr(about).encode()).hexdigest()[:16]
+
+
+def _identified(
+    excitation: "Excitation",
+    missing: Sequence[int],
+    disturbances: "Disturbances | None",
+    bare: "Kept | None",
+    key: str,
+    folder: Path,
+) -> "Iterator[Kept]":
+    """Steps that were not finished before, each kept as soon as it is."""
+    from planner.validation import steps
+    from planner.validation_kept import Kept, keep
+    from planner.validation_remedy import remedy_of
+
+    for step in steps(excitation, missing, disturbances, None if bare is None else bare.step.estimate):
+        remedy = None if disturbances is None else remedy_of(excitation, step, disturbances)
+        found = Kept(key, excitation.controller, step, remedy)
+        keep(folder, found)
+        yield found
+
+
+def _excitation(case: "Case", method: str, settings: Settings, program: Path, key: str, folder: Path) -> "Excitation":
     import numpy as np
 
-    from planner.cli.post import make_program
     from planner.standing_run import stood
     from planner.validation import METHODS, Excitation
     from postprocessors.files import read_program
     from postprocessors.measured import measured_poses, measures_at_poses
     from postprocessors.stretches import stretches
 
-    on = settings.on
-    dialect, suffix, accepted = ("linuxcnc", "ngc", ACCEPTED) if on == "linuxcnc" else ("sinumerik", "mpf", ())
-    program = folder / "programs" / f"{method}.{suffix}"
-    make_program(plan, dialect, 1.0, accepted, program, quiet=True)
-    run = _executed(program, case, on, folder / "runs" / f"{method}.npz")
+    run = _executed(program, case, settings.on, key, folder / "runs" / f"{method}.npz")
     parts = stretches(read_program(program, case).reading)
     poses, duration = np.zeros((0, 6)), run.excitation
     if measures_at_poses(parts):
@@ -141,20 +206,20 @@ def _excitation(case: "Case", method: str, settings: Settings, plan: Path, folde
     return Excitation(case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed, told)
 
 
-def _executed(program: Path, case: "Case", on: str, kept: Path) -> "ExecutedRun":
-    """The run of a program; those of a real controller, which take minutes, are kept and found again."""
+def _executed(program: Path, case: "Case", on: str, key: str, kept: Path) -> "ExecutedRun":
+    """The run of a program; it is kept, and found again."""
     from identification.executed import StrutExecution
     from planner.running import carried_out
 
-    run = _kept(program, case, kept) if on == "linuxcnc" else None
+    run = _kept(key, case, on == "linuxcnc", kept)
     if run is None:
         _, _, run = carried_out(program, case, on)
         if isinstance(run.execution, StrutExecution):
-            _keep(run, run.execution, program, kept)
+            _keep(run, run.execution, key, kept)
     return run
 
 
-def _keep(run: "ExecutedRun", execution: Any, program: Path, kept: Path) -> None:
+def _keep(run: "ExecutedRun", execution: "StrutExecution", key: str, kept: Path) -> None:
     import numpy as np
 
     from cases.files import atomic_file
@@ -163,12 +228,12 @@ def _keep(run: "ExecutedRun", execution: Any, program: Path, kept: Path) -> None
     with atomic_file(kept) as part, part.open("wb") as file:
         np.savez(
             file, knots=spline.t, coefficients=spline.c, trigger=run.trigger, controller=run.controller,
-            remark=run.remark, program=program.read_text(encoding="ascii"),
+            remark=run.remark, key=key,
         )  # fmt: skip
 
 
-def _kept(program: Path, case: "Case", kept: Path) -> "ExecutedRun | None":
-    """A run that was kept; None where there is none of exactly this program."""
+def _kept(key: str, case: "Case", real: bool, kept: Path) -> "ExecutedRun | None":
+    """A run that was kept; None where there is none of exactly this program on this controller."""
     import numpy as np
     from scipy.interpolate import BSpline
 
@@ -179,11 +244,11 @@ def _kept(program: Path, case: "Case", kept: Path) -> "ExecutedRun | None":
     if not kept.is_file():
         return None
     with np.load(kept) as found:
-        if str(found["program"]) != program.read_text(encoding="ascii"):
+        if "key" not in found or str(found["key"]) != key:
             return None
         execution = StrutExecution(Hexapod.of(case), BSpline(found["knots"], found["coefficients"], 3))
-        trigger, words = found["trigger"], [str(found[key]) for key in ("controller", "remark")]
-    return ExecutedRun(words[0], execution, trigger, real=True, remark=words[1])
+        trigger, words = found["trigger"], [str(found[name]) for name in ("controller", "remark")]
+    return ExecutedRun(words[0], execution, trigger, real=real, remark=words[1])
 
 
 def _planned(name: str, method: str, settings: Settings, folder: Path) -> Path:

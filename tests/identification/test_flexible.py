@@ -35,7 +35,7 @@ class Repeated:
 
 EXECUTION = PoseExecution(Hexapod.of(CASE), Repeated())
 QUIET = simulated(CASE, force_noise_N=0.1)
-CALM = {"pose_error_N": 0.0, "pose_error_of_load": 0.0, "strut_velocity_noise_mm_s": 0.0}
+CALM = {"pose_error_N": 0.0, "pose_error_of_load": 0.0, "strut_velocity_noise_percent": 0.0}
 FLEXIBLE = Conditioning(flexible=True)
 TRUE_MASS = 31.83
 
