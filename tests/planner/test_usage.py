@@ -2,10 +2,12 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from tests.planner.command_line import call
+from tests.postprocessors.programs import typed
 
 HEAVY = ("casadi", "scipy", "matplotlib", "plotly", "pyarrow", "numpy", "jinja2", "toppra", "ruckig")
 WATCH = f"""
@@ -26,6 +28,14 @@ def test_help_imports_nothing_heavy(arguments: tuple[str, ...]):
     run = subprocess.run([sys.executable, "-c", WATCH, *arguments], capture_output=True, text=True, timeout=300)
     assert run.stdout.splitlines()[-1] == "LOADED"
     assert run.returncode == (0 if "--help" in arguments else 2)
+
+
+def test_a_check_of_moves_imports_what_proves_them_and_no_more(tmp_path: Path):
+    program = tmp_path / "moves.ngc"
+    program.write_text(typed("M64 P0\nG1 X5 F3000\nM65 P0"))
+    words = ("check", str(program), "--case", "hexapod", "--json")
+    run = subprocess.run([sys.executable, "-c", WATCH, *words], capture_output=True, text=True, timeout=300)
+    assert run.stdout.splitlines()[-1].split()[1:] == ["casadi", "numpy"]
 
 
 def test_help_lists_every_command_in_a_whole_sentence():
