@@ -167,9 +167,10 @@ class Request:
                 f"{FEWEST_INTERVALS / KNOTS_A_SECOND:g} s"
             )
         if not FEWEST_INTERVALS <= self.intervals <= MOST_INTERVALS:
-            raise HexciteError(
-                f"{self.intervals} knots are outside {FEWEST_INTERVALS} to {MOST_INTERVALS}; choose --knots about 120"
-            )
+            remedy = "choose --knots about 120"
+            if self.knots is None:
+                remedy += f", or --duration {MOST_INTERVALS / KNOTS_A_SECOND:g} or less for {KNOTS_A_SECOND:g} a second"
+            raise HexciteError(f"{self.intervals} knots are outside {FEWEST_INTERVALS} to {MOST_INTERVALS}; {remedy}")
 
 
 def _one_of(what: str, value: str, allowed: object) -> None:

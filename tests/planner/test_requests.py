@@ -76,7 +76,7 @@ def test_moves_and_their_duration_must_fit(settings: dict[str, float], words: st
     [
         ({"knots": 19}, "19 knots are outside 20 to 150"),
         ({"knots": 151}, "151 knots"),
-        ({"duration": 60.0}, "600 knots are outside 20 to 150; choose --knots"),
+        ({"duration": 60.0}, "600 knots are outside 20 to 150; choose --knots about 120, or --duration 15 or less"),
         ({"duration": 0.5}, "duration 0.5 s is too short for a spline"),
         ({"duration": float("nan")}, "duration nan s"),
     ],

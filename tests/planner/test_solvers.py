@@ -10,7 +10,7 @@ from planner.families.family import box_middle
 from planner.families.fourier import COARSE, FINE, FourierFamily
 from planner.problem import Constraints
 from planner.solvers import SOLVERS, Program, multipliers_balance
-from planner.solving import Stage, Task, run_start
+from planner.solving import Stage, Task, run_start, seeds_of
 
 
 def program() -> Program:
@@ -105,4 +105,13 @@ def test_sqp_without_a_step_is_done_where_multipliers_balance(hexapod_case: Case
     """More limits bind here than there are unknowns: the multipliers of its last quadratic program are not balanced."""
     family = FourierFamily.lasting(2, 3.0, 4, *box_middle(hexapod_case), FINE)
     start = run_start(Task(hexapod_case, 9, family, "D", "sqp", Stage("study", 500, True), 3757552657))
+    assert start.converged
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ipopt", "sqp"])
+@pytest.mark.parametrize("seed", seeds_of(0, 20))
+def test_d_on_order_5_converges_from_each_of_20_random_starts(name: str, seed: int, hexapod_case: Case):
+    family = FourierFamily.lasting(5, 3.0, 4, *box_middle(hexapod_case), FINE)
+    start = run_start(Task(hexapod_case, 9, family, "D", name, Stage("study", 1000, True, barrier=1e-2), seed))
     assert start.converged
