@@ -22,6 +22,7 @@ from tests.bench.building import building_rows
 from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised
 from tests.bench.criteria import criteria_table
+from tests.bench.damaged import damaged_rows
 from tests.bench.exported import exported
 from tests.bench.families import families, limits_of_information
 from tests.bench.identified import identification_figures
@@ -109,7 +110,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     with tempfile.TemporaryDirectory() as name:
         yield "Programs", programs(Path(name), command)
     with tempfile.TemporaryDirectory() as name:
-        yield "Identification", [*identification_figures(Path(name)), *leaps(), *conditioning_rows()]
+        yield "Identification", [*identification_figures(Path(name)), *leaps(), *damaged_rows(), *conditioning_rows()]
     yield "Exported models", exported()
     with tempfile.TemporaryDirectory() as name:
         yield "Validation", validation_rows(Path(name), command)
