@@ -219,6 +219,6 @@ def parameters_plot(parameters: dict[str, dict[str, Any]]) -> Plot:
             hovertext=text, hoverinfo="text+name",
         )  # fmt: skip
     figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title_text="half width of the 95 % interval [%]", type="log")
+    figure.update_yaxes(title_text="half width of the 95 % interval [%]", type="log", dtick="D2")
     note = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
     return Plot("parameters", figure.update_layout(height=360), note)

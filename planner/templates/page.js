@@ -3,6 +3,7 @@
 
 const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
+const narrow = window.matchMedia("(max-width: 40rem)");
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 function template() {
@@ -28,6 +29,7 @@ function template() {
 function draw(div, data, layout) {
   const config = {
     displaylogo: false, responsive: true,
+    displayModeBar: narrow.matches ? false : "hover", // on a phone it is there always, and covers the legend
     toImageButtonOptions: { format: "svg", filename: "hexcite-" + div.id },
   };
   return Plotly.newPlot(div, data, { ...layout, template: template() }, config);
