@@ -269,6 +269,9 @@ def std_figure(steps: Sequence[Step]) -> Figure:
     panels = ("m", "xC", "zC", "IC33", "k0", "k1")
     labels = [s.method if s.duration is None else f"{s.method}\n{s.duration:.0f} s" for s in bare]
     figure = Figure(figsize=(12, 5.2), layout="constrained")
+    if any(s.scatter for s in bare):
+        told = "bars and numbers: as each run reports; lines: in truth, over machines that err with the pose otherwise"
+        figure.suptitle(told, fontsize=9, x=0.01, ha="left")
     for ax, name in zip(figure.subplots(2, 3).ravel(), panels, strict=True):
         scale, unit = SCALES.get(name, (1.0, ""))
         for k, step in enumerate(bare):
