@@ -45,7 +45,7 @@ def ratio_figure(series: Sequence[Series]) -> go.Figure:
             text=[f"{plain(n)}: {one.deviations[n]:.3g}" for n in told],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
-    ticks = {"tickvals": list(range(len(names))), "ticktext": [plain(n) for n in names], "tickangle": -45}
+    ticks = {"tickvals": list(range(len(names))), "ticktext": [plain(n) for n in names], "tickangle": -90}
     figure.update_xaxes(range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, **ticks)
     figure.update_yaxes(
         title_text="times the smallest", type="log", tickvals=[1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]
