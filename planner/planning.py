@@ -44,7 +44,9 @@ STAGES = {
     "ptp": (Stage("explore", 200, False, ANNEALING), Stage("refine", 300, True)),
     "spline": (Stage("explore", 300, False, barrier=1e-2), Stage("refine", 900, True, barrier=AT_HAND)),
 }
-ANEW = 1e-2  # barrier of a refinement by A, K or N: the D-optimal motion, where it begins, is no optimum
+# Barrier of a refinement by A, K or N: the D-optimal motion, where it begins, is no optimum. Fourier series have few
+# unknowns; approximated second derivatives lead them to better optima of these criteria.
+ANEW = {"fourier": 0.0, "ptp": 0.0, "spline": 1e-2}
 # Solvers that approximate second derivatives need minutes from splines that start by chance. For these they begin from
 # point-to-point motions, which reach in seconds what such splines do not.
 BEGIN_FROM_MOVES = ("sqp", "slsqp")
@@ -99,8 +101,8 @@ def _refine(request: Request, case: Case, start: Start) -> Task:
         family = SplineFamily.of(case, request.intervals, request.duration)
         unknowns = family.through(start.family.motion(start.begin))
     stage = STAGES[request.family][1]
-    if request.criterion != "D" and stage.barrier:
-        stage = stage._replace(barrier=ANEW)
+    if request.criterion != "D":
+        stage = stage._replace(barrier=ANEW[request.family])
     return Task(
         case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns, request.payload
     )
