@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
-from identification.evaluation import moving_run, standstills
+from identification.findings.plausibility import unmeasured
 from identification.model import OFFSETS, Model
-from identification.plausibility import unmeasured
 from identification.recording import Recording
+from identification.runs.evaluation import moving_run, standstills
 from identification.saved import SavedResult
 
 Array = NDArray[np.float64]

@@ -13,29 +13,29 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from identification.accelerated import accelerated, compared
-from identification.biases import accelerometer_bias, drift_told, mass_told, with_uncertain_offsets
-from identification.conditioning import USUAL, Conditioning
-from identification.contact import touched
-from identification.contact_free import contact_told, free_of_contact
-from identification.doubts import doubts, require_scale, require_sense, require_wiring, systematic
-from identification.estimator import independent_poses, require_alive
-from identification.estimators import Method, Problem
-from identification.evaluation import MOST_DELAY, Run, standstills
-from identification.feed import about_feed, recorded_overrides
-from identification.flexible import NO_MODE, below, mode_of
+from identification.estimation.biases import accelerometer_bias, drift_told, mass_told, with_uncertain_offsets
+from identification.estimation.estimator import independent_poses, require_alive
+from identification.estimation.estimators import Method, Problem
+from identification.estimation.weighing import of_forces, w_of, whitened
+from identification.findings.contact import touched
+from identification.findings.contact_free import contact_told, free_of_contact
+from identification.findings.doubts import doubts, require_scale, require_sense, require_wiring, systematic
+from identification.findings.feed import about_feed, recorded_overrides
+from identification.findings.plausibility import scan
 from identification.identifiability import Identifiability, analyse
 from identification.model import MASS, Model, identification_model
-from identification.moving import GAUSS_MARKOV, SANDWICHED, fit_with_delay, run_of
-from identification.noise_components import noise_components
-from identification.noise_sources import noise_sources
-from identification.periodic import PeriodicRun
-from identification.plausibility import scan
+from identification.noise.components import noise_components
+from identification.noise.sources import noise_sources
+from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
-from identification.smoothing import smoothed, smoothing_of
-from identification.weighing import of_forces, w_of, whitened
-from identification.wrist import WristRun, delay_band, wrist_run
+from identification.runs.accelerated import accelerated, compared
+from identification.runs.conditioning import USUAL, Conditioning
+from identification.runs.evaluation import MOST_DELAY, Run, standstills
+from identification.runs.flexible import NO_MODE, below, mode_of
+from identification.runs.moving import GAUSS_MARKOV, SANDWICHED, fit_with_delay, run_of
+from identification.runs.smoothing import smoothed, smoothing_of
+from identification.runs.wrist import WristRun, delay_band, wrist_run
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from cases.disturbances import Disturbances
 from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import RigidBody, Truth, together
-from identification.executed import Execution, StrutExecution
+from identification.trajectories.executed import Execution, StrutExecution
 
 Array = NDArray[np.float64]
 

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.executed import Execution
 from identification.hexapod import Kinematics
+from identification.trajectories.executed import Execution
 
 Array = NDArray[np.float64]
 

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from cases.schema import Case
-from identification.biases import AccelerometerBias
-from identification.conditioning import USUAL, Conditioning
-from identification.estimators import Method
-from identification.fit import Fit
+from identification.estimation.biases import AccelerometerBias
+from identification.estimation.estimators import Method
+from identification.estimation.fit import Fit
 from identification.model import ERROR_TERMS, Model, identification_model
-from identification.noise_sources import Attenuation, NoiseSources, attenuation_of
+from identification.noise.sources import Attenuation, NoiseSources, attenuation_of
 from identification.parameters import physical_form
+from identification.runs.conditioning import USUAL, Conditioning
 
 Array = NDArray[np.float64]
 

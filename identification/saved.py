@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cases.errors import FileProblem
 from cases.files import read_json
 from cases.schema import Case
-from identification.biases import OFFSET_NAMES, AccelerometerBias, Biases
+from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
 from identification.parameters import physical_form
 from identification.result import SCHEMA_VERSION

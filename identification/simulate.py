@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from cases.disturbances import Disturbances
 from cases.schema import Case
 from cases.sensors import Simulation
-from identification.executed import Execution
 from identification.hexapod import Hexapod, Kinematics
 from identification.loaded import (
     UNDISTURBED,
@@ -26,9 +25,10 @@ from identification.loaded import (
     vibrating,
 )
 from identification.model import Model, identification_model, regressors
-from identification.noise_model import acceleration_to_force
+from identification.noise.stated import acceleration_to_force
 from identification.parameters import linear_parameters
 from identification.recording import Recording
+from identification.trajectories.executed import Execution
 
 Array = NDArray[np.float64]
 

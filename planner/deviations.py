@@ -10,7 +10,7 @@ from identification.model import Model
 from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form
 from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.problem import mean_information
+from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.model import Model
-from identification.noise_model import StatedNoise, inverse_root
+from identification.noise.stated import StatedNoise, inverse_root
 from identification.parameters import body_parameters
 
 Array = NDArray[np.float64]

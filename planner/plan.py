@@ -12,14 +12,14 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limits import LimitReport
 from identification.motion import Motion, Trajectory, sample
-from planner.bound import Bound
+from planner.bounds.kept import Bound
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.saved import motion_entries
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise
 from planner.request import Request
-from planner.solving import Failed, Start
+from planner.search.solving import Failed, Start
 
 Array = NDArray[np.float64]
 
@@ -191,10 +191,10 @@ class Plan:
 
 def save_plan(plan: Plan, folder: Path) -> None:
     """Writes a plan folder: plan.json, motion.csv, report.html, plots/."""
-    from planner.beside_manual import beside_manual
-    from planner.plots import save_figure, trajectory_figure
-    from planner.report import render
-    from planner.report_plan import plan_page
+    from planner.comparison.beside_manual import beside_manual
+    from planner.reports.page import render
+    from planner.reports.plan import plan_page
+    from planner.reports.plots import save_figure, trajectory_figure
 
     motion = sample(plan.motion, SAMPLE_RATE)
     with atomic_folder(folder, PLAN) as part:

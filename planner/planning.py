@@ -13,8 +13,7 @@ from identification.limits import PROOF_RATE, LimitReport, prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.reference import reference_scaling
-from planner.bound import box_bound, known_tight_bound
-from planner.choices import choices
+from planner.bounds.kept import box_bound, known_tight_bound
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family, box_middle
 from planner.families.fourier import COARSE, FourierFamily
@@ -23,12 +22,13 @@ from planner.families.ptp import FEWEST, MOST, PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.interruption import Interrupted
 from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.parallel import Listener, Outcome, Runner, run_all
 from planner.plan import Plan
-from planner.problem import mean_information
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
-from planner.solving import AT_HAND, Failed, Stage, Start, Task, keep_limits, remedy, seeds_of
+from planner.search.choices import choices
+from planner.search.parallel import Listener, Outcome, Runner, run_all
+from planner.search.problem import mean_information
+from planner.search.solving import AT_HAND, Failed, Stage, Start, Task, keep_limits, remedy, seeds_of
 
 Array = NDArray[np.float64]
 

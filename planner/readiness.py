@@ -4,11 +4,11 @@ from cases.errors import HexciteError
 from cases.manual import load_poses, load_sequence
 from cases.schema import Case
 from identification.model import identification_model
-from planner.choices import choices
 from planner.families.manual import sequence_file
 from planner.families.ptp import SHORTEST_PHASE
 from planner.request import Request
-from planner.solving import require_rest
+from planner.search.choices import choices
+from planner.search.solving import require_rest
 from planner.target import parse_targets
 
 

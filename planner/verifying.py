@@ -15,8 +15,8 @@ from identification.reference import reference_scaling
 from planner.deviations import worst_std
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.poses.regressors import pose_regressors, total_information
-from planner.problem import mean_information
 from planner.request import FAMILIES
+from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]
 

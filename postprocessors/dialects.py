@@ -8,8 +8,8 @@ import numpy as np
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.guarantees import Forecast, Guarantees
 from postprocessors.program import Program
+from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.reading.words import Reading
 
 
@@ -86,8 +86,8 @@ def _linuxcnc(suffix: str = "") -> Language:
 
 
 def _sinumerik(suffix: str = "") -> Language:
-    from postprocessors.block_law import sinumerik_forecast
-    from postprocessors.promises import sinumerik_guarantees, sinumerik_tolerance
+    from postprocessors.proving.block_law import sinumerik_forecast
+    from postprocessors.proving.promises import sinumerik_guarantees, sinumerik_tolerance
     from postprocessors.reading.sinumerik import read_sinumerik
     from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
 
@@ -102,7 +102,7 @@ def _sinumerik(suffix: str = "") -> Language:
 
 
 def _twincat(suffix: str = "") -> Language:
-    from postprocessors.promises import twincat_guarantees
+    from postprocessors.proving.promises import twincat_guarantees
     from postprocessors.reading.twincat import read_twincat
     from postprocessors.twincat import write_twincat
 
@@ -110,7 +110,7 @@ def _twincat(suffix: str = "") -> Language:
 
 
 def _setpoints(suffix: str = ".csv") -> Language:
-    from postprocessors.promises import setpoint_guarantees
+    from postprocessors.proving.promises import setpoint_guarantees
     from postprocessors.reading.setpoints import read_setpoints
     from postprocessors.setpoints import require_same, write_csv, write_parquet
 

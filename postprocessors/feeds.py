@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from cases.machine import MotionLimits
-from identification.profile import Profile, StraightMove, TimeLaw
-from postprocessors.guarantees import Guarantees
-from postprocessors.predicted import strut_move
+from identification.trajectories.profile import Profile, StraightMove, TimeLaw
 from postprocessors.program import Arc, Array, PointToPoint
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.predicted import strut_move
 
 NO_SLOWER = 1e-9
 HALVINGS = 80  # of the interval of the feed: down to its last bit

@@ -8,7 +8,7 @@ from cases.files import another_kind
 from cases.schema import Case
 from postprocessors.dialects import Dialect, dialect_of_file
 from postprocessors.dialects import dialect as dialect_named
-from postprocessors.guarantees import Guarantees
+from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading.words import Reading
 
 

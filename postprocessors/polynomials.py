@@ -6,8 +6,8 @@ from math import factorial
 import numpy as np
 
 from identification.motion import Joined, Trajectory
-from identification.polynomial import PolynomialMotion
-from identification.profile import Profile, StraightMove
+from identification.trajectories.polynomial import PolynomialMotion
+from identification.trajectories.profile import Profile, StraightMove
 from postprocessors.program import Array
 
 CHECKS = 16  # instants inside a piece at which it is compared

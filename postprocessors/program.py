@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.circle import CircularMove
 from identification.motion import Joined, Measurement, Motion, Standstill, Trajectory
-from identification.polynomial import PolynomialMotion, polynomials_of
-from identification.profile import StraightMove
+from identification.trajectories.circle import CircularMove
+from identification.trajectories.polynomial import PolynomialMotion, polynomials_of
+from identification.trajectories.profile import StraightMove
 
 Array = NDArray[np.float64]
 

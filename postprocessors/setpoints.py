@@ -29,8 +29,8 @@ from postprocessors.program import (
     ToHome,
     Trigger,
 )
+from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Reading
-from postprocessors.stretches import Timed, stretches
 
 FORMAT = "hexcite setpoints 1"
 METADATA = b"hexcite"

@@ -13,7 +13,6 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import TimedPoints, Trajectory
 from postprocessors.feeds import feed_of, strut_feed_of
-from postprocessors.guarantees import Guarantees
 from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.program import (
     Arc,
@@ -31,7 +30,8 @@ from postprocessors.program import (
     moves_as_polynomials,
     timed_path,
 )
-from postprocessors.promises import sinumerik_guarantees
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.promises import sinumerik_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     FEED_DECIMALS,

@@ -10,7 +10,6 @@ from cases.controller_twincat import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
 from postprocessors.feeds import feed_of, strut_feed_of
-from postprocessors.guarantees import Guarantees
 from postprocessors.program import (
     Arc,
     Array,
@@ -26,7 +25,8 @@ from postprocessors.program import (
     Trigger,
     timed_path,
 )
-from postprocessors.promises import twincat_guarantees
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.promises import twincat_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     PLANE_WORDS,

@@ -8,8 +8,8 @@ from math import floor, log10
 import numpy as np
 
 from cases.units import DEG, MINUTE, MM
-from identification.circle import CircularMove, Plane
-from identification.profile import StraightMove
+from identification.trajectories.circle import CircularMove, Plane
+from identification.trajectories.profile import StraightMove
 from postprocessors.program import Array
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk

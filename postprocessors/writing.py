@@ -9,8 +9,8 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Array, Trajectory
-from identification.polynomial import PolynomialMotion
-from identification.strut_move import NoStrutMove
+from identification.trajectories.polynomial import PolynomialMotion
+from identification.trajectories.strut_move import NoStrutMove
 from postprocessors.dialects import Language
 from postprocessors.program import (
     Arc,
@@ -22,9 +22,9 @@ from postprocessors.program import (
     excitation_program,
     straight_in_struts,
 )
-from postprocessors.proof import ProgramProof, prove_program
+from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.words import Event, Reading
-from postprocessors.stretches import Timed, Untimed, stretches
 
 # The last decimal of the words, doubled: what is read back must be what was planned, up to rounding.
 ROUNDING = np.r_[np.full(3, 1e-5 * MM), np.full(3, 1e-6 * DEG)]

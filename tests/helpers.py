@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import HexciteError
 from cases.schema import Case
 from identification.motion import Motion
-from identification.polynomial import Piece, PolynomialMotion
+from identification.trajectories.polynomial import Piece, PolynomialMotion
 
 Array = NDArray[np.float64]
 Answer = TypeVar("Answer")

@@ -39,7 +39,7 @@ def information_limit(
     from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
     from identification.model import identification_model
-    from planner.bound import box_bound, tight_bound
+    from planner.bounds.kept import box_bound, tight_bound
 
     if not (isfinite(time_limit) and time_limit > 0.0):
         raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")

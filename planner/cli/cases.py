@@ -33,7 +33,7 @@ def list_cases(json: Json = False) -> None:
 @app.command("check")
 def check(case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")], json: Json = False) -> None:
     """Validate a case and tell what it can reach."""
-    from planner.case_figures import case_figures
+    from planner.reports.case_figures import case_figures
 
     figures: dict[str, Any] = case_figures(case)
     if json:
@@ -68,7 +68,7 @@ def show(
     file = output if output is not None else Path(f"{loaded.name}-machine.svg")
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)])
     with status("drawing", json):
-        from planner.case_plots import case_figure
+        from planner.reports.case_plots import case_figure
 
         figure = case_figure(loaded)
         with atomic_file(file) as part:

@@ -28,11 +28,11 @@ def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, 
     """Reads, compares, writes the page, prints unless `quiet`; returns the JSON answer."""
     from cases.errors import HexciteError
     from cases.files import COMPARISON, atomic_folder, check_folder, json_text
-    from planner.advising import groups, recommend
-    from planner.comparing import read_entry
-    from planner.plots import save_figure
-    from planner.report import render
-    from planner.report_compare import compare_figure, compare_page, warnings_of
+    from planner.comparison.advising import groups, recommend
+    from planner.comparison.entries import read_entry
+    from planner.reports.compare import compare_figure, compare_page, warnings_of
+    from planner.reports.page import render
+    from planner.reports.plots import save_figure
 
     for k, folder in enumerate(folders):
         if any(folder.resolve() == other.resolve() for other in folders[:k]):
@@ -59,7 +59,7 @@ def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, 
 
 
 def _show(answer: dict[str, Any], found: Any) -> None:
-    from planner.report_compare import EXECUTION, execution_rows, figure_rows, parameter_columns, parameter_rows
+    from planner.reports.compare import EXECUTION, execution_rows, figure_rows, parameter_columns, parameter_rows
 
     entries = [e for g in found for e in g]
     names = [e.name for e in entries]

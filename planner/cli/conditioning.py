@@ -5,7 +5,7 @@ import math
 import re
 
 from cases.errors import HexciteError
-from identification.conditioning import Accelerated, Conditioning, Periodic
+from identification.runs.conditioning import Accelerated, Conditioning, Periodic
 
 AUTO = "auto"
 _AMOUNT = re.compile(r"(?P<value>[0-9]*\.?[0-9]+)\s*(?P<unit>%|m/s\^?2|m/s²)")

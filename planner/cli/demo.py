@@ -33,16 +33,16 @@ def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, qu
     from cases.files import write_text
     from cases.loading import load_case
     from identification.identify import identifiability
-    from identification.residuals import residuals_of
+    from identification.runs.residuals import residuals_of
     from planner.cli.identified import make_result
     from planner.cli.plan import make_plan
     from planner.cli.post import check_program, make_program, show_check
     from planner.cli.run import make_recording
-    from planner.comparison import truth_rows
-    from planner.report import render
-    from planner.report_demo import demo_page
+    from planner.comparison.truth import truth_rows
+    from planner.reports.demo import demo_page
+    from planner.reports.page import render
     from planner.request import Request
-    from planner.running import best_controller
+    from planner.runs.running import best_controller
 
     def step(number: int, text: str) -> None:
         if not quiet:
@@ -83,7 +83,7 @@ def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, qu
 
 
 def _show_truth(rows: list[dict[str, Any]]) -> None:
-    from planner.report_demo import truth_cells
+    from planner.reports.demo import truth_cells
 
     table = []
     for row in rows:

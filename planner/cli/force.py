@@ -28,10 +28,10 @@ def force(
     """Compute external force and moment over a recording."""
     from cases.files import atomic_file, check_file
     from identification.force import external_force
-    from identification.rates import on_one_clock
     from identification.recording import read_recording
+    from identification.runs.rates import on_one_clock
     from identification.saved import load_result
-    from planner.recorded import case_of
+    from planner.runs.recorded import case_of
 
     loaded = case_of(recording, case)
     file = output if output is not None else Path(f"{recording.resolve().stem}-force.csv")
@@ -86,10 +86,10 @@ def tare(
     """
     from cases.files import RESULT, atomic_folder, json_text
     from identification.force import tare as new_offsets
-    from identification.rates import on_one_clock
     from identification.recording import read_recording
+    from identification.runs.rates import on_one_clock
     from identification.saved import load_result, with_tare
-    from planner.recorded import case_of
+    from planner.runs.recorded import case_of
 
     loaded = case_of(recording, case)
     saved = load_result(parameters)

@@ -7,27 +7,27 @@ from typing import Any
 
 from cases.files import RESULT, atomic_folder, check_folder, json_text
 from cases.schema import Case
-from identification.blocks import fits_blocks
-from identification.estimators import Method
+from identification.estimation.estimators import Method
 from identification.force import external_force
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
+from identification.long.blocks import fits_blocks
+from identification.long.streaming import identify_long, in_blocks, is_long
 from identification.model import identification_model
 from identification.provenance import provenance
-from identification.rates import on_one_clock
 from identification.recording import files_of, read_recording, read_run
-from identification.residuals import residuals_of
 from identification.result import Estimate
+from identification.runs.rates import on_one_clock
+from identification.runs.residuals import residuals_of
 from identification.saved import load_result
-from identification.streaming import identify_long, in_blocks, is_long
 from planner.cli.console import print_table, status
 from planner.cli.wishes import Wish, method_of
-from planner.fingerprints import plan_of_recording
-from planner.plots import identifiability_figure, residual_figure, save_figure
 from planner.precision import std_text, value_text
-from planner.recorded import UNSAID, Still, about_run, case_of, knows_poses, standing_of, with_feed
-from planner.report import render
-from planner.report_identify import about_inputs, identify_page
+from planner.reports.identify import about_inputs, identify_page
+from planner.reports.page import render
+from planner.reports.plots import identifiability_figure, residual_figure, save_figure
+from planner.runs.fingerprints import plan_of_recording
+from planner.runs.recorded import UNSAID, Still, about_run, case_of, knows_poses, standing_of, with_feed
 
 NOT_COMPARED = (
     "the run is too long to be compared with its program at once: a feed other than 100 % is told where the recording "

@@ -106,7 +106,7 @@ def identify(
     from planner.cli.conditioning import read_conditioning
     from planner.cli.identified import make_result, verify_result
     from planner.cli.wishes import Wish
-    from planner.recorded import Still, case_of
+    from planner.runs.recorded import Still, case_of
 
     wanted = Wish(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),

@@ -119,10 +119,10 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     from cases.files import PLAN, check_folder
     from cases.loading import find_case, load_case
     from planner import planning
-    from planner.parallel import Listener, News
     from planner.plan import save_plan
     from planner.readiness import require_plannable
-    from planner.solving import Failed, Start
+    from planner.search.parallel import Listener, News
+    from planner.search.solving import Failed, Start
     from planner.target import shortest_plan
 
     loaded = load_case(request.case_file)
@@ -166,7 +166,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
 
 
 def _show(answer: dict[str, Any], case: "Case") -> None:
-    from planner.last_words import solver_text
+    from planner.search.last_words import solver_text
 
     rows = [
         [str(s["seed"]), s["stage"], "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",

@@ -65,7 +65,7 @@ def make_program(
 
     from cases.errors import HexciteError
     from cases.files import atomic_file, check_file
-    from planner.fingerprints import case_line, plan_line
+    from planner.runs.fingerprints import case_line, plan_line
     from planner.saved_plan import load_plan
     from postprocessors.dialects import DIALECTS, dialect
     from postprocessors.files import ProgramFile
@@ -94,7 +94,7 @@ def make_program(
         )
         changed = {}
         if in_struts:
-            from planner.in_struts import changed_motion
+            from planner.runs.in_struts import changed_motion
 
             guarantees = language.load().guarantees(written.reading, saved.case)
             read = ProgramFile(file, language, written.content, written.reading, guarantees)
@@ -161,9 +161,9 @@ def check_program(
     """The JSON answer, and the error where a limit is passed."""
     from cases.errors import ProgramError
     from cases.loading import load_case
-    from planner.fingerprints import written_for_another
+    from planner.runs.fingerprints import written_for_another
     from postprocessors.files import read_program
-    from postprocessors.proof import prove_program
+    from postprocessors.proving.proof import prove_program
 
     loaded = load_case(case)
     with status(f"proving {program.name}", quiet):

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cases.schema import Case
     from identification.motion import Trajectory
     from planner.request import Request
-    from planner.retiming import Rating
+    from planner.retiming.retimed import Rating
 
 
 def retime(
@@ -62,8 +62,8 @@ def make_retimed(
     from identification.model import identification_model
     from identification.motion import sample
     from planner.plan import SAMPLE_RATE, motion_csv, save_plan
-    from planner.retimed_plan import retimed_plan
-    from planner.retiming import Method, fitting_method, retimed
+    from planner.retiming.plan import retimed_plan
+    from planner.retiming.retimed import Method, fitting_method, retimed
 
     if method is not None and method not in list(Method):
         raise HexciteError(f"method {method!r} is unknown; choose {', '.join(Method)}")
@@ -134,8 +134,8 @@ def _checked(source: Path, output: Path | None) -> bool:
 def _given(source: Path, case: str | None, model: int | None) -> _Given:
     from cases.errors import HexciteError
     from cases.loading import find_case, load_case
-    from planner.motion_table import read_motion
     from planner.request import Request
+    from planner.retiming.motion_table import read_motion
     from planner.saved_plan import load_plan
 
     if not source.exists():

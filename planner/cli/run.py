@@ -9,7 +9,7 @@ import typer
 from planner.cli.console import Json, print_json, status
 
 if TYPE_CHECKING:
-    from planner.running import Outcome
+    from planner.runs.running import Outcome
 
 
 def run(
@@ -51,7 +51,7 @@ def make_recording(
     from cases.files import RUN, check_folder
     from cases.loading import find_case, load_case
     from identification.loaded import circumstances
-    from planner.running import execute, require_controller, save_recording
+    from planner.runs.running import execute, require_controller, save_recording
 
     if seed < 0:
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")

@@ -108,7 +108,7 @@ def run(
 
 
 def _page(about: dict[str, Any], table: Any) -> str:
-    from planner.report import render
+    from planner.reports.page import render
     from planner.study.page import study_page
 
     return render(study_page(about, table))

@@ -13,7 +13,7 @@ from planner.cli.validate_runs import Settings, carry_out, unfinished
 if TYPE_CHECKING:
     from cases.schema import Case
     from identification.recording import Recording
-    from planner.validation_verdict import Finding
+    from planner.validation.verdict import Finding
 
 
 def validate(
@@ -76,11 +76,11 @@ def run_validation(
     """
     from cases.files import VALIDATION, atomic_folder, check_folder, json_text
     from cases.loading import load_case
-    from planner.plots import save_figure
-    from planner.report import render
-    from planner.report_validation import std_figure, validation_page
-    from planner.validation import chosen, mounted_weights
-    from planner.validation_verdict import findings
+    from planner.reports.page import render
+    from planner.reports.plots import save_figure
+    from planner.reports.validation import std_figure, validation_page
+    from planner.validation.experiment import chosen, mounted_weights
+    from planner.validation.verdict import findings
 
     if recordings is not None:
         _only_recordings(weights, settings, undisturbed)
@@ -129,7 +129,7 @@ def run_validation(
 
 def _disturbances(case: "Case", settings: Settings, undisturbed: bool) -> Any:
     """What disturbs the simulated machine; refused where it cannot be run."""
-    from planner.running import require_controller
+    from planner.runs.running import require_controller
 
     require_controller(settings.on)
     found = case.need_simulation("a validation without recordings").disturbances
@@ -155,10 +155,10 @@ def _only_recordings(weights: str | None, settings: Settings, undisturbed: bool)
 def _recorded(case: "Case", recordings: Path, methods: str | None) -> list[Any]:
     """Steps of a real machine's recordings, a folder a method, of all or of some."""
     from cases.errors import HexciteError
-    from identification.rates import on_one_clock
     from identification.recording import read_recording
-    from planner.recorded import standing_of
-    from planner.validation import recorded_steps
+    from identification.runs.rates import on_one_clock
+    from planner.runs.recorded import standing_of
+    from planner.validation.experiment import recorded_steps
 
     folders = sorted(p for p in recordings.iterdir() if p.is_dir()) if recordings.is_dir() else []
     if not folders:
@@ -187,7 +187,7 @@ def _answer(
     settings: Settings,
     failed: dict[str, str],
 ) -> dict[str, Any]:
-    from planner.validation_verdict import to_json
+    from planner.validation.verdict import to_json
 
     simulation = case.simulation
     if recordings is not None:
@@ -219,9 +219,9 @@ def _answer(
 
 
 def _show(answer: dict[str, Any], found: list[Any], verdict: "list[Finding]", helped: list[Any]) -> None:
-    from planner.report_validation import TABLE_7, table_7
-    from planner.validation_remedy import REMEDY_COLUMNS
-    from planner.validation_verdict import OFF_COLUMNS, off_rows
+    from planner.reports.validation import TABLE_7, table_7
+    from planner.validation.remedy import REMEDY_COLUMNS
+    from planner.validation.verdict import OFF_COLUMNS, off_rows
 
     print(f"machine: {answer['machine']}")
     for method, told in answer["executed"].items():

@@ -15,9 +15,9 @@ from planner.interruption import Interrupted
 if TYPE_CHECKING:
     from cases.disturbances import Disturbances
     from cases.schema import Case
-    from identification.executed import StrutExecution
-    from planner.validation import Excitation
-    from planner.validation_kept import Kept
+    from identification.trajectories.executed import StrutExecution
+    from planner.validation.experiment import Excitation
+    from planner.validation.kept import Kept
     from postprocessors.execute.executed_run import ExecutedRun
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
@@ -124,7 +124,7 @@ def carry_out(
         HexciteError: no method could be carried out.
     """
     from cases.errors import HexciteError
-    from planner.validation_kept import kept_step
+    from planner.validation.kept import kept_step
 
     done, failed = [], {}
     with progress("validating", len(methods) * len(mounted), quiet) as count:
@@ -176,9 +176,9 @@ def _identified(
     folder: Path,
 ) -> "Iterator[Kept]":
     """Steps that were not finished before, each kept as soon as it is."""
-    from planner.validation import steps
-    from planner.validation_kept import Kept, keep
-    from planner.validation_remedy import remedy_of
+    from planner.validation.experiment import steps
+    from planner.validation.kept import Kept, keep
+    from planner.validation.remedy import remedy_of
 
     for step in steps(excitation, missing, disturbances, None if bare is None else bare.step.estimate):
         remedy = None if disturbances is None else remedy_of(excitation, step, disturbances)
@@ -190,11 +190,11 @@ def _identified(
 def _excitation(case: "Case", method: str, settings: Settings, program: Path, key: str, folder: Path) -> "Excitation":
     import numpy as np
 
-    from planner.standing_run import stood
-    from planner.validation import METHODS, Excitation
+    from planner.runs.standing import stood
+    from planner.validation.experiment import METHODS, Excitation
     from postprocessors.files import read_program
-    from postprocessors.measured import measured_poses, measures_at_poses
-    from postprocessors.stretches import stretches
+    from postprocessors.proving.measured import measured_poses, measures_at_poses
+    from postprocessors.proving.stretches import stretches
 
     run = _executed(program, case, settings.on, key, folder / "runs" / f"{method}.npz")
     parts = stretches(read_program(program, case).reading)
@@ -208,8 +208,8 @@ def _excitation(case: "Case", method: str, settings: Settings, program: Path, ke
 
 def _executed(program: Path, case: "Case", on: str, key: str, kept: Path) -> "ExecutedRun":
     """The run of a program; it is kept, and found again."""
-    from identification.executed import StrutExecution
-    from planner.running import carried_out
+    from identification.trajectories.executed import StrutExecution
+    from planner.runs.running import carried_out
 
     run = _kept(key, case, on == "linuxcnc", kept)
     if run is None:
@@ -237,8 +237,8 @@ def _kept(key: str, case: "Case", real: bool, kept: Path) -> "ExecutedRun | None
     import numpy as np
     from scipy.interpolate import BSpline
 
-    from identification.executed import StrutExecution
     from identification.hexapod import Hexapod
+    from identification.trajectories.executed import StrutExecution
     from postprocessors.execute.executed_run import ExecutedRun
 
     if not kept.is_file():

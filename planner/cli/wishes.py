@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cases.schema import Case
-from identification.conditioning import USUAL, Conditioning
-from identification.estimators import Method, method
+from identification.estimation.estimators import Method, method
+from identification.estimation.priors import Prior
+from identification.estimation.selection import symmetric_platform
 from identification.model import Model
 from identification.parameters import physical_form
-from identification.priors import Prior
+from identification.runs.conditioning import USUAL, Conditioning
 from identification.saved import biases_of
-from identification.selection import symmetric_platform
 from planner.cli.quantities import read_uncertain, read_values
 
 

@@ -10,10 +10,10 @@ from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import find_case
 from cases.manual import Sequence, load_poses, load_sequence
 from cases.schema import Case
-from identification.circle import Plane, fastest_circle
 from identification.limits import prove
 from identification.motion import Joined, Standstill, Trajectory
-from identification.profile import StraightMove
+from identification.trajectories.circle import Plane, fastest_circle
+from identification.trajectories.profile import StraightMove
 
 Array = NDArray[np.float64]
 

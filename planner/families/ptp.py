@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.motion import Joined
-from identification.profile import Profile, StraightMove, fastest_profile
+from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.families.family import Sampling, States, box_middle
 
 Array = NDArray[np.float64]

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.circle import CircularMove, Plane
 from identification.motion import Joined, Measurement, Standstill, Trajectory
-from identification.polynomial import Piece, PolynomialMotion
-from identification.profile import Profile, StraightMove
+from identification.trajectories.circle import CircularMove, Plane
+from identification.trajectories.polynomial import Piece, PolynomialMotion
+from identification.trajectories.profile import Profile, StraightMove
 from planner.families.fourier_motion import FourierMotion
 from planner.families.ptp import unit_profile
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.motion import Trajectory
-from identification.polynomial import Piece, PolynomialMotion
+from identification.trajectories.polynomial import Piece, PolynomialMotion
 from planner.families.family import Sampling, box_middle
 from planner.families.linear import linear_sampling
 

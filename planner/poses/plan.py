@@ -254,10 +254,10 @@ def _in_units(poses: Array) -> Array:
 
 def save_pose_plan(plan: PosePlan, folder: Path) -> None:
     """Writes a plan folder: plan.json, poses.csv, report.html, plots/."""
-    from planner.plots import identifiability_figure, save_figure
     from planner.poses.plots import density_figure, pose_figure
-    from planner.report import render
-    from planner.report_poses import poses_page
+    from planner.reports.page import render
+    from planner.reports.plots import identifiability_figure, save_figure
+    from planner.reports.poses import poses_page
 
     model = identification_model(plan.case, plan.request.model)
     rows = [f"{k}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(_in_units(plan.poses), 1)]

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.model import Model
 from identification.pose import rpy
-from planner.information import log_determinant
-from planner.last_words import last_words
 from planner.poses.coordinates import SIZE, PoseSpace
 from planner.poses.criteria import PoseCriterion
 from planner.poses.regressors import pose_regressors, total_information
 from planner.poses.validity import valid_poses, validity_margins
+from planner.search.information import log_determinant
+from planner.search.last_words import last_words
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
-from identification.profile import Profile, StraightMove, fastest_profile
+from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.poses.validity import valid_poses
 from postprocessors.execute.ruckig_law import RuckigLaw
 

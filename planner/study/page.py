@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import plotly.graph_objects as go
 
-from planner.report import Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
 from planner.study.rows import FAILED
 from planner.study.spec import command_of
 from planner.study.summary import GROUPED, Group, best_groups, groups

@@ -56,8 +56,8 @@ def work(job: Job) -> list[dict[str, Any]]:
 
 
 def _plan(job: Job) -> tuple[dict[str, Any], Any]:
-    from planner.parallel import Listener, run_here
     from planner.planning import make
+    from planner.search.parallel import Listener, run_here
 
     began = time.perf_counter()
     silent = Listener(lambda start: None, lambda news: None)
@@ -79,10 +79,10 @@ def _runs(job: Job, motion: Any, began: float) -> list[dict[str, Any]]:
     from identification.identify import identify
     from identification.loaded import circumstances
     from identification.simulate import simulate_recording
-    from planner.comparison import truth_rows
-    from planner.running import execute
+    from planner.comparison.truth import truth_rows
+    from planner.runs.running import execute
     from postprocessors.dialects import dialect
-    from postprocessors.guarantees import KINETIC
+    from postprocessors.proving.guarantees import KINETIC
     from postprocessors.writing import proven_program
 
     around = circumstances(job.case, job.request.payload, job.disturbed)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.motion import TimedPoints
-from identification.path_timing import RetimedMotion, retime
+from identification.trajectories.path_timing import RetimedMotion, retime
 
 Array = NDArray[np.float64]
 

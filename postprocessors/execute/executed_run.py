@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.executed import Execution
+from identification.trajectories.executed import Execution
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from ruckig import InputParameter, Result, Ruckig, Trajectory
 
 from cases.errors import ExecutionError
-from identification.profile import TimeLaw, Trapezoid
-from postprocessors.guarantees import Law
+from identification.trajectories.profile import TimeLaw, Trapezoid
+from postprocessors.proving.guarantees import Law
 
 Array = NDArray[np.float64]
 

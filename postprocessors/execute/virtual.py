@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from cases.errors import ExecutionError
 from cases.machine import MotionLimits
 from cases.schema import Case
-from identification.executed import StrutExecution
 from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
-from identification.path_timing import UntimedPath, keeps_pace, retime
+from identification.trajectories.executed import StrutExecution
+from identification.trajectories.path_timing import UntimedPath, keeps_pace, retime
 from postprocessors.execute.block_limited import block_limited
 from postprocessors.execute.executed_run import ExecutedRun
 from postprocessors.execute.ruckig_law import by_ruckig
-from postprocessors.guarantees import Guarantees
-from postprocessors.measured import measures_at_poses
-from postprocessors.predicted import predicted
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.measured import measures_at_poses
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.stretches import Still, Stretch, Timed, stretches
 from postprocessors.reading.words import Reading
-from postprocessors.stretches import Still, Stretch, Timed, stretches
 
 Array = NDArray[np.float64]
 

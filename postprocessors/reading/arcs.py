@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.circle import Plane
+from identification.trajectories.circle import Plane
 
 Array = NDArray[np.float64]
 

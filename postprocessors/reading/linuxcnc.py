@@ -15,7 +15,7 @@ import numpy as np
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from identification.circle import Plane
+from identification.trajectories.circle import Plane
 from postprocessors.reading.arcs import Arc, PlaneProblem, arc_through
 from postprocessors.reading.words import Array, Event, Move, Pause, Reading, Switch, Timing, Turn
 

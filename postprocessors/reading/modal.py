@@ -6,7 +6,7 @@ import numpy as np
 
 from cases.errors import ProgramError
 from cases.units import MINUTE, MM
-from identification.circle import Plane
+from identification.trajectories.circle import Plane
 from postprocessors.reading.arcs import Arc, PlaneProblem, arc_through
 from postprocessors.reading.words import Array, Event, Turn
 

@@ -6,7 +6,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.circle import Plane
+from identification.trajectories.circle import Plane
 
 Array = NDArray[np.float64]
 

@@ -13,11 +13,11 @@ from planner.families.fourier import FINE, FourierFamily
 from planner.families.ptp import MOST, PointToPointFamily
 from planner.families.spline import MOST as MOST_INTERVALS
 from planner.families.spline import SplineFamily
-from planner.lifted import lifted
 from planner.planning import STAGES
-from planner.problem import build_problem
-from planner.solvers import FAR, SOLVERS, Program
-from planner.solving import SHARPER, SHARPNESS, random_start
+from planner.search.lifted import lifted
+from planner.search.problem import build_problem
+from planner.search.solvers import FAR, SOLVERS, Program
+from planner.search.solving import SHARPER, SHARPNESS, random_start
 
 
 def building_rows() -> list[list[str]]:

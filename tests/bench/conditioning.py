@@ -3,10 +3,10 @@
 import numpy as np
 
 from cases.loading import load_case
-from identification.conditioning import Conditioning, Periodic
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
+from identification.runs.conditioning import Conditioning, Periodic
 from tests.helpers import simulated
 from tests.identification.repeating import Repeating, recorded
 

@@ -6,13 +6,13 @@ import numpy as np
 from scipy.signal import lfilter
 
 from cases.schema import Case
-from identification.executed import Execution
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.simulate import simulate_recording, true_forces
-from planner.comparison import truth_rows
+from identification.trajectories.executed import Execution
+from planner.comparison.truth import truth_rows
 
 
 @dataclass(frozen=True, slots=True)

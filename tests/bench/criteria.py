@@ -6,12 +6,12 @@ from identification.criteria import CRITERIA, singular_values
 from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.reference import reference_scaling
-from planner.bound import box_bound
+from planner.bounds.kept import box_bound
 from planner.cli.console import print_table
-from planner.parallel import Listener
 from planner.planning import search
-from planner.problem import mean_information
 from planner.request import Request
+from planner.search.parallel import Listener
+from planner.search.problem import mean_information
 
 MODEL = 9
 STARTS = {"fourier": 4, "ptp": 2, "spline": 2}

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.loading import load_case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.recording import Recording, write_recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
 
 HEXCITE = Path(sys.executable).parent / "hexcite"

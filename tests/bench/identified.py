@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from cases.loading import load_case
-from identification.estimators import method
-from identification.executed import PoseExecution
+from identification.estimation.estimators import method
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.recording import Recording, read_recording, read_run
 from identification.saved import biases_of
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.bench.coverage import coloured_coverage
 from tests.bench.hour import hour_figures
 from tests.helpers import Harmonic

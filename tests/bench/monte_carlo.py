@@ -6,9 +6,9 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.motion import Trajectory
 from planner.cli.console import print_table
-from planner.parallel import Listener
 from planner.planning import search
 from planner.request import Request
+from planner.search.parallel import Listener
 from tests.planner.monte_carlo import monte_carlo, vibrating, vibrating_runs
 
 ACCELERATION_NOISE = 0.1  # [m/s^2, rad/s^2] of measured accelerations, in the regressor

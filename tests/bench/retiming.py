@@ -7,10 +7,10 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from planner.cli.console import print_table
 from planner.families.manual import manual_motion, sequence_file
-from planner.parallel import Listener
 from planner.planning import search
 from planner.request import Request
-from planner.retiming import Method, retimed
+from planner.retiming.retimed import Method, retimed
+from planner.search.parallel import Listener
 
 SILENT = Listener(lambda start: None, lambda news: None)
 SPLINE = ("ipopt", "toppra")

@@ -6,8 +6,8 @@ import numpy as np
 
 from cases.loading import load_case
 from identification.identify import identify
-from planner.running import carried_out
-from planner.validation import METHODS, Excitation
+from planner.runs.running import carried_out
+from planner.validation.experiment import METHODS, Excitation
 
 MACHINES = 12
 SHOWN = {"m": "kg", "zC": "m", "IC33": "kg m^2", "k0": "N/m", "sensor offsets": "N"}

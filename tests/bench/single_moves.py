@@ -25,13 +25,13 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.model import Model, identification_model
 from identification.reference import reference_scaling
-from planner.bound import box_bound
 from planner.bounds.design import improved_weights
+from planner.bounds.kept import box_bound
 from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, states_of_move
-from planner.information import sample_information
 from planner.planning import STAGES
-from planner.solving import Task, run_start, seeds_of
-from planner.state_limits import state_limits
+from planner.search.information import sample_information
+from planner.search.solving import Task, run_start, seeds_of
+from planner.search.state_limits import state_limits
 
 Array = NDArray[np.float64]
 

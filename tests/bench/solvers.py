@@ -17,7 +17,7 @@ from planner.cli.console import print_table
 from planner.families.family import box_middle
 from planner.families.fourier import FINE, FourierFamily
 from planner.request import SOLVER_NAMES
-from planner.solving import Failed, Stage, Start, Task, run_safely, seeds_of
+from planner.search.solving import Failed, Stage, Start, Task, run_safely, seeds_of
 
 PERIOD = 3.0  # [s]
 PERIODS = 4

@@ -59,7 +59,7 @@ def _memory() -> float:
 
 def _many_rows() -> list[list[str]]:
     """Made-up rows of the right shape: only their number matters here."""
-    from planner.report import render
+    from planner.reports.page import render
 
     draw = np.random.default_rng(0)
     case = load_case("hexapod")

@@ -3,8 +3,8 @@
 import numpy as np
 
 from cases.loading import load_case
-from identification.executed import StrutExecution
 from identification.hexapod import Hexapod
+from identification.trajectories.executed import StrutExecution
 
 CASE = load_case("hexapod")
 

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.motion import Motion
 from identification.recording import Recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
 
 LEAD = 0.4  # [s] before and after

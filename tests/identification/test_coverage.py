@@ -7,13 +7,13 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.loading import load_case
-from identification.conditioning import Accelerated, Conditioning
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
+from identification.runs.conditioning import Accelerated, Conditioning
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, ideal, simulated
 
 # White noise, no steps of the encoder: the conditions under which (28) must hold.

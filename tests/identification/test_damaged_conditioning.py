@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
 from cases.loading import load_case
-from identification.conditioning import Accelerated, Conditioning, Periodic
-from identification.feed import against_plan
+from identification.findings.feed import against_plan
 from identification.identify import identify
 from identification.motion import Motion
-from identification.rates import on_one_clock
 from identification.recording import Recording, read_recording, write_recording
+from identification.runs.conditioning import Accelerated, Conditioning, Periodic
+from identification.runs.rates import on_one_clock
 from tests.helpers import answer
 from tests.identification.repeating import LEAD, Repeating, recorded
 from tests.identification.test_damaged_runs import damaged

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.recording import read_recording, write_recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, answer, paper_poses
 
 HEXAPOD, WRIST = load_case("hexapod"), load_case("ft_wrist")

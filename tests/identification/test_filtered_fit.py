@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from cases.errors import IdentificationError
-from identification.estimator import Filtered, Fit, gauss_markov
+from identification.estimation.estimator import Filtered, Fit, gauss_markov
 from identification.signals import Filter
 from tests.helpers import one_line
 

@@ -10,16 +10,16 @@ from scipy.signal import lfilter
 
 from cases.errors import HexciteError, IdentificationError, RecordingError
 from cases.loading import load_case
-from identification import contact_free
-from identification.contact import find_contacts
-from identification.executed import PoseExecution
+from identification.findings import contact_free
+from identification.findings.contact import find_contacts
+from identification.findings.plausibility import scan
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.parameters import linear_parameters
-from identification.plausibility import scan
 from identification.recording import Recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, one_line, simulated
 from tests.identification.leaping import moves_without_jerk_limit
 from tests.identification.moving_run import MODEL

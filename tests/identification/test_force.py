@@ -9,8 +9,6 @@ import pytest
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import json_text
 from cases.loading import load_case
-from identification.evaluation import moving_run
-from identification.executed import PoseExecution
 from identification.force import external_force, tare
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
@@ -18,8 +16,10 @@ from identification.identify import identify
 from identification.motion import Standstill
 from identification.payload import payload_between, require_two
 from identification.recording import Recording
+from identification.runs.evaluation import moving_run
 from identification.saved import SavedResult, load_result, with_tare
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import HOME, Harmonic, one_line
 
 CASE = load_case("hexapod")

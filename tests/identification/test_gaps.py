@@ -9,19 +9,19 @@ import pytest
 
 from cases.errors import RecordingError
 from cases.loading import load_case
-from identification import blocks
-from identification.evaluation import moving_run
-from identification.executed import PoseExecution
+from identification.findings.plausibility import scan
 from identification.force import external_force
 from identification.hexapod import Hexapod
 from identification.identify import identify
+from identification.long import blocks
+from identification.long.streaming import identify_long
 from identification.model import identification_model
-from identification.plausibility import scan
 from identification.recording import read_recording, write_recording
 from identification.result import Estimate
+from identification.runs.evaluation import moving_run
 from identification.saved import SavedResult
 from identification.simulate import simulate_recording
-from identification.streaming import identify_long
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, one_line
 
 CASE = load_case("hexapod")
@@ -186,8 +186,8 @@ def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Pat
 
 
 def test_periods_and_plans_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) -> None:
-    from identification.conditioning import Conditioning, Periodic
-    from identification.feed import against_plan
+    from identification.findings.feed import against_plan
+    from identification.runs.conditioning import Conditioning, Periodic
 
     recording = read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE)
     with pytest.raises(RecordingError, match=r"line 1500: samples are missing before this one, .*leave --period out"):

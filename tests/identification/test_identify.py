@@ -8,13 +8,13 @@ from scipy.spatial.transform import Rotation
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import HOME, Harmonic, ideal, simulated
 
 CASE = load_case("hexapod")

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from cases.schema import Case
 from identification.keep_out import distance_of_points, distance_of_segments
 from identification.limits import prove
-from identification.profile import StraightMove
+from identification.trajectories.profile import StraightMove
 from planner.poses.validity import valid_poses
 from tests.helpers import HOME
 from tests.postprocessors.changed_case import changed

@@ -13,7 +13,7 @@ from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.limits import LimitReport, prove
 from identification.motion import Motion, Standstill, TimedPoints, Trajectory, sample
-from identification.profile import StraightMove
+from identification.trajectories.profile import StraightMove
 from tests.helpers import HOME, Harmonic
 
 CASE = load_case("hexapod")

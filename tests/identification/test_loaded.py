@@ -6,7 +6,6 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import CaseError
 from cases.loading import load_case
-from identification.executed import PoseExecution, StrutExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.loaded import (
@@ -24,6 +23,7 @@ from identification.model import identification_model
 from identification.motion import Standstill
 from identification.parameters import body_parameters, linear_parameters
 from identification.simulate import simulate_standstills, true_forces
+from identification.trajectories.executed import PoseExecution, StrutExecution
 from tests.helpers import Harmonic, paper_poses
 
 CASE = load_case("hexapod")

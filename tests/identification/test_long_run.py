@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from identification.estimator import gauss_markov, long_run_covariance
+from identification.estimation.estimator import gauss_markov, long_run_covariance
 
 
 def auto_regressive(phi: float, count: int, seed: int, columns: int = 1) -> np.ndarray:

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.executed import PoseExecution, StrutExecution
 from identification.hexapod import Hexapod, kinematics_of_coordinates
 from identification.limits import prove
 from identification.motion import Joined, Standstill
 from identification.peaks import coordinate_rates, executed_peaks
-from identification.profile import StraightMove
+from identification.trajectories.executed import PoseExecution, StrutExecution
+from identification.trajectories.profile import StraightMove
 
 
 def test_rates_and_accelerations_of_the_coordinates_are_found_back_from_twist_and_twist_rate():

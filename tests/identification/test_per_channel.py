@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimator import channel_leverage, gauss_markov, independent_poses, per_channel
+from identification.estimation.estimator import channel_leverage, gauss_markov, independent_poses, per_channel
 from tests.helpers import one_line
 
 DRAW = np.random.default_rng(0)

@@ -8,10 +8,10 @@ import pytest
 
 from cases.errors import RecordingError
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.recording import BAR_FORCES, STRUTS, Recording, read_recording, write_recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, one_line
 
 

@@ -10,12 +10,12 @@ import pytest
 from cases.errors import CaseError, HexciteError, IdentificationError, RecordingError
 from cases.loading import load_case
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.motion import Standstill
 from identification.recording import Recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import HOME, Harmonic, one_line, paper_poses
 
 CASE = load_case("hexapod")

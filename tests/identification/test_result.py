@@ -8,11 +8,11 @@ import pytest
 
 from cases.files import json_text
 from cases.loading import load_case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.result import Estimate, Value
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
 
 CASE = load_case("hexapod")

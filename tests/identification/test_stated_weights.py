@@ -6,16 +6,16 @@ import pytest
 from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
-from identification.estimators import method
-from identification.executed import PoseExecution
+from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
-from identification.noise_components import _taken_apart
-from identification.noise_model import StatedNoise, acceleration_to_force
+from identification.noise.components import _taken_apart
+from identification.noise.stated import StatedNoise, acceleration_to_force
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, ideal, simulated
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 

@@ -13,7 +13,7 @@ from identification.parameters import physical_form
 from identification.reference import reference_scaling
 from planner.deviations import predicted_std, predicted_std_of
 from planner.noise import expected_noise
-from planner.problem import mean_information
+from planner.search.problem import mean_information
 from tests.identification.point_masses import PointMasses, wrench_of_bars
 
 RATE = 1000.0  # [1/s]

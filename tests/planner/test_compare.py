@@ -11,10 +11,10 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.schema import Case
-from planner.advising import groups, recommend
-from planner.comparing import Entry, Level, Told, read_entry
-from planner.fingerprints import plan_hash, plan_of_program
-from planner.report_compare import _coloured, warnings_of
+from planner.comparison.advising import groups, recommend
+from planner.comparison.entries import Entry, Level, Told, read_entry
+from planner.reports.compare import _coloured, warnings_of
+from planner.runs.fingerprints import plan_hash, plan_of_program
 from postprocessors.dialects import DIALECTS
 from tests.planner.browser import opened
 from tests.planner.command_line import ACCEPT, call, refused

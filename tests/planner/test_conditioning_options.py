@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.recording import BAR_FORCES, STRUTS, write_recording
 from identification.simulate import true_forces
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
 from tests.identification.repeating import Repeating, recorded
 from tests.planner.command_line import call, refused

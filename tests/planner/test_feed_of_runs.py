@@ -9,8 +9,8 @@ import pytest
 
 from cases.loading import load_case
 from identification.recording import write_recording
-from planner.followed import followed_plan
-from tests.identification.test_feed import AtFeed, recorded
+from planner.runs.followed import followed_plan
+from tests.identification.findings.test_feed import AtFeed, recorded
 from tests.planner.command_line import call, refused
 from tests.postprocessors.programs import small_excitation
 
@@ -92,7 +92,7 @@ def test_a_run_of_another_program_is_refused(folder: Path, tmp_path: Path) -> No
 
 
 def _other() -> object:
-    from tests.identification.test_feed import through
+    from tests.identification.findings.test_feed import through
 
     return through(9)
 

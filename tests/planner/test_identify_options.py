@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from cases.loading import built_in_cases, load_case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
 from tests.planner.command_line import call, refused
 

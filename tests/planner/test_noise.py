@@ -17,8 +17,8 @@ from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.problem import build_problem, mean_information
-from planner.solving import Stage, Task, keep_limits, random_start, run_start
+from planner.search.problem import build_problem, mean_information
+from planner.search.solving import Stage, Task, keep_limits, random_start, run_start
 from tests.planner.command_line import call
 from tests.planner.monte_carlo import vibrating, vibrating_runs
 

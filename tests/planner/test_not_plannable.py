@@ -14,7 +14,7 @@ from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
 from planner.readiness import require_plannable
 from planner.request import Request
-from planner.solving import keep_limits
+from planner.search.solving import keep_limits
 from tests.helpers import one_line
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed

@@ -16,9 +16,9 @@ PACKAGES = ("cases", "identification", "planner", "postprocessors")
 DATA = (
     "cases/hexapod/case.toml",
     "cases/ft_wrist/case.toml",
-    "planner/templates/page.html.j2",
-    "planner/templates/page.css",
-    "planner/templates/page.js",
+    "planner/reports/templates/page.html.j2",
+    "planner/reports/templates/page.css",
+    "planner/reports/templates/page.js",
     "postprocessors/execute/linuxcnc/warp.c",
     "postprocessors/execute/linuxcnc/driver.py",
     "postprocessors/export/calibration.schema.json",
@@ -101,6 +101,7 @@ def test_the_command_works_outside_the_checkout(python: Path, tmp_path: Path):
 
 def test_the_report_finds_its_template_outside_the_checkout(python: Path, tmp_path: Path):
     code = (
-        "from jinja2 import Environment, PackageLoader as L; print(Environment(loader=L('planner')).list_templates())"
+        "from jinja2 import Environment, PackageLoader as L; "
+        "print(Environment(loader=L('planner.reports')).list_templates())"
     )
     assert "page.html.j2" in run(python, "-c", code, cwd=tmp_path)

@@ -15,10 +15,10 @@ from identification.reference import reference_scaling
 from planner.families.fourier import COARSE, FINE, FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from planner.plan import Plan
-from planner.problem import build_problem, mean_information
 from planner.request import Request
 from planner.saved_plan import SavedPlan
-from planner.solving import keep_limits, random_start
+from planner.search.problem import build_problem, mean_information
+from planner.search.solving import keep_limits, random_start
 from tests.postprocessors.independent import strut_lengths
 
 INSTANTS = 10 * FINE * 5  # instants of a period: ten times the optimiser's grid

@@ -10,7 +10,7 @@ from playwright.sync_api import Browser
 
 from cases.loading import load_case
 from identification.model import identification_model
-from planner.beside_manual import Beside, beside_manual
+from planner.comparison.beside_manual import Beside, beside_manual
 from planner.noise import expected_noise
 from planner.precision import std_text
 from planner.request import Request

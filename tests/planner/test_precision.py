@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.last_words import solver_text
 from planner.precision import std_text, value_text
+from planner.search.last_words import solver_text
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from cases.loading import load_case
-from planner.fingerprints import case_line
+from planner.runs.fingerprints import case_line
 from tests.planner.command_line import call, refused
 from tests.postprocessors.programs import there_and_back, timed, typed
 

@@ -10,14 +10,14 @@ from playwright.sync_api import Browser
 from playwright.sync_api import Page as Tab
 
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from planner.report import Note, Page, Section, Table, plain, render, thinned
-from planner.report_figures import motion_plots
-from planner.report_machine import moving_machine, posing_machine
+from identification.trajectories.executed import PoseExecution
+from planner.reports.figures import motion_plots
+from planner.reports.machine import moving_machine, posing_machine
+from planner.reports.page import Note, Page, Section, Table, plain, render, thinned
 from tests.helpers import Harmonic
 from tests.planner.browser import Opened, opened
 from tests.planner.command_line import call

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.residuals import residuals_of
+from identification.runs.residuals import residuals_of
 from identification.simulate import simulate_recording
-from planner.plots import residual_figure
+from identification.trajectories.executed import PoseExecution
+from planner.reports.plots import residual_figure
 from tests.helpers import Harmonic
 
 

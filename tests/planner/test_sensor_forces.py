@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-import planner.solving as solving
+import planner.search.solving as solving
 from cases.schema import Case
 from identification.limited import rotation_motion
 from identification.limits import LimitCheck, LimitReport, Status, prove
@@ -20,9 +20,9 @@ from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.plan import Plan
 from planner.planning import STAGES
-from planner.problem import build_problem
 from planner.request import Request
-from planner.solving import Start, Task, closest_load, run_start
+from planner.search.problem import build_problem
+from planner.search.solving import Start, Task, closest_load, run_start
 from tests.postprocessors.changed_case import changed
 
 

@@ -8,8 +8,6 @@ import numpy as np
 from cases.loading import load_case
 from cases.schema import Case
 from postprocessors.dialects import Language, dialect
-from postprocessors.guarantees import Guarantees
-from postprocessors.predicted import predicted
 from postprocessors.program import (
     Arc,
     Block,
@@ -21,9 +19,11 @@ from postprocessors.program import (
     ToHome,
     Trigger,
 )
-from postprocessors.proof import ProgramProof, prove_program
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.proving.stretches import Stretch, Timed, stretches
 from postprocessors.reading.words import Move, Pause, Reading, Switch
-from postprocessors.stretches import Stretch, Timed, stretches
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HEAD
 

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from cases.loading import load_case
 from cases.schema import Case
 from identification.limits import prove
-from identification.profile import StraightMove
+from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger, timed_path
-from postprocessors.proof import ProgramProof, prove_program
+from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.proving.stretches import Stretch, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.stretches import Stretch, stretches
 
 Array = NDArray[np.float64]
 

@@ -16,11 +16,11 @@ from cases.loading import load_case
 from identification.limited import strut_motion
 from identification.limits import prove
 from identification.motion import Joined, Motion, Standstill
-from identification.profile import StraightMove
+from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import dialect
 from postprocessors.program import excitation_program
-from postprocessors.proof import ProgramProof, prove_program
+from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading.setpoint_table import COLUMNS, METADATA, UNITS
 from postprocessors.setpoints import DECIMALS, write_parquet
 from tests.helpers import one_line

@@ -9,9 +9,9 @@ from cases.errors import ProgramError
 from cases.loading import load_case
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.proof import prove_program
+from postprocessors.proving.proof import prove_program
+from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.stretches import Timed, stretches
 from tests.helpers import one_line
 from tests.postprocessors.independent import share_of_limits
 from tests.postprocessors.programs import proof, there_and_back, timed, typed

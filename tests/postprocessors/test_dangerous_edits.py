@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from identification.limits import prove
 from identification.motion import Joined, Standstill
-from identification.profile import StraightMove
+from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import dialect
 from postprocessors.program import excitation_program
-from postprocessors.proof import ProgramProof, prove_program
+from postprocessors.proving.proof import ProgramProof, prove_program
 from tests.helpers import one_line
 from tests.postprocessors.independent import strut_lengths
 from tests.postprocessors.other_dialects import CASE, LINES_CASE

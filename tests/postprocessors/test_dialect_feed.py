@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from cases.errors import ProgramError
 from cases.units import DEG, MM
-from identification.profile import StraightMove
-from postprocessors.predicted import predicted
+from identification.trajectories.profile import StraightMove
 from postprocessors.program import PointToPoint, Program, SplinePath, TimedPath, ToHome
-from postprocessors.stretches import Timed, Untimed, stretches
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.stretches import Timed, Untimed, stretches
 from tests.postprocessors.other_dialects import (
     BOTH,
     CASE,

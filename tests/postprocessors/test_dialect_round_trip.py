@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.circle import Plane, fastest_circle
 from identification.motion import TimedPoints
-from identification.profile import StraightMove
-from postprocessors.predicted import predicted
+from identification.trajectories.circle import Plane, fastest_circle
+from identification.trajectories.profile import StraightMove
 from postprocessors.program import Arc, Dwell, PointToPoint, Program, TimedPath, ToHome, Trigger
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.sinumerik_groups import LONGEST_LINE
 from postprocessors.reading.words import Pause, Switch
-from postprocessors.stretches import Timed, Untimed, stretches
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (
     CASE,

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cases.errors import ProgramError
-from identification.circle import Plane, fastest_circle
 from identification.motion import Joined, Measurement, Standstill
-from identification.profile import StraightMove
+from identification.trajectories.circle import Plane, fastest_circle
+from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import DIALECTS, dialect, dialect_of_file
 from postprocessors.writing import proven_program

@@ -10,17 +10,17 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.loading import load_case
 from cases.schema import Case
-from identification.circle import CircularMove, Plane, fastest_circle
 from identification.motion import Joined, Trajectory
-from identification.polynomial import Piece, PolynomialMotion
-from identification.profile import StraightMove
+from identification.trajectories.circle import CircularMove, Plane, fastest_circle
+from identification.trajectories.polynomial import Piece, PolynomialMotion
+from identification.trajectories.profile import StraightMove
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
-from postprocessors.predicted import predicted
 from postprocessors.program import excitation_program
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.reading.words import Turn
-from postprocessors.stretches import Timed, Untimed, stretches
 from postprocessors.writing import proven_program
 from tests.helpers import jerked
 from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text

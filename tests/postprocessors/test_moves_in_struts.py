@@ -7,14 +7,14 @@ from cases.errors import HexciteError, ProgramError
 from identification.hexapod import Hexapod
 from identification.limits import prove
 from identification.motion import Joined, Standstill
-from identification.profile import StraightMove, fastest_profile
-from identification.strut_move import StrutMove
+from identification.trajectories.profile import StraightMove, fastest_profile
+from identification.trajectories.strut_move import StrutMove
 from postprocessors.dialects import DIALECTS
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.feeds import strut_feed_of
-from postprocessors.predicted import predicted
 from postprocessors.program import Dwell, Program, ToHome, excitation_program, straight_in_struts
-from postprocessors.stretches import Untimed, stretches
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.stretches import Untimed, stretches
 from postprocessors.writing import proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths

@@ -7,12 +7,12 @@ import pytest
 
 from cases.errors import CaseError
 from identification.motion import Joined, Standstill
-from identification.polynomial import Piece, PolynomialMotion, polynomials_of
-from identification.profile import StraightMove
+from identification.trajectories.polynomial import Piece, PolynomialMotion, polynomials_of
+from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.polynomials import TooCoarse, even_deviation, knots, path_speed_deviation, pieces
 from postprocessors.program import Program, SplinePath, TimedPath, ToHome, excitation_program
-from postprocessors.stretches import Timed, stretches
+from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.writing import proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, text_of

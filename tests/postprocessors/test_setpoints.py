@@ -13,14 +13,14 @@ from cases.errors import CaseError, ProgramError
 from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
-from identification.profile import StraightMove
+from identification.trajectories.profile import StraightMove
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.program import Dwell, PointToPoint, Program, ToHome, Trigger, excitation_program
-from postprocessors.proof import ProgramProof, prove_program
+from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.reading.setpoint_table import COLUMNS
 from postprocessors.setpoints import write_csv, write_parquet
-from postprocessors.stretches import Still, Timed, stretches
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths

@@ -11,8 +11,8 @@ import pytest
 
 from cases.schema import Case
 from identification.limits import LimitCheck, LimitReport, Status, worst_of
-from postprocessors.guarantees import KINETIC, family
-from postprocessors.proof import ProgramProof
+from postprocessors.proving.guarantees import KINETIC, family
+from postprocessors.proving.proof import ProgramProof
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, TWINCAT, Typed, smooth_points
 from tests.postprocessors.programs import proof, there_and_back, timed, typed

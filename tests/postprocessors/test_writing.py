@@ -12,8 +12,8 @@ from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from postprocessors.dialects import dialect, dialect_of_file
 from postprocessors.program import TimedPath
+from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.stretches import Timed, stretches
 from postprocessors.writing import proven_program
 from tests.helpers import one_line
 from tests.postprocessors.programs import proof as reproof

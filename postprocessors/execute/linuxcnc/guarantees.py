@@ -8,9 +8,9 @@ the blocks nobody limits.
 import math
 
 from cases.schema import Case
-from identification.profile import TimeLaw, Trapezoid, fastest_trapezoid
+from identification.trajectories.profile import TimeLaw, Trapezoid, fastest_trapezoid
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
-from postprocessors.guarantees import Guarantees
+from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading.words import Move, Reading, Timing
 
 ARC_ALONG, ARC_ACROSS = math.sqrt(0.75) / 2, 0.5

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from postprocessors.execute.log import ControllerLog
+from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Reading
-from postprocessors.stretches import Timed, stretches
 
 TIME_TOLERANCE = 0.005
 """Share of a path's duration by which it may be late; measured on an idle computer 0.002 with 10 ms blocks."""

@@ -14,9 +14,9 @@ from identification.motion import TimedPoints
 from postprocessors.execute.block_limited import block_durations, largest_cut
 from postprocessors.execute.linuxcnc.configuration import PURPOSE
 from postprocessors.execute.linuxcnc.guarantees import LONGEST_BLOCK, acceleration_headroom
-from postprocessors.guarantees import Forecast
+from postprocessors.proving.guarantees import Forecast
+from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Reading
-from postprocessors.stretches import Timed, stretches
 
 Array = NDArray[np.float64]
 

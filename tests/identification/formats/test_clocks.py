@@ -8,8 +8,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from cases.errors import RecordingError
+from identification.findings.plausibility import unmeasured
 from identification.formats.table import Lines
-from identification.plausibility import unmeasured
 from identification.recording import read_recording
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, csv, rows, written

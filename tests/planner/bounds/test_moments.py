@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
 from cases.loading import load_case
-from identification.circle import CircularMove, Plane
 from identification.model import identification_model
 from identification.motion import Joined, Motion
-from identification.profile import StraightMove, fastest_profile
 from identification.reference import reference_scaling
+from identification.trajectories.circle import CircularMove, Plane
+from identification.trajectories.profile import StraightMove, fastest_profile
 from planner.bounds.features import box_features
 from planner.bounds.moments import Moments, combined, mean_square_share, mixed, motion_moments
 

@@ -13,8 +13,8 @@ from identification.limits import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.reference import reference_scaling
-from planner.bound import box_bound, compute_bound
 from planner.bounds.features import box_features
+from planner.bounds.kept import box_bound, compute_bound
 from planner.bounds.moments import combined, motion_moments
 from planner.bounds.tight import TightDesign, climb, tight_design
 from planner.bounds.tight_certificate import TightDerivative, first_tight_cells
@@ -24,8 +24,8 @@ from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.planning import STAGES
-from planner.problem import mean_information
-from planner.solving import Task, keep_limits, run_start
+from planner.search.problem import mean_information
+from planner.search.solving import Task, keep_limits, run_start
 from tests.planner.bounds.test_moments import CASE, FAMILIES
 
 MODEL = identification_model(CASE, 0)

@@ -7,10 +7,10 @@ import pytest
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.circle import CircularMove
 from identification.limits import prove
 from identification.motion import Standstill
-from identification.profile import StraightMove
+from identification.trajectories.circle import CircularMove
+from identification.trajectories.profile import StraightMove
 from planner.families.manual import manual_motion, sequence_file
 from tests.helpers import one_line
 from tests.planner.command_line import call, refused

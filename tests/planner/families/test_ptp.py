@@ -8,11 +8,11 @@ from cases.schema import Case
 from identification.limits import prove
 from identification.model import identification_model
 from identification.motion import sample
-from identification.profile import StraightMove
 from identification.reference import reference_scaling
+from identification.trajectories.profile import StraightMove
 from planner.families.ptp import PointToPointFamily
-from planner.problem import Problem, build_problem, mean_information
-from planner.solving import Stage, Task, keep_limits, random_start, run_start
+from planner.search.problem import Problem, build_problem, mean_information
+from planner.search.solving import Stage, Task, keep_limits, random_start, run_start
 from tests.helpers import taylor_slope
 
 MOVES = 9

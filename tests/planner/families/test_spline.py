@@ -11,9 +11,9 @@ from identification.motion import sample
 from identification.reference import reference_scaling
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
-from planner.problem import Problem, build_problem, mean_information
-from planner.solving import Stage, Task, random_start, run_start
-from planner.state_limits import STRUT_VELOCITY
+from planner.search.problem import Problem, build_problem, mean_information
+from planner.search.solving import Stage, Task, random_start, run_start
+from planner.search.state_limits import STRUT_VELOCITY
 from tests.helpers import taylor_slope
 
 

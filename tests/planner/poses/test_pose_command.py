@@ -12,8 +12,8 @@ import pytest
 from cases.loading import built_in_cases
 from identification.motion import Measurement
 from planner.saved_plan import load_plan
-from postprocessors.measured import measured_poses, measures_at_poses
-from postprocessors.stretches import stretches
+from postprocessors.proving.measured import measured_poses, measures_at_poses
+from postprocessors.proving.stretches import stretches
 from tests.planner.command_line import call, refused
 
 FEW = "8"

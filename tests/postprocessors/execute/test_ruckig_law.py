@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from identification.profile import fastest_profile, fastest_trapezoid
+from identification.trajectories.profile import fastest_profile, fastest_trapezoid
 from postprocessors.execute.ruckig_law import RuckigLaw, by_ruckig
 
 limits = st.tuples(st.floats(0.05, 20.0), st.floats(0.1, 200.0), st.floats(1.0, 5000.0))

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.executed import StrutExecution
 from identification.hexapod import Hexapod
 from identification.motion import TimedPoints
-from identification.path import path_error
+from identification.trajectories.executed import StrutExecution
+from identification.trajectories.path import path_error
 from postprocessors.dialects import dialect
 from postprocessors.execute.block_limited import block_durations, largest_cut
 from postprocessors.execute.executed_run import windows
@@ -25,8 +25,8 @@ from postprocessors.execute.linuxcnc.stretching import (
 )
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import read_program
+from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.stretches import Timed, stretches
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import small_excitation, timed, typed
 

@@ -5,20 +5,20 @@ import pytest
 
 from cases.errors import ProgramError
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.limits import prove
 from identification.motion import Trajectory, sample
-from identification.path import path_error
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
+from identification.trajectories.path import path_error
 from postprocessors.execute.block_limited import rounded
 from postprocessors.execute.executed_run import ExecutedRun, windows
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
 from postprocessors.execute.virtual import REST, commanded, run_virtual
+from postprocessors.proving.stretches import Timed
 from postprocessors.reading.linuxcnc import read_linuxcnc
-from postprocessors.stretches import Timed
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
 from tests.postprocessors.programs import parts, small_excitation, there_and_back, timed, typed

@@ -7,11 +7,11 @@ import pytest
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.executed import PoseExecution
 from identification.force import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from postprocessors.export.c99 import MOST_STEPS, RING, c_sources, window_of
 from tests.helpers import HOME, Harmonic, simulated
 from tests.postprocessors.export.calibrations import calibration, with_drives

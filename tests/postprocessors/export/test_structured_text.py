@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.executed import PoseExecution
 from identification.force import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
 from postprocessors.export.c99 import MOST_STEPS
 from postprocessors.export.calibration import Calibration
 from postprocessors.export.structured_text import structured_text

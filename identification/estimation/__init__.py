@@ -1,0 +1,1 @@
+"""Estimators: from a regressor and forces to parameters with their covariance."""

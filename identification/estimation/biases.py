@@ -1,0 +1,216 @@
+"""Offsets that another measurement gave: taken as known, their uncertainty carried into what is estimated.
+
+Errors of what is not estimated reach the estimate through its own normal equations (Schmidt 1966, Adv. Control Syst.
+3:293, the "consider" covariance): with u = u0(b) + B v, v = (A^T W A)^-1 A^T W (f - C b), an error db moves v by
+-(A^T W A)^-1 A^T W C db.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError
+from identification.estimation.compressed import inverse_root
+from identification.estimation.fit import Fit
+from identification.model import MASS, OFFSETS, Model
+
+Array = NDArray[np.float64]
+
+OFFSET_NAMES = tuple(p.name for p in OFFSETS.parameters)
+FEWEST_POSES = 3  # with less, biases and small turns of an accelerometer cannot be told apart
+DRIFTED = 3.0  # standard deviations between offsets of a run and those that it was given
+
+
+@dataclass(frozen=True, slots=True)
+class AccelerometerBias:
+    """What an accelerometer reads beside the specific force, in the axes of {P}.
+
+    Args:
+        values: shape (3,) [m/s^2].
+        covariance: shape (3, 3) [m^2/s^4].
+        turn: small rotation of the readings against the orientations, estimated beside, shape (3,) [rad].
+        rms: what both leave of the readings [m/s^2].
+    """
+
+    values: Array
+    covariance: Array
+    turn: Array
+    rms: float
+
+    @property
+    def std(self) -> Array:
+        """Shape (3,) [m/s^2]."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def to_json(self) -> dict[str, Any]:
+        """As it stands in `result.json`."""
+        return {
+            "bias_m_s2": self.values.tolist(),
+            "std_m_s2": self.std.tolist(),
+            "covariance_m2_s4": self.covariance.tolist(),
+            "turn_rad": self.turn.tolist(),
+            "rms_m_s2": self.rms,
+        }
+
+
+def accelerometer_bias(specific_forces: Array, rotations: Array, gravity: Array) -> AccelerometerBias | None:
+    """Biases of an accelerometer from standstills, least squares; None where poses are too few or too alike.
+
+    Args:
+        specific_forces: readings in the axes of {P}, shape (n, 3) [m/s^2].
+        rotations: R of each standstill, shape (n, 3, 3).
+        gravity: in {B}, shape (3,) [m/s^2].
+    """
+    at_rest = -np.einsum("nji,j->ni", rotations, gravity)
+    matrix = np.zeros((len(at_rest), 3, 6))
+    matrix[:, :, :3] = np.eye(3)
+    matrix[:, :, 3:] = np.cross(np.eye(3)[None], at_rest[:, None, :]).transpose(0, 2, 1)
+    flat, right = matrix.reshape(-1, 6), (specific_forces - at_rest).ravel()
+    if len(at_rest) < FEWEST_POSES or np.linalg.cond(flat / np.linalg.norm(flat, axis=0)) > 1e3:
+        return None
+    found = np.linalg.lstsq(flat, right, rcond=None)[0]
+    left = right - flat @ found
+    covariance = np.linalg.inv(flat.T @ flat) * float(left @ left) / (len(right) - 6)
+    return AccelerometerBias(found[:3], covariance[:3, :3], found[3:], float(np.sqrt(np.mean(left**2))))
+
+
+@dataclass(frozen=True, slots=True)
+class Biases:
+    """Offsets from another result.
+
+    Args:
+        source: that result's file.
+        values: f_q0, shape (6,) [N, or N and N m].
+        covariance: of them, the larger of white and robust, shape (6, 6).
+        accelerometer: where that result has it.
+    """
+
+    source: str
+    values: Array
+    covariance: Array
+    accelerometer: AccelerometerBias | None
+
+    @property
+    def known(self) -> dict[str, float]:
+        """The offsets as known values by name."""
+        return dict(zip(OFFSET_NAMES, map(float, self.values), strict=True))
+
+    @property
+    def exact(self) -> "Biases":
+        """The same without their uncertainty."""
+        felt = self.accelerometer
+        felt = None if felt is None else replace(felt, covariance=np.zeros((3, 3)))
+        return replace(self, covariance=np.zeros((6, 6)), accelerometer=felt)
+
+    def to_json(self) -> dict[str, Any]:
+        """What a result says about where its offsets come from."""
+        return {
+            "result": self.source,
+            "accelerometer": None if self.accelerometer is None else self.accelerometer.to_json(),
+        }
+
+    def require_accelerometer(self) -> AccelerometerBias:
+        """The accelerometer's biases, without which fixed offsets would put them on the mass.
+
+        Raises:
+            IdentificationError: that result has none.
+        """
+        if self.accelerometer is None:
+            raise IdentificationError(
+                f"--biases {self.source}: has no biases of the accelerometer, and with fixed offsets they would fall "
+                "on the mass; identify standstills in different orientations that have its readings too"
+            )
+        return self.accelerometer
+
+    def drift(self, free: Array, covariance: Array, units: tuple[str, ...], mass: str) -> list[str]:
+        """Warning where a run itself finds other offsets.
+
+        Args:
+            free: offsets that the run gives where it may choose them, shape (6,).
+            covariance: of these, shape (6, 6).
+            units: of the channels.
+            mass: what the run makes of the mass then, in words.
+        """
+        away = free - self.values
+        std = np.sqrt(np.diag(covariance) + np.diag(self.covariance))
+        worst = int(np.argmax(np.abs(away) / std))
+        if not abs(away[worst]) > DRIFTED * std[worst]:
+            return []
+        name, unit, by = OFFSET_NAMES[worst], units[worst], abs(away[worst])
+        return [
+            f"{name} of this run is {free[worst]:.4g} {unit}, {by:.2g} {unit} or {by / std[worst]:.0f} standard "
+            f"deviations from that of {self.source}: offsets have drifted, or the two runs err differently; the other "
+            f"parameters carry it{mass}"
+        ]
+
+
+def mass_told(model: Model, fit: Fit, exact: Fit) -> str:
+    """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
+
+    Args:
+        model: with a mass.
+        fit: with the uncertainty of the offsets, and of the accelerometer's biases.
+        exact: the same fit as if these were exact.
+    """
+    place = model.names.index("m")
+    std, left = (max(f.covariance[place, place], f.covariance_robust[place, place]) for f in (fit, exact))
+    return (
+        f"of the mass's standard deviation of {std**0.5:.2g} kg the offsets that were taken make "
+        f"{max(std - left, 0.0) ** 0.5:.2g} kg; what this run leaves of its forces makes {left**0.5:.2g} kg"
+    )
+
+
+def gain(regressors: Array, w: Array, columns: Array) -> Array:
+    """How a weighted fit of `regressors` answers to unit errors along `columns`, shape (v, k).
+
+    Args:
+        regressors: A_j, shape (n, 6, v), of full rank.
+        w: W for one sample, shape (6, 6).
+        columns: C_j, shape (n, 6, k).
+    """
+    root = np.linalg.cholesky(w).T
+    weighted = (root @ regressors).reshape(-1, regressors.shape[2])
+    half = inverse_root(np.asarray(np.linalg.qr(weighted, mode="r")))
+    return np.asarray(half @ ((weighted @ half).T @ (root @ columns).reshape(-1, columns.shape[2])))
+
+
+def widened(fit: Fit, moves: Array, covariance: Array) -> Fit:
+    """The fit with the uncertainty of what it took as known.
+
+    Args:
+        fit: of all of u and what is estimated beside.
+        moves: how its values answer to unit errors of the known quantities, shape (values, k).
+        covariance: of these, shape (k, k).
+    """
+    more = moves @ covariance @ moves.T
+    return replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
+
+
+def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array, w: Array, biases: Biases) -> Fit:
+    """The fit with the uncertainty of offsets that it took from another result."""
+    offsets = [model.names.index(name) for name in OFFSET_NAMES]
+    moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
+    moves[offsets] += np.eye(6)
+    return widened(fit, moves, biases.covariance)
+
+
+def drift_told(biases: Biases, model: Model, free: Fit) -> list[str]:
+    """Offsets that have drifted since they were taken, by what the run itself says of them.
+
+    Args:
+        biases: as they were taken.
+        model: of the fit.
+        free: the fit with the offsets of the run itself.
+    """
+    offsets = [model.names.index(name) for name in OFFSET_NAMES]
+    spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
+    units = tuple(model.parameters[k].unit for k in offsets)
+    mass = ""
+    if MASS in model.blocks:
+        place = model.names.index("m")
+        mass = (
+            f": with offsets of its own the run gives {free.values[place]:.4g} +- {spread[place, place] ** 0.5:.2g} kg"
+        )
+    return biases.drift(free.values[offsets], spread[np.ix_(offsets, offsets)], units, mass)

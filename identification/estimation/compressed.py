@@ -1,0 +1,181 @@
+"""A regression in as many rows as it has unknowns: one QR, after which its size no longer matters.
+
+W^1/2 (A f) = Q (R c; 0 d) turns chi^2 of (27) into |c - R u|^2 + d^2 (Golub & Van Loan 2013, section 5.3).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+
+from cases.errors import IdentificationError
+from identification.estimation.fit import UNFILTERED, Filtered, Fit, long_run_covariance
+
+Array = NDArray[np.float64]
+
+_PART = 600  # rows of a QR that stay in the cache
+
+
+@dataclass(frozen=True, slots=True)
+class Compressed:
+    """chi^2 of (27) as a function of u.
+
+    Args:
+        root: R, upper triangular, R^T R = A^T W A, shape (u, u).
+        right: c, shape (u,).
+        rest: d^2, the chi^2 that no u explains.
+        rows: m n, the forces behind it.
+    """
+
+    root: Array
+    right: Array
+    rest: float
+    rows: int
+
+    def chi_squared(self, values: Array) -> float:
+        """(27) at u, shape (u,)."""
+        return float(np.sum((self.right - self.root @ values) ** 2)) + self.rest
+
+
+class Rank(NamedTuple):
+    """Rank of a scaled regressor and its condition mu_1 / mu_u (26)."""
+
+    rank: int
+    condition: float
+
+
+def compress(regressors: Array, forces: Array, weights: Array) -> Compressed:
+    """The QR of a weighted regression.
+
+    Args:
+        regressors: A_j, shape (n, 6, u).
+        forces: shape (n, 6) [N, or N and N m].
+        weights: diagonal of W for one sample, shape (6,).
+
+    Raises:
+        IdentificationError: fewer forces than unknowns.
+    """
+    samples, sensors, unknowns = regressors.shape
+    if samples * sensors <= unknowns:
+        raise IdentificationError(
+            f"{samples} samples give {samples * sensors} forces for {unknowns} unknowns; record more or choose a model "
+            "with fewer parameters"
+        )
+    joined = np.concatenate([regressors, forces[:, :, None]], axis=2) * np.sqrt(weights)[:, None]
+    r = triangle(joined.reshape(-1, unknowns + 1))
+    return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), samples * sensors)
+
+
+def column_scale(root: Array) -> Array:
+    """H of (26): one over the norm of each column, 1 where a column is zero, shape (u,)."""
+    norms = np.linalg.norm(root, axis=0)
+    return np.where(norms > 0.0, 1.0 / np.where(norms > 0.0, norms, 1.0), 1.0)
+
+
+def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) -> Rank:
+    """Rank and condition of a regression that determines all its parameters.
+
+    Args:
+        root: R, or any matrix with R^T R the information, shape (k, u).
+        names: of the u columns.
+        rows: m n of the paper's numerical zero (Fig. 3).
+        nuisance: so many of the last columns are no parameters of the model and are not counted.
+
+    Raises:
+        IdentificationError: parameters that are not determined, by name.
+    """
+    counted = root.shape[1] - nuisance
+    scaled = triangle(root * column_scale(root))[:counted, :counted]
+    singular, directions = np.linalg.svd(scaled)[1:]
+    rank = int(np.sum(singular > rows * np.finfo(float).eps * singular[0]))
+    if rank < counted:
+        share = np.abs(directions[rank:]).max(axis=0)
+        hidden = [name for name, s in zip(names, share, strict=False) if s > 1e-3]
+        raise IdentificationError(
+            f"rank {rank} of {counted}: {', '.join(hidden)} not determined by this run; excite them (plan a motion or "
+            "more poses) or choose a model without them"
+        )
+    return Rank(rank, float(singular[0] / singular[-1]))
+
+
+def inverse_root(root: Array) -> Array:
+    """L with L L^T = (R^T R)^-1, shape (u, u), for R of full rank, shape (k, u)."""
+    scale = column_scale(root)
+    return np.asarray(scale[:, None] * solve_triangular(triangle(root * scale), np.eye(root.shape[1])))
+
+
+def triangle(matrix: Array) -> Array:
+    """R of the QR decomposition, shape (u, u), in parts that stay in the cache of the processor.
+
+    The QR of the parts' R is that of the whole, as stable and four times as fast (Demmel, Grigori, Hoemmen & Langou
+    2012, SIAM J. Sci. Comput. 34:A206).
+    """
+    rows, columns = matrix.shape
+    parts = rows // _PART
+    if parts > 1 and columns < _PART // 4:
+        tops = np.asarray(np.linalg.qr(matrix[: parts * _PART].reshape(parts, _PART, columns), mode="r"))
+        return triangle(np.vstack([tops.reshape(-1, columns), matrix[parts * _PART :]]))
+    return np.asarray(np.linalg.qr(matrix, mode="r"))
+
+
+def degrees_of_freedom(rows: int, used: float, filtered: Filtered) -> float:
+    """What is left of the forces to judge the noise by (see `gauss_markov` for filtered data).
+
+    Raises:
+        IdentificationError: nothing is left.
+    """
+    independent = rows * filtered.gain * filtered.stride
+    if independent <= used:
+        raise IdentificationError(
+            f"{rows} forces, {independent:.0f} of them independent, for {used:.0f} unknowns; record longer or raise "
+            "filter_cutoff_Hz"
+        )
+    return independent - used
+
+
+def scores(regressors: Array, residuals: Array, weights: Array) -> Array:
+    """A_j^T W r_j of each sample, shape (n, u); their spread tells how sure an estimate is."""
+    return np.asarray(np.einsum("nku,nk->nu", regressors, weights * residuals))
+
+
+def fit_along(
+    regressors: Array,
+    forces: Array,
+    names: Sequence[str],
+    weights: Array,
+    compressed: Compressed,
+    values: Array,
+    tangent: Array,
+    nuisance: int = 0,
+    filtered: Filtered = UNFILTERED,
+) -> Fit:
+    """The Fit at the least chi^2 among u = u(theta), its uncertainty along du/dtheta.
+
+    Args:
+        regressors: A_j, shape (n, 6, u).
+        forces: shape (n, 6) [N, or N and N m].
+        names: of the free parameters theta, in their order.
+        weights: diagonal of W for one sample, shape (6,).
+        compressed: of these.
+        values: u(theta) at the minimum, shape (u,).
+        tangent: du/dtheta there, shape (u, theta).
+        nuisance: so many of the last theta are no parameters of the model.
+        filtered: what was done to regressors and forces before.
+
+    Raises:
+        IdentificationError: parameters that are not determined, by name, or no degree of freedom.
+    """
+    root = compressed.root @ tangent
+    rank, condition = determined(root, names, compressed.rows, nuisance)
+    residuals = forces - regressors @ values
+    freedom = degrees_of_freedom(compressed.rows, tangent.shape[1], filtered)
+    s0 = float(np.sqrt(np.sum(weights * residuals**2) * filtered.stride / freedom))  # (27)
+    half = tangent @ inverse_root(root)
+    inverse = half @ half.T  # F^-1 of (28), along du/dtheta
+    # Of u, not of theta: the bandwidth inside then depends on no choice of theta.
+    long_run = long_run_covariance(scores(regressors, residuals, weights))
+    covariance = s0**2 / filtered.stride * inverse
+    return Fit(values, covariance, inverse @ long_run @ inverse, s0, freedom, residuals, weights, rank, condition)

@@ -1,0 +1,176 @@
+"""Gauss-Markov estimation of the linear parameters: (23) to (28), with weights and rank said aloud."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError
+from identification.estimation.compressed import Compressed, compress, determined, fit_along, inverse_root
+from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, long_run_covariance
+
+__all__ = ["UNFILTERED", "Filtered", "Fit", "gauss_markov", "long_run_covariance", "per_channel", "require_alive"]
+
+Array = NDArray[np.float64]
+
+WEIGHT_ROUNDS = 20
+WEIGHT_TOLERANCE = 1e-6
+LEAST_FREEDOM = 2.0  # forces of a channel beyond what the parameters take, to judge its variance by
+
+
+def gauss_markov(
+    regressors: Array,
+    forces: Array,
+    names: Sequence[str],
+    weights: Array,
+    nuisance: int = 0,
+    filtered: Filtered = UNFILTERED,
+) -> Fit:
+    """Weighted least squares with W the same diagonal at every sample.
+
+    Where regressors and forces went through a low-pass that leaves the regressors as they are, the estimate is that of
+    the unfiltered problem for all noise in the pass band. White noise of variance s0^2 then leaves residuals of
+    variance gain s0^2, of which every stride-th was kept: chi^2 / (m n gain - u / stride) estimates s0^2, and s0^2 /
+    stride F^-1 is the covariance, F being that of the kept samples.
+
+    Args:
+        regressors: A_j, shape (n, 6, u).
+        forces: shape (n, 6) [N, or N and N m].
+        names: of the u columns.
+        weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
+        nuisance: so many of the last columns are no parameters of the model: they are estimated too, and cost
+            certainty, but rank and condition are told without them.
+        filtered: what was done to both before.
+
+    Raises:
+        IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
+    """
+    compressed = compress(regressors, forces, weights)
+    values = best_values(compressed, names, nuisance)
+    tangent = np.eye(len(values))
+    return fit_along(regressors, forces, names, weights, compressed, values, tangent, nuisance, filtered)
+
+
+def best_values(compressed: Compressed, names: Sequence[str], nuisance: int = 0) -> Array:
+    """The u of least chi^2 (24), shape (u,).
+
+    Raises:
+        IdentificationError: parameters that the data do not determine, by name.
+    """
+    determined(compressed.root, names, compressed.rows, nuisance)
+    norms = np.linalg.norm(compressed.root, axis=0)
+    left = np.abs(np.diag(compressed.root))  # of each column, what the columns before it do not explain
+    unseen = np.flatnonzero(left <= compressed.rows * np.finfo(float).eps * norms)
+    if len(unseen):
+        raise IdentificationError(f"{names[unseen[0]]} is not determined: the forces do not change; check the channels")
+    half = inverse_root(compressed.root)
+    return np.asarray(half @ ((compressed.root @ half).T @ compressed.right))
+
+
+def require_alive(forces: Array) -> None:
+    """Refuses channels that read one and the same value: a cable came off, or an amplifier is at its end.
+
+    Args:
+        forces: as recorded, shape (n, 6), n >= 2.
+
+    Raises:
+        IdentificationError: names the first such channel.
+    """
+    stuck = np.flatnonzero(np.ptp(forces, axis=0) == 0.0)
+    if len(stuck):
+        raise IdentificationError(
+            f"channel {stuck[0] + 1} reads {forces[0, stuck[0]]:g} at every sample; check its cable and amplifier"
+        )
+
+
+def per_channel(
+    regressors: Array,
+    forces: Array,
+    names: Sequence[str],
+    nuisance: int = 0,
+    filtered: Filtered = UNFILTERED,
+    alike: Sequence[int] = EACH,
+) -> Fit:
+    """Gauss-Markov with W from the residual variance of each channel, estimated in turns with the parameters.
+
+    Each channel pays for the unknowns by its own leverage, the trace of its block of the hat matrix: the fixed point is
+    the restricted maximum likelihood (Patterson & Thompson 1971, Biometrika 58:545). Equal shares instead would let
+    a channel that the parameters follow become ever more certain.
+
+    Args: see `gauss_markov`.
+        alike: channels with the same number have the same noise, which is estimated from all of them, shape (6,).
+
+    Raises:
+        IdentificationError: as `gauss_markov`; or too few samples to judge a channel's variance by.
+    """
+    if len(forces) < 2:
+        raise IdentificationError(f"{len(forces)} sample has no scatter to weigh the channels by; record more")
+    require_alive(forces)
+    same = np.equal.outer(np.asarray(alike), np.asarray(alike)).astype(float)  # sums over channels of a kind
+    spread = np.sqrt(same @ _own_noise(regressors, forces) ** 2 / same.sum(axis=1))
+    weights = 1.0 / np.maximum(spread, 1e-12 * max(spread.max(), 1e-300)) ** 2
+    fit = gauss_markov(regressors, forces, names, weights, nuisance, filtered)
+    independent = len(forces) * filtered.gain * filtered.stride
+    for _ in range(WEIGHT_ROUNDS):
+        leverage = channel_leverage(regressors, weights)
+        freedom = independent - leverage
+        if freedom.min() < LEAST_FREEDOM:
+            worst = int(np.argmin(freedom))
+            raise IdentificationError(
+                f"channel {worst + 1} has {independent:.0f} independent samples, of which the parameters take "
+                f"{leverage[worst]:.1f}; at least {LEAST_FREEDOM:g} more are needed to tell its noise: record more, "
+                "or choose a model with fewer parameters"
+            )
+        variance = same @ np.sum(fit.residuals**2, axis=0) * filtered.stride / (same @ freedom)
+        if variance.min() <= (1e-12 * np.abs(forces).max()) ** 2 * np.finfo(float).eps:
+            raise IdentificationError("a channel fits without any residual; its variance cannot be estimated: check it")
+        new = 1.0 / variance
+        settled = bool(np.all(np.abs(new / weights - 1.0) < WEIGHT_TOLERANCE))
+        weights = new
+        fit = gauss_markov(regressors, forces, names, weights, nuisance, filtered)
+        if settled:
+            break
+    return fit
+
+
+def _own_noise(regressors: Array, forces: Array) -> Array:
+    """Noise of each channel to start from, shape (6,): what a fit to this channel alone leaves of it.
+
+    From the channels' spread, a channel whose forces vary much would begin with so little weight that the turns may end
+    where it is not fitted at all. Where samples are few, the spread has to do.
+    """
+    samples, _, unknowns = regressors.shape
+    if samples < 2 * unknowns:
+        return np.asarray(forces.std(axis=0))
+    left = [
+        forces[:, k] - regressors[:, k] @ np.linalg.lstsq(regressors[:, k], forces[:, k], rcond=None)[0]
+        for k in range(forces.shape[1])
+    ]
+    noise = np.std(left, axis=1)
+    return np.asarray(np.maximum(noise, 1e-6 * forces.std(axis=0)))
+
+
+def channel_leverage(regressors: Array, weights: Array) -> Array:
+    """How many unknowns each channel determines, shape (6,); they sum to u."""
+    weighted = regressors * np.sqrt(weights)[:, None]
+    half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, regressors.shape[2]), mode="r")))
+    return np.asarray(np.sum((weighted @ half) ** 2, axis=(0, 2)))
+
+
+def independent_poses(regressors: Array, fit: Fit) -> Array:
+    """Covariance of u where poses are independent of each other, channels of a pose not, shape (u, u).
+
+    The cluster form of HC3 (CR3; MacKinnon & White 1985, Bell & McCaffrey 2002): residuals of a pose are replaced by
+    what they would be had the pose not been part of the fit, so that a few poses do not praise themselves.
+
+    Args:
+        regressors: A_j, shape (n, 6, u).
+        fit: of these.
+    """
+    root_weights = np.sqrt(fit.weights)
+    weighted = regressors * root_weights[:, None]
+    half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, regressors.shape[2]), mode="r")))
+    q = weighted @ half
+    left_out = np.linalg.pinv(np.eye(6) - q @ q.transpose(0, 2, 1), rcond=1e-9, hermitian=True)
+    scores = np.einsum("nku,nkl,nl->nu", q, left_out, root_weights * fit.residuals)
+    return np.asarray(half @ (scores.T @ scores) @ half.T)

@@ -1,0 +1,276 @@
+"""The estimators that a user can name, each as a function of one type, and what they are made for.
+
+`Maker`: what an estimator needs to know of a problem -> `Estimator`: regressors, forces and names -> Fit. Selections
+and consistency wrap an estimator, so that each combination that makes sense is a composition.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError
+from cases.schema import Case
+from identification.estimation.biases import OFFSET_NAMES, Biases
+from identification.estimation.consistent import consistent
+from identification.estimation.estimator import gauss_markov, per_channel
+from identification.estimation.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
+from identification.estimation.full_weights import full_weights
+from identification.estimation.nonlinear import nonlinear
+from identification.estimation.prior_estimation import with_priors
+from identification.estimation.priors import Prior
+from identification.estimation.robust import huber
+from identification.estimation.selection import Selection, estimate_selected, select
+from identification.model import Model
+from identification.noise.stated import StatedNoise
+from identification.parameters import physical_form
+
+Array = NDArray[np.float64]
+
+THINNEST = 1e-3  # [m] rms distance of a body's mass from any plane: thinner than any tool or workpiece
+PER_UNIT = (0, 0, 0, 1, 1, 1)  # channels of a force/torque sensor: forces, moments
+UNLIKELY = 1e-3  # chance of so inconsistent an estimate below which it is told
+WHITENED = ("gauss-markov", "consistent", "nonlinear")  # which take forces whose noise is white in all channels
+WEIGHTS = ("equal", "per_channel", "per_unit", "stated")
+CONFLICT = 3.0  # standard deviations between data and a prior from which it is told
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What stacked data do not say about themselves.
+
+    Args:
+        model: that the first columns of the regressors belong to.
+        pooled: all channels have the same noise, as identical sensors do; else each its own.
+        nuisance: columns beyond the model's.
+        filtered: what was done to regressors and forces before.
+        alike: where they are not pooled, channels with the same number have the same noise.
+        noise: that the case states and that W follows from; forces and regressors are then multiplied with its
+            `whitening` before they are estimated from, after which all channels are alike.
+    """
+
+    model: Model
+    pooled: bool
+    nuisance: int = 0
+    filtered: Filtered = UNFILTERED
+    alike: tuple[int, ...] = EACH
+    noise: StatedNoise | None = None
+
+    @classmethod
+    def of(cls, model: Model, case: Case, how: "Method") -> "Problem":
+        """With the noise of the channels as the method's weights say, or else the case's.
+
+        Raises:
+            IdentificationError: weights from stated noise where none is stated, or with an estimator of their own.
+        """
+        weights = how.weights or case.sensors.weights
+        if weights == "stated":
+            if how.name not in WHITENED:
+                raise IdentificationError(
+                    f"the weights stated go with the estimators {', '.join(WHITENED)}; {how.name} finds its own"
+                )
+            return cls(model, True, noise=StatedNoise.of(model, case.sensors))
+        return cls(model, weights == "equal", alike=PER_UNIT if weights == "per_unit" else EACH)
+
+
+Maker = Callable[[Problem], Estimator]
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """How parameters are estimated.
+
+    Args:
+        maker: of the estimator.
+        name: of the estimator, for results.
+        known: exact values by linear or physical name [SI].
+        dropped: linear parameters without a column.
+        priors: uncertain knowledge.
+        weights: `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case.
+        biases: offsets from another result, which are among the known values; their uncertainty is propagated.
+    """
+
+    maker: Maker
+    name: str
+    known: Mapping[str, float]
+    dropped: tuple[str, ...]
+    priors: tuple[Prior, ...]
+    weights: str | None = None
+    biases: Biases | None = None
+
+    @property
+    def without_biases(self) -> "Method":
+        """The same with the offsets of the forces free."""
+        taken = {} if self.biases is None else self.biases.known
+        return replace(self, known={n: v for n, v in self.known.items() if n not in taken}, biases=None)
+
+    def selection(self, model: Model) -> Selection:
+        """What of a model is estimated, where the problem is linear; for the non-linear form all of it.
+
+        Raises:
+            IdentificationError: names that the model does not have, or known values that are not linear.
+        """
+        return select(model, {} if self.maker is nonlinear_of else self.known, self.dropped)
+
+    def estimator(self, problem: Problem) -> Estimator:
+        """The estimator of all parameters of a problem.
+
+        Raises:
+            IdentificationError: a combination that is not defined, or names that the model does not have.
+        """
+        partial_ = bool(self.known or self.dropped)
+        if self.priors:
+            if self.maker is not gauss_markov_of or partial_:
+                raise IdentificationError(
+                    "priors go with the estimator gauss-markov and all parameters free; leave the other choice out, "
+                    "or give what is known exactly as a prior with a small standard deviation"
+                )
+            return partial(_with_priors, problem=problem, priors=self.priors)
+        if self.maker is nonlinear_of:
+            if self.dropped:
+                raise IdentificationError(
+                    "the estimator nonlinear knows values of physical parameters, no dropped columns; fix them to 0"
+                )
+            return partial(_nonlinear, problem=problem, known=self.known)
+        if not partial_:
+            return self.maker(problem)
+        if self.maker is consistent_of:
+            return partial(_consistent, problem=problem, free=self._selected(gauss_markov_of(problem), problem))
+        return self._selected(self.maker(problem), problem)
+
+    def _selected(self, estimator: Estimator, problem: Problem) -> Estimator:
+        return partial(estimate_selected, selection=self.selection(problem.model), estimator=estimator)
+
+
+def gauss_markov_of(problem: Problem) -> Estimator:
+    """(24) with W = 1, or from the variance of each channel."""
+    if problem.pooled:
+        return partial(gauss_markov, weights=np.ones(6), nuisance=problem.nuisance, filtered=problem.filtered)
+    return partial(per_channel, nuisance=problem.nuisance, filtered=problem.filtered, alike=problem.alike)
+
+
+def robust_of(problem: Problem) -> Estimator:
+    """Huber's M-estimate: gross errors of the forces lose their pull."""
+    return partial(_robust, problem=problem)
+
+
+def full_of(problem: Problem) -> Estimator:
+    """(24) with W from the full covariance of the channels."""
+    return partial(_full, problem=problem)
+
+
+def consistent_of(problem: Problem) -> Estimator:
+    """(24), then the nearest parameters that a body of positive density has."""
+    return partial(_consistent, problem=problem, free=gauss_markov_of(problem))
+
+
+def nonlinear_of(problem: Problem) -> Estimator:
+    """(18) in physical parameters, by Gauss-Newton."""
+    return partial(_nonlinear, problem=problem, known={})
+
+
+ESTIMATORS: dict[str, Maker] = {
+    "gauss-markov": gauss_markov_of,
+    "robust": robust_of,
+    "full": full_of,
+    "consistent": consistent_of,
+    "nonlinear": nonlinear_of,
+}
+
+
+def method(
+    name: str = "gauss-markov",
+    known: Mapping[str, float] | None = None,
+    dropped: Sequence[str] = (),
+    priors: Sequence[Prior] = (),
+    weights: str | None = None,
+    biases: Biases | None = None,
+) -> Method:
+    """A method by the name of its estimator.
+
+    Raises:
+        IdentificationError: no such estimator or weights, with those that there are; biases given otherwise too.
+    """
+    if weights is not None and weights not in WEIGHTS:
+        raise IdentificationError(f"weights {weights!r} are unknown; choose {', '.join(WEIGHTS)}")
+    if name not in ESTIMATORS:
+        raise IdentificationError(f"estimator {name!r} is unknown; choose {', '.join(ESTIMATORS)}")
+    known = dict(known or {})
+    if biases is not None:
+        twice = [n for n in OFFSET_NAMES if n in known or n in dropped]
+        if name != "gauss-markov" or priors or twice:
+            other = f"{twice[0]} given otherwise" if twice else "priors" if priors else f"the estimator {name}"
+            raise IdentificationError(f"--biases {biases.source}: does not go with {other}; leave one of them out")
+        known |= biases.known
+    return Method(ESTIMATORS[name], name, known, tuple(dropped), tuple(priors), weights, biases)
+
+
+def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:
+    found = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
+    share = ", ".join(f"{100 * r:.0f}" for r in found.reduced)
+    note = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
+    doubt = f"robust: weights still changed after {found.rounds} rounds; compare with gauss-markov"
+    return replace(found.fit, notes=(note,), doubts=() if found.converged else (doubt,))
+
+
+def _full(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:
+    found = full_weights(regressors, forces, names, problem.nuisance, problem.filtered)
+    doubt = f"full: W still changed after {found.rounds} rounds; compare with gauss-markov"
+    return replace(found.fit, doubts=() if found.converged else (doubt,))
+
+
+def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem: Problem, free: Estimator) -> Fit:
+    start = free(regressors, forces, names)
+    found = consistent(regressors, forces, names, start, THINNEST)
+    if found.fit is None:
+        raise IdentificationError(f"no consistent body was found: {found.failure}")
+    doubts = start.doubts
+    if not found.bound:
+        note = "consistent: the estimate is that of a real body, the constraint did not bind"
+    else:
+        note = f"consistent: the constraint bound and raised chi^2 by {found.rise:.3g} s0^2; chance does so in at most "
+        note += f"{100 * found.p_value:.2g} % of runs"
+        if found.p_value < UNLIKELY:
+            doubts = (*doubts, "no real body is near what the data say; model or data are wrong")
+    return replace(found.fit, notes=(*start.notes, note), doubts=doubts)
+
+
+def _nonlinear(
+    regressors: Array, forces: Array, names: Sequence[str], problem: Problem, known: Mapping[str, float]
+) -> Fit:
+    pooled = problem.pooled
+    weights = np.ones(6) if pooled else gauss_markov_of(problem)(regressors, forces, names).weights
+    physical = [p.name for p in physical_form(problem.model).parameters]
+    linear = [name for name in known if name in problem.model.names and name not in physical]
+    if linear:
+        raise IdentificationError(
+            f"the estimator nonlinear knows physical parameters, not {', '.join(linear)}; fix {', '.join(physical)}"
+        )
+    found = nonlinear(regressors, forces, problem.model, weights, known, problem.filtered)
+    if found.fit is None:
+        raise IdentificationError(f"the non-linear form was not solved: {found.failure}")
+    return replace(found.fit, notes=(f"nonlinear: {found.steps} Gauss-Newton steps",))
+
+
+def _with_priors(
+    regressors: Array, forces: Array, names: Sequence[str], problem: Problem, priors: Sequence[Prior]
+) -> Fit:
+    weights = np.ones(6) if problem.pooled else gauss_markov_of(problem)(regressors, forces, names).weights
+    found = with_priors(regressors, forces, problem.model, weights, priors, problem.filtered)
+    if found.fit is None:
+        raise IdentificationError(f"data and priors have no solution: {found.failure}")
+    notes, doubts = [], []
+    for effect in found.effects:
+        note = f"prior {effect.prior.name} = {effect.prior.value:.6g} +- {effect.prior.std:.2g}: the data hold "
+        note += f"{100 * effect.data_share:.0f} % of what is known about it"
+        if effect.data_share > 0.0:
+            note += f", it moved the estimate by {effect.moved:+.2g} of their standard deviations"
+        notes.append(note)
+        if abs(effect.conflict) > CONFLICT:
+            doubts.append(
+                f"prior {effect.prior.name} disagrees with the data by {abs(effect.conflict):.1f} standard deviations; "
+                "doubt one of them"
+            )
+    return replace(found.fit, notes=tuple(notes), doubts=tuple(doubts))

@@ -1,0 +1,132 @@
+"""The non-linear form (18) in physical parameters p = (m, xC, I_C, f_q0, K), by its local Jacobian (section 4).
+
+(18) is A u(p) with u(p) of (17): the regressor is the model's own, and A du/dp is the local Jacobian. With all
+parameters free the estimate is the linear one, propagated. With some known it is a different one wherever a physical
+parameter is known that is not linear in u, such as a central inertia without its centre of gravity.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError
+from identification.estimation.compressed import compress, fit_along
+from identification.estimation.fit import UNFILTERED, Filtered, Fit
+from identification.estimation.gauss_newton import gauss_newton
+from identification.estimation.selection import require_names
+from identification.model import FIRST_MOMENT, INERTIA, MASS, Model
+from identification.parameters import physical_form
+from identification.pose import skew
+
+Array = NDArray[np.float64]
+
+_INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+TOLERANCE = 1e-9  # of a standard deviation of each parameter
+ROUNDING = 1e-14  # of the forces: smaller steps only move the last digits
+
+
+@dataclass(frozen=True, slots=True)
+class NonlinearFit:
+    """An estimate in physical parameters.
+
+    Args:
+        fit: in u, so that `physical_form` gives the values below back; rank and condition are those of the local
+            Jacobian; None where the search failed.
+        values: p, shape (p,); where the search failed the last ones.
+        covariance: of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p); None where
+            the search failed.
+        steps: of Gauss-Newton.
+        failure: why it failed, or None.
+    """
+
+    fit: Fit | None
+    values: Array
+    covariance: Array | None
+    steps: int
+    failure: str | None
+
+
+def linear_map(model: Model) -> ca.Function:
+    """The inverse of `physical_form`: physical parameters -> (u, du/dp)."""
+    names = [p.name for p in physical_form(model).parameters]
+    p = ca.SX.sym("p", len(names))
+    mass, first = p[names.index(MASS.parameters[0].name)], names.index("xC")
+    centre = p[first : first + 3]
+    values: list[ca.SX] = []
+    start = 0
+    for block in model.blocks:
+        part = p[start : start + len(block.parameters)]
+        start += len(block.parameters)
+        if block is FIRST_MOMENT:
+            part = mass * centre
+        elif block is INERTIA:
+            steiner = mass * skew(centre).T @ skew(centre)
+            part = part + ca.vertcat(*(steiner[i, j] for i, j in _INERTIA_INDEX))
+        values.append(part)
+    u = ca.vertcat(*values)
+    return ca.Function("linear", [p], [u, ca.jacobian(u, p)])
+
+
+def nonlinear(
+    regressors: Array,
+    forces: Array,
+    model: Model,
+    weights: Array,
+    known: Mapping[str, float],
+    filtered: Filtered = UNFILTERED,
+) -> NonlinearFit:
+    """Estimates the physical parameters by Gauss-Newton.
+
+    It starts from 1 kg at the origin: with all parameters free u(p) is reached in a few steps from any mass but zero,
+    since mass, first moments and inertia each become linear once the ones before them are right.
+
+    Args:
+        regressors: A_j, shape (n, 6, u); columns beyond the model's (a delay) are estimated too.
+        forces: shape (n, 6) [N, or N and N m].
+        model: that the regressors belong to.
+        weights: diagonal of W for one sample, shape (6,).
+        known: exact values of physical parameters, by name [SI].
+        filtered: what was done to regressors and forces before.
+
+    Raises:
+        IdentificationError: a name that the model does not have, a value that is not finite, no free parameter, fewer
+            forces than unknowns, or parameters that the data do not determine.
+    """
+    names = [p.name for p in physical_form(model).parameters]
+    beyond = regressors.shape[2] - len(names)
+    names += [f"nuisance {k + 1}" for k in range(beyond)]
+    require_names(known, names[: len(names) - beyond])
+    if not np.isfinite(list(known.values())).all() or known.get("m", 1.0) <= 0.0:
+        raise IdentificationError("a known value must be finite, and a known mass above zero")
+    free = np.array([name not in known for name in names])
+    if not free.any():
+        raise IdentificationError("all parameters are known; leave at least one to estimate")
+    start = np.array([known.get(name, 1.0 if name == "m" else 0.0) for name in names])
+    mapping, compressed = linear_map(model), compress(regressors, forces, weights)
+
+    def full(theta: Array) -> tuple[Array, Array, Array]:
+        physical = start.copy()
+        physical[free] = theta
+        u, derivative = (value.full() for value in mapping(physical[: len(names) - beyond]))
+        jacobian = np.eye(len(names))
+        jacobian[: len(derivative), : len(derivative)] = derivative
+        return physical, np.r_[u[:, 0], physical[len(names) - beyond :]], jacobian[:, free]
+
+    def residual(theta: Array) -> tuple[Array, Array]:
+        _, u, tangent = full(theta)
+        return compressed.root @ u - compressed.right, compressed.root @ tangent
+
+    noise = np.sqrt(compressed.rest / (compressed.rows - len(names)))
+    length = np.sqrt(compressed.rest + np.sum(compressed.right**2))
+    found = gauss_newton(residual, start[free], float(TOLERANCE * noise + ROUNDING * length))
+    physical, u, tangent = full(found.at)
+    if found.failure is not None:
+        return NonlinearFit(None, physical, None, found.steps, found.failure)
+    labels = [name for name, f in zip(names, free, strict=True) if f]
+    fit = fit_along(regressors, forces, labels, weights, compressed, u, tangent, beyond, filtered)
+    onto = np.zeros((len(names), len(names)))
+    onto[free] = np.linalg.pinv(tangent)  # tangent has full rank: du/dp has it for every mass but zero
+    return NonlinearFit(fit, physical, onto @ fit.covariance @ onto.T, found.steps, None)

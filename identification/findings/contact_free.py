@@ -1,0 +1,124 @@
+"""A run without its external contacts: searched for in what a fit leaves, left out, fitted again."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError
+from identification.estimation.estimators import Method, Problem, robust_of
+from identification.findings.contact import Calm, Contact, find_contacts, touched
+from identification.findings.doubts import systematic
+from identification.findings.plausibility import places
+from identification.long.contact import least_trimmed_squares
+from identification.model import Model
+from identification.periodic.averaging import PeriodicRun
+from identification.recording import Recording
+from identification.result import Delay
+from identification.runs.evaluation import Run
+from identification.runs.moving import AnyRun, Moving, fit_with_delay
+from identification.runs.wrist import WristRun
+
+Array = NDArray[np.float64]
+
+SEARCHES = 4  # for contacts; each finds what the one before hid
+CALMER = 0.7  # of the residuals, that leaving a long contact out must at least take
+MOST_TOUCHED = 0.25  # of the samples in contact; more is no identification run
+
+
+def free_of_contact(
+    recording: Recording, run: AnyRun, moving: Moving, how: Method, problem: Problem, held: Delay | None = None
+) -> tuple[Moving, tuple[Contact, ...]]:
+    """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
+
+    Args:
+        recording: names rows.
+        run: with all its samples.
+        moving: a fit to it.
+        how: estimator.
+        problem: the run's model and weights.
+        held: the delay, where it is not estimated.
+
+    Raises:
+        IdentificationError: too much of the run is in contact.
+    """
+    contacts: tuple[Contact, ...] = ()
+    if isinstance(run, PeriodicRun):  # periods that a contact makes strange are left out there
+        return moving, contacts
+    for _ in range(SEARCHES):
+        # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
+        left = _without_pull(run, moving, how, problem)
+        before, contacts = contacts, find_contacts(run.t, left, run.model.structure, run.forces - left)
+        if contacts == before:
+            break
+        rows = touched(run.t, contacts)
+        require_free(float(rows.mean()), [contact_told(recording, contact) for contact in contacts], run.model)
+        moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value, held)
+    if systematic(moving.fit, moving.run.noise_correlation):
+        longer = _long_contacts(run, moving)
+        rows = touched(run.t, longer)
+        freed = (
+            fit_with_delay(run.without(rows), how, problem, moving.delay.value, held)
+            if 0.0 < rows.mean() < 1.0
+            else moving
+        )
+        if _spread(freed) < CALMER * _spread(moving) and not systematic(freed.fit, freed.run.noise_correlation):
+            require_free(float(rows.mean()), [contact_told(recording, contact) for contact in longer], run.model)
+            moving, contacts = freed, longer
+    return moving, contacts
+
+
+def _long_contacts(run: Run | WristRun, moving: Moving) -> tuple[Contact, ...]:
+    """Contacts of up to half a run, by what the half of the samples that agree best says of all."""
+    matrices = run.regressors(moving.delay.value)
+    half = least_trimmed_squares(matrices, run.forces, moving.w, run.filter.step * run.filter.stride)
+    if half is None:
+        return ()
+    left = half.residuals
+    return find_contacts(run.t, left, run.model.structure, run.forces - left, Calm.of(left[half.explained]))
+
+
+def _spread(moving: Moving) -> float:
+    """Rms of the weighted residuals."""
+    left = moving.fit.residuals
+    return float(np.sqrt(np.mean(np.einsum("ni,ij,nj->n", left, moving.w, left))))
+
+
+def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
+    """Raises IdentificationError where too much of a run is in contact.
+
+    Args:
+        share: of its samples.
+        contacts: what is told of each.
+        model: that the forces leave.
+    """
+    if share > MOST_TOUCHED:
+        if model.needs_position and not model.needs_motion:
+            raise IdentificationError(
+                f"the forces leave model {model.number} in {100 * share:.0f} % of the samples: it has no inertia, "
+                "which moves them in a motion; choose a model from 6 to 9, or identify standstills"
+            )
+        raise IdentificationError(
+            f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact ({contacts[0]}); an "
+            "identification run must be free: check columns, struts and model, or record again"
+        )
+
+
+def _without_pull(run: AnyRun, moving: Moving, how: Method, problem: Problem) -> Array:
+    """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
+    selection = how.selection(run.model)
+    matrices, forces = run.regressors(moving.delay.value), run.forces
+    pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
+    robust = robust_of(replace(problem, pooled=pooled, filtered=run.filtered))
+    return robust(matrices @ selection.basis, forces - matrices @ selection.offset, selection.names).residuals
+
+
+def contact_told(recording: Recording, contact: Contact) -> str:
+    """What people are told of a contact, with its rows."""
+    assert recording.t is not None
+    rows = (recording.t >= contact.start) & (recording.t <= contact.end)
+    return (
+        f"{places(recording.lines, rows)}: external contact from {contact.start:.3f} to {contact.end:.3f} s, up to "
+        f"{contact.peak:.3g} N"
+    )

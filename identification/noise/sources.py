@@ -1,0 +1,219 @@
+"""What s0 of a moving run consists of, and how noise of the accelerations attenuates the parameters.
+
+Errors e of the strut lengths reach the regressor almost only by their second derivative: behind the filter lengths and
+velocities err by less than a hundredth of what matters. A is affine in the accelerations, so that dA/dq'' is exact.
+With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is drawn by
+-((A + dA)^T W (A + dA) - D)^-1 D times itself for long runs (Fuller, Measurement Error Models, 1987, section 2.2).
+Stated noise of the accelerations themselves leaves the same residuals whether the accelerations that are evaluated err
+or the platform vibrates; only the former draws the estimate, so that the bias told is the largest there can be.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.sensors import Sensors
+from identification.estimation.fit import Filtered, Fit
+from identification.noise.effects import acceleration_effects, twist_rate_effects
+from identification.noise.periodic import strut_noise_moment
+from identification.parameters import PhysicalForm
+from identification.periodic.averaging import PeriodicRun
+from identification.runs.evaluation import Run
+
+Array = NDArray[np.float64]
+
+MOST_LOST = 0.5  # of what a run seems to tell of a parameter; beyond, the estimate of the bias itself is too uncertain
+EXCESS = 1.25  # of s0^2 explained by what is stated: more is no chance, the statement is too pessimistic
+GIVEN = 1e-9  # standard deviation over value below which a parameter was given, and only rounding is left
+
+
+class Attenuation(NamedTuple):
+    """By how much noise of the accelerations draws a parameter; estimated, and not taken out of its value.
+
+    Args:
+        bias: expected estimate less the true value [SI].
+        relative: bias over the value; None where that is zero.
+        of_std: bias over the standard deviation that is reported; None for what is given.
+    """
+
+    bias: float
+    relative: float | None
+    of_std: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseSources:
+    """Shares of s0^2; estimates, since s0 is one.
+
+    Args:
+        force_sensors: of the stated noise of the forces; None where none is stated.
+        accelerations: of what the stated noise of struts and accelerations does to the forces; None where none is
+            stated.
+        acceleration_std: of a strut acceleration behind the filter [m/s^2]; None where no noise of struts is stated.
+        equivalent_force_noise: white noise of the recorded forces that leaves as large residuals as that of the
+            accelerations, in units of s0; None where none is stated. Errors of struts reach the accelerations mostly
+            near the cut-off, where the motion tells nothing: they scatter the parameters far less than such white
+            noise, which is what `std_robust` beside (28) shows.
+        bias: of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes
+            up half of what the run tells of a parameter.
+    """
+
+    force_sensors: float | None
+    accelerations: float | None
+    acceleration_std: float | None
+    equivalent_force_noise: float | None
+    bias: Array | None
+
+    @property
+    def explained(self) -> float:
+        """Share of s0^2 that stated noise explains; above 1 where more is stated than there is."""
+        return (self.force_sensors or 0.0) + (self.accelerations or 0.0)
+
+    @property
+    def doubts(self) -> list[str]:
+        """What speaks against the statement of the case."""
+        doubts = []
+        if self.accelerations is not None and self.bias is None:
+            doubts.append(
+                "the stated noise of struts or accelerations would make up half or more of what the run tells of a "
+                "parameter, whose attenuation is not told: check sensors.encoder_resolution_um, strut_noise_um and "
+                "acceleration_noise_m_s2"
+            )
+        if self.explained > EXCESS:
+            doubts.append(
+                f"the noise that the case states explains {100 * self.explained:.0f} % of s0^2: there is less of it; "
+                "check sensors.force_noise_N, encoder_resolution_um, strut_noise_um and acceleration_noise_m_s2"
+            )
+        return doubts
+
+    def to_json(self) -> dict[str, Any]:
+        """All but the bias, which is told for physical parameters."""
+        return {
+            "force_sensors": self.force_sensors,
+            "accelerations": self.accelerations,
+            "unexplained": 1.0 - self.explained,
+            "strut_acceleration_std_m_s2": self.acceleration_std,
+            "equivalent_force_noise": self.equivalent_force_noise,
+        }
+
+
+def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sensors: Sensors) -> NoiseSources:
+    """Compares what a case states about its noise with what a Gauss-Markov fit left.
+
+    Args:
+        run: that was fitted.
+        fit: its values begin with u; its covariance is (28).
+        w: W for one sample, shape (6, 6).
+        delay: of the forces [s].
+        sensors: with noise of forces, of struts or both.
+    """
+    effect = None
+    if sensors.strut_variance is not None or sensors.acceleration_noise is not None:
+        effect = regressor_noise(run, w, delay, sensors)
+    return sources_of(effect, fit, w, run.filtered, sensors)
+
+
+class RegressorNoise(NamedTuple):
+    """What stated noise of struts and accelerations does to the regressors of a run.
+
+    Args:
+        moment: D, the expected sum over its samples of dA^T W dA, shape (u, u).
+        samples: that it is of.
+        variance: of the accelerations of a strut, by noise of the struts [m^2/s^4].
+    """
+
+    moment: Array
+    samples: int
+    variance: float
+
+    def joined(self, other: "RegressorNoise | None") -> "RegressorNoise":
+        """That of both."""
+        if other is None:
+            return self
+        return RegressorNoise(self.moment + other.moment, self.samples + other.samples, self.variance)
+
+    def of_samples(self, samples: int) -> "RegressorNoise":
+        """That of more samples, of which these are a fair choice."""
+        return RegressorNoise(self.moment * (samples / self.samples), samples, self.variance)
+
+
+def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sensors) -> RegressorNoise:
+    """What a case states, in the regressors of a run.
+
+    Args:
+        run: gives the motion.
+        w: W for one sample, shape (6, 6).
+        delay: of the forces [s].
+        sensors: with noise of struts, of accelerations or both.
+    """
+    unknowns = len(run.model.parameters)
+    moment = np.zeros((unknowns, unknowns))
+    motion = run.kinematics(delay)
+    variance = 0.0
+    if isinstance(run, PeriodicRun):
+        if sensors.strut_variance is not None:
+            moment, variance = strut_noise_moment(run, run.fine_kinematics(delay), sensors, w)
+    elif sensors.strut_variance is not None:
+        variance = sensors.strut_variance * run.filter.acceleration_noise_gain
+        for change in acceleration_effects(run.hexapod, run.model, motion):
+            moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
+    if sensors.acceleration_noise is not None:
+        felt = sensors.acceleration_noise**2 * run.filtered.gain
+        for change, size in zip(twist_rate_effects(run.model, motion), felt, strict=True):
+            moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
+    return RegressorNoise(moment, len(motion.pose), variance)
+
+
+def sources_of(effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filtered, sensors: Sensors) -> NoiseSources:
+    """What a case states beside what a Gauss-Markov fit left.
+
+    Args:
+        effect: of noise of struts and accelerations; None where none is stated.
+        fit: its values begin with u; its covariance is (28).
+        w: W for one sample, shape (6, 6).
+        filtered: what the filter did to white noise.
+        sensors: with noise of forces, of struts or both.
+    """
+    squared = max(fit.s0**2, np.finfo(float).tiny)
+    force_share = None
+    if sensors.force_noise is not None:
+        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
+    if effect is None:
+        return NoiseSources(force_share, None, None, None, None)
+    moment, unknowns = effect.moment, len(effect.moment)
+    estimated = fit.values[:unknowns]
+    inverse = fit.covariance[:unknowns, :unknowns] * filtered.stride / squared  # F^-1; singular where some are given
+    lost = inverse @ moment
+    bias: Array | None = None
+    if float(np.linalg.eigvals(lost).real.max()) < MOST_LOST:
+        bias = np.asarray(-np.linalg.solve(np.eye(unknowns) - lost, lost @ estimated))
+    true = estimated if bias is None else estimated - bias
+    # Of dA u the fit hides what it is drawn by: u^T D u + u^T D b is left.
+    equivalent = float(true @ moment @ estimated) / (6 * effect.samples * filtered.gain)
+    return NoiseSources(
+        force_share,
+        equivalent / squared,
+        float(np.sqrt(effect.variance)) if effect.variance else None,
+        float(np.sqrt(max(equivalent, 0.0))),
+        bias,
+    )
+
+
+def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, Attenuation]:
+    """The bias of u as that of physical parameters.
+
+    Args:
+        form: of the model.
+        u: as estimated, shape (u,).
+        bias: of it, shape (u,).
+        std: of the physical parameters as reported, shape (parameters,).
+    """
+    nothing = np.zeros((len(u), len(u)))
+    values = form.of(u, nothing)[0]
+    drawn = values - form.of(u - bias, nothing)[0]
+    return {
+        p.name: Attenuation(float(b), float(b / v) if v != 0.0 else None, float(b / s) if s > GIVEN * abs(v) else None)
+        for p, v, b, s in zip(form.parameters, values, drawn, std, strict=True)
+    }

@@ -1,0 +1,1 @@
+"""Runs that repeat themselves: their period, its average, and derivatives without differences."""

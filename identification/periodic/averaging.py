@@ -1,0 +1,364 @@
+"""Runs that repeat themselves: averaged over their periods, differentiated and filtered as Fourier series.
+
+Struts become a Fourier series whose derivatives are analytic; forces and regressors are reduced to the same harmonics
+(Swevers, Ganseman, Tukel, De Schutter & Van Brussel 1997, IEEE Trans. Robotics and Automation 13:730). What is fitted
+are the 2 H + 1 values of that at equal steps of one period: the transform to them is orthogonal, so that white noise
+stays white. What differs between periods is noise whatever the model says, and gives the robust covariance.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+from scipy.fft import irfft, rfft
+from scipy.ndimage import binary_opening
+
+from cases.errors import IdentificationError, RecordingError
+from cases.schema import Case
+from identification.estimation.compressed import inverse_root
+from identification.estimation.fit import Filtered, Fit
+from identification.findings.plausibility import Scan, bridged, places
+from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
+from identification.model import Model, regressors
+from identification.periodic.finding import Part, find_part, given_part
+from identification.periodic.fourier import FourierSeries, fit_series
+from identification.periodic.periods import PeriodScatter, each_period, strangers
+from identification.recording import Recording
+from identification.runs.conditioning import Periodic
+from identification.runs.evaluation import DELAY_STEP, LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+FINER = 6  # regressors are computed at so many times the instants that are kept: their harmonics must not fold back
+FEWEST = 2  # harmonics
+MEDIAN_POWER = float(stats.chi2.ppf(0.5, 12)) / 12.0  # over the mean, of a harmonic of six struts
+BESIDE = 15  # harmonics of the struts above those of the forces that reach the regressor, mixed with the slow ones
+MODEL_ERROR = 1.5  # times the scatter of the periods, that residuals are to be told
+UNLIKELY = 1e-3  # chance of so large a ratio by noise alone
+
+
+@dataclass(frozen=True)
+class PeriodicRun:
+    """A repeating run, ready to be evaluated at any delay between forces and motion.
+
+    Args:
+        model: gives A.
+        hexapod: kinematics.
+        recording: bad samples mended.
+        part: that repeats.
+        used: recorded samples of the periods that are evaluated, shape (n of the recording,).
+        struts: their motion, with some harmonics more than the forces: oscillations mix in the regressor [m].
+        forces_series: of H harmonics [N, or N and N m].
+        scatter: of the periods' forces; None where there is one period.
+        chosen: whether the number of harmonics was chosen here.
+        limited: whether the filter's cut-off bounded it.
+        warnings: sentences.
+    """
+
+    model: Model
+    hexapod: Hexapod
+    recording: Recording
+    part: Part
+    used: Rows
+    struts: FourierSeries
+    forces_series: FourierSeries
+    scatter: PeriodScatter | None
+    chosen: bool
+    limited: bool
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def samples(self) -> int:
+        """Recorded samples that are evaluated."""
+        return int(self.used.sum())
+
+    @property
+    def points(self) -> int:
+        """Evaluated instants of the period, 2 H + 1."""
+        return 2 * self.harmonics + 1
+
+    @property
+    def harmonics(self) -> int:
+        """H, of forces and regressor."""
+        return self.forces_series.harmonics
+
+    @property
+    def t(self) -> Array:
+        """Evaluated instants, shape (2 H + 1,) [s]."""
+        return self._instants(self.points)
+
+    @property
+    def filtered(self) -> Filtered:
+        """What averaging did to white noise."""
+        return Filtered(self.points / self.samples, self.samples / self.points)
+
+    @property
+    def noise_correlation(self) -> float:
+        """Of white noise between evaluated instants: none."""
+        return 0.0
+
+    @cached_property
+    def forces(self) -> Array:
+        """At the evaluated instants, shape (2 H + 1, 6)."""
+        return self.forces_series.at(self.t)
+
+    def _instants(self, count: int) -> Array:
+        return np.asarray(self.struts.start + self.struts.period * np.arange(count) / count)
+
+    def regressors(self, delay: float) -> Array:
+        """A at the instants less the delay, reduced to the harmonics, shape (2 H + 1, 6, u)."""
+        fine = regressors(self.model, self.fine_kinematics(delay))
+        spectrum = rfft(fine, axis=0)[: self.harmonics + 1]
+        return np.asarray(irfft(spectrum, self.points, axis=0) / FINER)
+
+    def kinematics(self, delay: float) -> Kinematics:
+        """Motion of the platform at the evaluated instants less the delay."""
+        return self._kinematics(self.t, delay)
+
+    def fine_kinematics(self, delay: float) -> Kinematics:
+        """The same at so many instants that the regressor's harmonics do not fold back."""
+        return self._kinematics(self._instants(FINER * self.points), delay)
+
+    def _kinematics(self, t: Array, delay: float) -> Kinematics:
+        try:
+            return self.hexapod.kinematics(*(self.struts.at(t - delay, k) for k in range(3)))
+        except StrutsDoNotClose as error:
+            row = int(np.searchsorted(self._clock, t[error.sample]))
+            raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
+
+    @property
+    def _clock(self) -> Array:
+        assert self.recording.t is not None
+        return self.recording.t
+
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """Names of what is estimated beside the model."""
+        return ("delay",)
+
+    def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
+        """How the expected forces A u change with the delay, shape (2 H + 1, 6, 1)."""
+        change = (self.regressors(delay + DELAY_STEP) - self.regressors(delay - DELAY_STEP)) @ values
+        return np.asarray(change[:, :, None] / (2.0 * DELAY_STEP))
+
+    def left(self, matrices: Array, values: Array) -> Array:
+        """Recorded forces less the model behind the filter, at all samples of the periods, shape (samples, 6)."""
+        return np.asarray(self.recording.forces[self.used] - self.predicted(matrices @ values, self._clock[self.used]))
+
+    def predicted(self, expected: Array, t: Array) -> Array:
+        """Expected forces of the evaluated instants, shape (2 H + 1, 6), at any others, shape (n, 6)."""
+        return fit_series(self.t, expected, self.struts.period, self.struts.start, self.harmonics).at(t)
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Array | None:
+        """Covariance of u from the scatter between periods, shape (u, u): right for stationary noise of any colour.
+
+        Args:
+            matrices: A, whitened where there is a whitening, shape (2 H + 1, 6, u).
+            residuals: not needed, for noise is what does not repeat.
+            weights: diagonal of W of these, shape (6,).
+            whitening: of the forces, shape (6, 6).
+        """
+        if self.scatter is None:
+            return None
+        root = matrices * np.sqrt(weights)[:, None]
+        half = inverse_root(np.asarray(np.linalg.qr(root.reshape(-1, matrices.shape[2]), mode="r")))
+        seen = rfft((matrices * weights[:, None]) @ half, axis=0) / len(matrices)
+        spectra = self.scatter.smoothed(self.harmonics, len(matrices))
+        if whitening is not None:
+            spectra = whitening @ spectra @ whitening.T
+        share = np.where(np.arange(len(spectra)) == 0, 1.0, 2.0)
+        meat = np.einsum("h,hki,hkl,hlj->ij", share, seen.conj(), spectra, seen).real
+        return np.asarray(half @ (meat + meat.T) / 2.0 @ half.T)
+
+    def doubts(self, fit: Fit, w: Array) -> list[str]:
+        """What the model leaves of the forces beyond what does not repeat.
+
+        Args:
+            fit: of this run.
+            w: W for one sample, shape (6, 6).
+        """
+        if self.scatter is None:
+            return []
+        noise = float(np.trace(w @ self.scatter.covariance(self.harmonics))) / 6.0
+        ratio = fit.s0**2 / max(noise, np.finfo(float).tiny)
+        free = 6 * (len(self.scatter.series) - 1) * self.points
+        if ratio < MODEL_ERROR**2 or ratio < float(stats.f.isf(UNLIKELY, fit.freedom, free)):
+            return []
+        return [
+            f"what the model leaves of the forces is {np.sqrt(ratio):.1f} times what differs between periods: it "
+            "repeats, so it is no noise but an error of the model, the geometry or the encoders"
+        ]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What people are told."""
+        p, series = self.part, self.struts
+        t = self._clock[self.used]
+        count = len(self.scatter.series) if self.scatter is not None else 1
+        repeats = (
+            f"struts repeat within {p.misfit * 1e3:.2g} mm rms, {100 * p.relative:.2g} % of their motion"
+            if p.periods > 1
+            else f"struts end within {p.misfit * 1e3:.2g} mm of where they began"
+        )
+        how = "as given"
+        if self.chosen:
+            how = "all below filter_cutoff_Hz" if self.limited else "as many as stand out of the struts' noise"
+        averaged = (
+            f"{count} periods of {series.period:.6g} s averaged" if count > 1 else f"1 period of {p.period:.6g} s"
+        )
+        return (
+            f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}",
+            f"forces and regressor as {self.harmonics} harmonics, up to {self.harmonics / series.period:.3g} Hz, "
+            f"{how}; velocities and accelerations from the Fourier series of the struts",
+        )
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """The same for programs."""
+        t, p = self._clock[self.used], self.part
+        found = {
+            "period_s": self.struts.period,
+            "periods": len(self.scatter.series) if self.scatter is not None else 1,
+            "periods_found": p.periods,
+            "from_s": float(t[0]),
+            "to_s": float(t[-1]),
+            "harmonics": self.harmonics,
+            "harmonics_chosen": self.chosen,
+            "misfit_m": p.misfit,
+            "misfit_of_motion": p.relative,
+            "noise_between_periods": None
+            if self.scatter is None
+            else np.sqrt(np.diag(self.scatter.covariance(self.harmonics))).tolist(),
+        }
+        return {"periodic": found}
+
+
+def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic, found: Scan | None) -> PeriodicRun:
+    """The part of a moving run that repeats itself.
+
+    Args:
+        recording: with struts and a clock.
+        case: machine; its filter's cut-off bounds the harmonics.
+        model: gives A.
+        wish: period and harmonics, where they are given.
+        found: samples that may not be used; longer stretches of them cost their periods.
+
+    Raises:
+        RecordingError: no struts, no uniform clock, no period, none without damage, or too many harmonics.
+        IdentificationError: the model needs what the recording does not have.
+    """
+    require_position(recording, model)
+    if recording.struts is None:
+        raise RecordingError(f"{recording.source}: periodic evaluation needs struts; leave --period out")
+    low_pass = checked_filter(recording, case)
+    gaps = np.flatnonzero(recording.lost)
+    if len(gaps):
+        raise RecordingError(
+            f"{recording.source}, {recording.lines.place(int(gaps[0]) + 1)}: samples are missing before this one, and "
+            "periods are counted over the whole run; cut it there, or leave --period out"
+        )
+    bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
+    long = binary_opening(bad, np.ones(MOST_BRIDGED + 1))
+    struts = bridged(recording.struts, bad & ~long)
+    recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad & ~long))
+    t = recording.t
+    assert t is not None
+    window = _window(recording)
+    if np.ptp(struts[window], axis=0).max() < LEAST_TRAVEL:
+        raise IdentificationError(f"{recording.source}: the pose is constant; record the excitation")
+    part = find_part(t, struts, window) if wish.period is None else given_part(t, struts, window, wish.period)
+    most = int(1e-6 + min(low_pass.cutoff * part.period, (part.end - part.first) // (4 * part.periods) - BESIDE))
+    if most < FEWEST or (wish.harmonics is not None and not 1 <= wish.harmonics <= most):
+        raise RecordingError(
+            f"--harmonics {wish.harmonics or FEWEST}: a period of {part.period:.4g} s holds {most} of them up to "
+            f"filter_cutoff_Hz = {low_pass.cutoff:g}; give 1 to {max(most, 1)}"
+        )
+    periods = each_period(t, recording.forces, part, most)
+    kept, warnings = _kept(recording, periods, long)
+    used = np.zeros(len(t), dtype=bool)
+    for k in kept:
+        used[periods.rows[k]] = True
+    rows = np.flatnonzero(used)
+    more = most + BESIDE
+    motion = fit_series(t[rows], struts[rows], part.period, float(t[rows[0]]), more)
+    telling = telling_harmonics(motion, each_period(t, struts, part, more).only(kept), t, struts)
+    harmonics = wish.harmonics or min(telling, most)
+    motion = motion.truncated(harmonics + BESIDE)
+    forces = fit_series(t[rows], recording.forces[rows], part.period, motion.start, most)
+    scatter = periods.only(kept) if len(kept) > 1 else None
+    return PeriodicRun(
+        model, Hexapod.of(case), recording, part, used, motion, forces.truncated(harmonics),
+        scatter, wish.harmonics is None, harmonics == most, warnings,
+    )  # fmt: skip
+
+
+def _kept(recording: Recording, periods: PeriodScatter, bad: Rows) -> tuple[list[int], tuple[str, ...]]:
+    """Numbers of the periods that are averaged, and what is to be said of the others."""
+    count = len(periods.rows)
+    sound = [k for k in range(count) if not bad[periods.rows[k]].any()]
+    if not sound:
+        raise RecordingError(f"{recording.source}: every one of the {count} periods has samples left out")
+    found = strangers(periods.only(sound))
+    strange = {sound[k]: size for k, size in found.items()}
+    warnings: tuple[str, ...] = ()
+    if len(strange) > len(sound) / 2:
+        most = max(strange.values())
+        warnings = (f"forces of {len(strange)} of {count} periods differ by up to {most:.3g} N; all are used",)
+        strange = {}
+    for k in range(count):
+        if k in strange or k not in sound:
+            why = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
+            rows = np.zeros(len(bad), dtype=bool)
+            rows[periods.rows[k]] = True
+            warnings += (f"{places(recording.lines, rows)}: period {k + 1} of {count} {why}; left out",)
+    return [k for k in sound if k not in strange], warnings
+
+
+def telling_harmonics(motion: FourierSeries, periods: PeriodScatter, t: Array, struts: Array) -> int:
+    """The number of harmonics whose accelerations come closest to the true ones (Mallows 1973, Technometrics 15:661).
+
+    A harmonic is worth its place if it is larger than its own noise: noise of accelerations grows with the square of
+    the frequency, and the struts' spectrum falls.
+
+    Args:
+        motion: series of all harmonics that may be used.
+        periods: the same, period by period.
+        t: time of the recording, shape (n,) [s].
+        struts: of the recording, shape (n, 6) [m].
+    """
+    count = len(periods.series)
+    floor = _floor(motion, periods, t, struts)
+    if count > 1:
+        scatter = np.diagonal(periods.smoothed(motion.harmonics, 2), axis1=1, axis2=2).real.sum(axis=1)[1:]
+        # Steps of encoders repeat with the motion; what does not repeat has been counted already.
+        noise = scatter + max(0.0, floor - count * float(np.median(scatter)))
+    else:
+        noise = np.full(motion.harmonics, floor)
+    gain = (motion.power.sum(axis=1) - 2.0 * noise) * np.arange(1, motion.harmonics + 1) ** 4.0
+    return max(FEWEST, int(np.argmax(np.cumsum(gain))) + 1)
+
+
+def _floor(motion: FourierSeries, periods: PeriodScatter, t: Array, struts: Array) -> float:
+    """Power of a harmonic of one period by white noise [m^2]: from half of the Nyquist frequency on nothing moves."""
+    power = []
+    for rows in periods.rows:
+        spectrum = 2.0 / len(rows) * rfft(struts[rows] - motion.at(t[rows]), axis=0)
+        power.append(np.median(np.sum(np.abs(spectrum[len(rows) // 4 : (len(rows) - 1) // 2]) ** 2, axis=1)))
+    return float(np.mean(power)) / MEDIAN_POWER
+
+
+def _window(recording: Recording) -> NDArray[np.int64]:
+    """Consecutive rows to look at: the longest time that the trigger is on; without a trigger all of them."""
+    if recording.trigger is None:
+        return np.arange(len(recording.forces))
+    edges = np.flatnonzero(np.diff(np.r_[False, recording.trigger, False].astype(np.int8)))
+    if not len(edges):
+        raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
+    longest = int(np.argmax(edges[1::2] - edges[::2]))
+    return np.arange(edges[2 * longest], edges[2 * longest + 1])

@@ -1,0 +1,1 @@
+"""A recorded run made ready for an estimate: rates, filters, delay, sections, standstills."""

@@ -1,0 +1,210 @@
+"""Standstills in a recorded run: found with or without a trigger, matched to the poses of a program, and averaged."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import RecordingError, StandstillMismatch
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.findings.plausibility import unmeasured
+from identification.formats.table import Lines
+from identification.hexapod import Hexapod
+from identification.recording import Recording
+from identification.runs.evaluation import MOVING
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+SPEED_SPAN = 0.02  # [s] over which strut speeds are taken: encoder steps of 1 um then look like 0.05 mm/s
+SHORTEST = 0.1  # [s] of a standstill that is worth averaging
+SAME_POSITION = 2.0 * MM  # between a standstill and its pose of the program
+SAME_ANGLE = 0.5 * DEG
+_COUNTED = Lines(first=1, word="standstill")
+BATCHES = 10  # of a standstill, whose means tell how well its own mean is known, noise of any colour included
+
+
+class Window(NamedTuple):
+    """Rows of a standstill: from `start` up to but without `end`."""
+
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """The averaged standstills of a run.
+
+    Args:
+        averages: one row a standstill, without a clock, each weighted by one over its scatter.
+        windows: the rows that were averaged.
+        scatter: standard deviation of the averaged forces, pooled over the channels in units of each channel's own
+            scatter, shape (n,): 1 is usual, larger is restless.
+    """
+
+    averages: Recording
+    windows: tuple[Window, ...]
+    scatter: Array
+
+
+def stands_only(recording: Recording) -> bool:
+    """Whether a run was recorded at standstills alone: its trigger comes on several times and nothing moves with it."""
+    if recording.t is None or recording.trigger is None or recording.struts is None:
+        return False
+    runs = _runs(recording.trigger)
+    if len(runs) < 2:
+        return False
+    moved = [np.ptp(recording.struts[w.start : w.end], axis=0).max() for w in runs if w.end > w.start + 1]
+    return bool(len(moved) > 0 and max(moved) < SAME_POSITION / 4)
+
+
+def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
+    """Standstills of a run.
+
+    With a trigger: where it is on. Without: where the struts stand, less the time to settle.
+
+    Args:
+        recording: with struts and a clock.
+        settle: time after a movement that is not averaged, where there is no trigger [s].
+
+    Raises:
+        RecordingError: no struts, no clock, nothing stands still, or the machine moves with the trigger on.
+    """
+    if recording.struts is None or recording.t is None:
+        raise RecordingError(f"{recording.source}: standstills are found from struts with a clock; record both")
+    step = recording.step
+    moving = _moving(recording.struts, step)
+    if recording.trigger is not None and recording.trigger.any():
+        found = _runs(recording.trigger)
+        for k, w in enumerate(found, 1):
+            if moving[w.start : w.end].mean() > 0.5:
+                raise RecordingError(
+                    f"{recording.source}, {recording.lines.place(w.start)}: the machine moves while the trigger is on "
+                    f"(standstill {k}); this is no measurement at poses, identify it as a motion"
+                )
+    else:
+        late = round(settle / step)
+        found = tuple(Window(w.start + late, w.end) for w in _runs(~moving))
+    windows = tuple(w for w in found if (w.end - w.start) * step >= SHORTEST)
+    if len(windows) < 2:
+        raise RecordingError(
+            f"{recording.source}: {len(windows)} standstills of at least {SHORTEST:g} s; record a program of hexcite "
+            "poses, or identify the run as a motion"
+        )
+    return windows
+
+
+def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
+    """Means of forces and struts over each standstill.
+
+    Args:
+        recording: with struts and a clock.
+        windows: of at least ten rows each.
+    """
+    assert recording.struts is not None
+    bad = unmeasured(recording).bad
+    rows = [w.start + np.flatnonzero(~bad[w.start : w.end]) for w in windows]
+    for w, measured in zip(windows, rows, strict=True):
+        if len(measured) < BATCHES:
+            raise RecordingError(
+                f"{recording.source}, {recording.lines.place(w.start)}: the standstill that begins here has "
+                f"{len(measured)} samples with all values, {BATCHES} are needed; record again"
+            )
+    forces = np.array([recording.forces[r].mean(axis=0) for r in rows])
+    struts = np.array([recording.struts[r].mean(axis=0) for r in rows])
+    variance = np.array([_variance_of_mean(recording.forces[r]) for r in rows])
+    usual = np.maximum(np.median(variance, axis=0), np.finfo(float).tiny)
+    scatter = np.sqrt(np.maximum(np.mean(variance / usual, axis=1), 1e-6))
+    averages = replace(
+        recording, t=None, struts=struts, forces=forces, trigger=None, strut_velocities=None, poses=None,
+        rotations=None, specific_forces=None, others=(), lines=_COUNTED,
+        weights=1.0 / scatter, missing=None, missing_in=(),
+    )  # fmt: skip
+    return Standing(averages, windows, scatter)
+
+
+def match(standing: Standing, case: Case, expected: Array, names: str) -> Standing:
+    """The standstills that belong to the poses of a program, in its order; those at home around them are left out.
+
+    Args:
+        standing: averaged standstills.
+        case: machine.
+        expected: poses of the program, shape (k, 6) [m, rad].
+        names: the recording, for messages.
+
+    Raises:
+        StandstillMismatch: a pose of the program was not measured, or one that is none of its.
+    """
+    assert standing.averages.struts is not None
+    poses = Hexapod.of(case).poses(standing.averages.struts)
+    home = case.need_machine("the match of poses")[0].home.vector
+    kept = list(range(len(poses)))
+    while len(kept) > len(expected) and _same(poses[kept[0]], home) and not _same(expected[0], home):
+        kept.pop(0)
+    while len(kept) > len(expected) and _same(poses[kept[-1]], home) and not _same(expected[-1], home):
+        kept.pop()
+    for k, pose in enumerate(expected):
+        if k >= len(kept):
+            raise StandstillMismatch(
+                f"{names}: pose {k + 1} of {len(expected)} ({_words(pose)}) was not measured, the recording ends with "
+                f"standstill {len(kept)}; record the whole program"
+            )
+        found = poses[kept[k]]
+        if _same(found, pose):
+            continue
+        if k + 1 < len(expected) and _same(found, expected[k + 1]):
+            raise StandstillMismatch(
+                f"{names}: pose {k + 1} of {len(expected)} ({_words(pose)}) was not measured, pose {k + 2} follows "
+                f"pose {k}; record the whole program"
+            )
+        raise StandstillMismatch(
+            f"{names}: standstill {k + 1} is at {_words(found)}, pose {k + 1} of the program at {_words(pose)}; is the "
+            "recording of this program?"
+        )
+    if len(kept) > len(expected):
+        raise StandstillMismatch(
+            f"{names}: standstill {len(expected) + 1} at {_words(poses[kept[len(expected)]])} is none of the program's "
+            f"{len(expected)} poses; cut the recording at its end, or name the right plan"
+        )
+    rows = np.array(kept)
+    averages = standing.averages
+    assert averages.struts is not None
+    scatter = standing.scatter[rows]
+    averages = replace(averages, struts=averages.struts[rows], forces=averages.forces[rows], weights=1.0 / scatter)
+    return Standing(averages, tuple(standing.windows[k] for k in kept), scatter)
+
+
+def _same(pose: Array, other: Array) -> bool:
+    off = np.abs(pose - other)
+    return bool(off[:3].max() <= SAME_POSITION and off[3:].max() <= SAME_ANGLE)
+
+
+def _words(pose: Array) -> str:
+    x, y, z = pose[:3] / MM
+    a, b, c = pose[3:] / DEG
+    return f"x {x:.1f} y {y:.1f} z {z:.1f} mm, a {a:.2f} b {b:.2f} c {c:.2f} deg"
+
+
+def _moving(struts: Array, step: float) -> Flags:
+    """Whether a strut is faster than what counts as moving, taken over some milliseconds around each row."""
+    half = max(1, round(SPEED_SPAN / step / 2))
+    rows = np.arange(len(struts))
+    before, after = np.maximum(rows - half, 0), np.minimum(rows + half, len(struts) - 1)
+    span = np.maximum(after - before, 1)[:, None] * step
+    return np.asarray(np.abs((struts[after] - struts[before]) / span).max(axis=1) > MOVING)
+
+
+def _runs(on: Flags) -> tuple[Window, ...]:
+    edges = np.diff(np.r_[False, on, False].astype(int))
+    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    return tuple(Window(int(a), int(b)) for a, b in zip(starts, ends, strict=True))
+
+
+def _variance_of_mean(forces: Array) -> Array:
+    """Of each channel, from the scatter of batch means, which sees slow noise too, shape (6,)."""
+    batches = min(BATCHES, len(forces))
+    length = len(forces) // batches
+    means = forces[: batches * length].reshape(batches, length, -1).mean(axis=1)
+    return np.asarray(means.var(axis=0, ddof=1) / batches)

@@ -1,0 +1,278 @@
+"""A moving run of a wrist sensor: orientation and accelerometer instead of struts, each stream with a clock of its own.
+
+All streams pass the same low-pass at their own rates and are read at the instants of the forces. The accelerometer
+stands for the acceleration of the sensor's origin: its lever arm is neglected. How it is turned against the sensor by
+small angles is estimated with the parameters, as without that the delay is anything.
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from cases.errors import IdentificationError, RecordingError
+from cases.schema import Case
+from identification.estimation.biases import Biases
+from identification.estimation.fit import Filtered
+from identification.findings.plausibility import bridged
+from identification.formats.clock import HOST_GAP, lost_samples
+from identification.formats.stream import Recording, Stream
+from identification.model import MASS, Model
+from identification.noise.coloured import coloured_covariance
+from identification.runs.evaluation import about_left_out, spoilt_by
+from identification.signals import Filter
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+TURNING = 0.02  # [rad/s] from which the sensor counts as moving
+MOST_JITTER = HOST_GAP  # steps by which stamps of a host may stray from equal steps
+DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay
+LEAST_ROWS = 20
+
+
+@dataclass(frozen=True, slots=True)
+class WristRun:
+    """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion.
+
+    Args:
+        model: gives A; without inertia or with it, without position.
+        filter: for the forces.
+        t: instants of the evaluated samples, shape (n,) [s].
+        forces: behind the filter, shape (n, 6) [N, N m].
+        recorded_forces: as recorded, shape (n, 6).
+        quaternion: of R over time, filtered.
+        specific_force: in the axes of {P} over time, filtered [m/s^2].
+        samples: recorded samples that they stand for.
+        warnings: sentences.
+    """
+
+    model: Model
+    filter: Filter
+    t: Array
+    forces: Array
+    recorded_forces: Array
+    quaternion: CubicSpline
+    specific_force: CubicSpline
+    samples: int
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def filtered(self) -> Filtered:
+        """What the filter did to white noise."""
+        return Filtered(self.filter.noise_gain, self.filter.stride)
+
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """Names of what is estimated beside the model."""
+        return ("turn_x", "turn_y", "turn_z", "delay")
+
+    def regressors(self, delay: float) -> Array:
+        """A at the instants t_k - delay, shape (n, 6, u)."""
+        return self._matrices(delay, self.specific_force(self.t - delay))
+
+    def _matrices(self, delay: float, specific: Array) -> Array:
+        t = self.t - delay
+        q, first, second = (self.quaternion(t, order) for order in range(3))
+        conjugate = Rotation.from_quat(q).inv()
+        turn = Rotation.from_quat(q).as_matrix()
+        size = np.linalg.norm(q, axis=1)[:, None]
+        omega, alpha = (2.0 * _product(d / size, conjugate.as_quat()) for d in (first, second))
+        still = np.zeros((len(t), 3))
+        acceleration = np.einsum("nij,nj->ni", turn, specific) + self.model.gravity
+        return self.model.matrices(still, turn, np.hstack([still, omega]), np.hstack([acceleration, alpha]))
+
+    def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
+        """How A u changes with three small turns of the accelerometer and with the delay, shape (n, 6, 4)."""
+        specific = self.specific_force(self.t - delay)
+        expected = matrices @ values
+        columns = []
+        for axis in np.eye(3):
+            turned = specific + DELAY_STEP * np.cross(axis, specific)
+            columns.append((self._matrices(delay, turned) @ values - expected) / DELAY_STEP)
+        step = DELAY_STEP if delay < 0.0 else -DELAY_STEP
+        columns.append((self.regressors(delay + step) @ values - expected) / step)
+        return np.stack(columns, axis=2)
+
+    def known_columns(self, delay: float, matrices: Array, values: Array) -> Array:
+        """How A u changes with the delay and with biases of the accelerometer, shape (n, 6, 4)."""
+        late = self.nuisance_columns(delay, matrices, values)[:, :, -1:]
+        specific = self.specific_force(self.t - delay)
+        felt = [(self._matrices(delay, specific + axis) - matrices) @ values for axis in np.eye(3)]
+        return np.concatenate([late, np.stack(felt, axis=2)], axis=2)
+
+    @property
+    def noise_correlation(self) -> float:
+        """Of white noise behind the filter, between evaluated samples."""
+        return self.filter.noise_correlation
+
+    def left(self, matrices: Array, values: Array) -> Array:
+        """Recorded forces less the model, A u, at the evaluated samples, shape (n, 6)."""
+        return np.asarray(self.recorded_forces - matrices @ values)
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Array | None:
+        """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
+        step = self.filter.step * self.filter.stride
+        places = np.asarray(np.round((self.t - self.t[0]) / step), dtype=np.int64)
+        return coloured_covariance(matrices, residuals, weights, places)
+
+    def without(self, left_out: NDArray[np.bool_]) -> "WristRun":
+        """The run without some of its evaluated samples, shape (n,)."""
+        keep = ~left_out
+        return replace(
+            self, t=self.t[keep], forces=self.forces[keep], recorded_forces=self.recorded_forces[keep],
+            samples=round(self.samples * float(keep.mean())),
+        )  # fmt: skip
+
+
+def wrist_run(
+    recording: Recording,
+    case: Case,
+    model: Model,
+    reach: float,
+    biases: Biases | None = None,
+    cutoff: float | None = None,
+    bad: Rows | None = None,
+) -> WristRun:
+    """A moving run with its window found: from the first turn out of rest to rest again.
+
+    Args:
+        recording: with forces, rotation matrices and an accelerometer.
+        case: gives the filter.
+        model: gives A.
+        reach: largest delay that will be asked for [s].
+        biases: those of the accelerometer are taken from its readings.
+        cutoff: of the filter [Hz]; by default the case's.
+        bad: samples of the forces that may not be used, shape (n,).
+
+    Raises:
+        RecordingError: a stream or the filter is missing, or too slow or too short for it.
+        IdentificationError: the sensor does not turn, or the model needs the position.
+    """
+    turning, felt = recording.stream_with("rotations"), recording.stream_with("specific_forces")
+    if turning is None or felt is None or turning.rotations is None or felt.specific_forces is None:
+        raise RecordingError(
+            f"{recording.source}: a moving run without struts needs rotation matrices and an accelerometer; add the "
+            "file that has them, or remove t_s if each row is an averaged standstill"
+        )
+    if model.needs_position or MASS not in model.blocks:
+        raise IdentificationError(f"model {model.number} needs the platform's position; choose model 0 or 6")
+    cutoff = case.recording.filter_cutoff_Hz if cutoff is None else cutoff
+    if cutoff is None:
+        raise RecordingError("a moving run needs a filter; set recording.filter_cutoff_Hz in the case")
+    force_stream = recording.streams[0]
+    quaternions = Rotation.from_matrix(turning.rotations).as_quat()
+    flips = np.cumprod(np.r_[1.0, np.sign(np.sum(quaternions[1:] * quaternions[:-1], axis=1))])
+    beside = np.zeros(3) if biases is None else biases.require_accelerometer().values
+    # Without inertia, orientations only say where the sensor turns: their own band is enough for that.
+    band = cutoff if model.needs_motion else min(cutoff, widest_band(turning))
+    turned = _smooth(turning, quaternions * flips[:, None], band, reach)
+    pushed = _smooth(felt, felt.specific_forces - beside, cutoff, reach)
+    quaternion, specific = turned.signal, pushed.signal
+    t, step = _equal_steps(force_stream)
+    low_pass = _filter(force_stream, cutoff, step, reach)
+    inner = slice(low_pass.margin, len(t) - low_pass.margin)
+    bad = np.zeros(len(t), dtype=bool) if bad is None else bad
+    spoilt = spoilt_by(bad, _lost(force_stream), low_pass)
+    recorded = bridged(recording.forces, bad)
+    smooth, t = low_pass.apply(recorded), t[inner]
+    spoilt |= turned.spoilt_at(t) | pushed.spoilt_at(t)
+    speed = 2.0 * np.linalg.norm(quaternion(np.clip(t, quaternion.x[0], quaternion.x[-1]), 1), axis=1)
+    speed[spoilt] = 0.0
+    moving = np.flatnonzero(speed > TURNING)
+    if not len(moving):
+        raise IdentificationError("the sensor does not turn; record a motion, or remove t_s from averaged standstills")
+    inside = (t >= max(quaternion.x[0], specific.x[0]) + reach) & (t <= min(quaternion.x[-1], specific.x[-1]) - reach)
+    inside[: moving[0]] = inside[moving[-1] + 1 :] = False
+    window = np.flatnonzero(inside)
+    lost = _lost(force_stream)[low_pass.margin + window[:-1]].sum() if len(window) else 0
+    share = float(np.sum(spoilt[window])) + float(lost)
+    rows = window[~spoilt[window]]
+    warnings = about_left_out(recording.source, share / max(len(window) + int(lost), 1), low_pass)
+    kept = rows[:: low_pass.stride]
+    if len(kept) < LEAST_ROWS:
+        raise RecordingError("the streams overlap for too short a time behind the filter; record longer")
+    return WristRun(
+        model, low_pass, t[kept], smooth[kept], recorded[inner][kept], quaternion, specific, len(rows), warnings
+    )
+
+
+class _Smooth(NamedTuple):
+    """A stream behind the filter, at any instant, and whether its samples feel damage or a gap."""
+
+    signal: CubicSpline
+    spoilt: Rows
+
+    def spoilt_at(self, t: Array) -> Rows:
+        """Whether that is felt at some instants, with any delay that is asked for."""
+        after = np.clip(np.searchsorted(self.signal.x, t), 1, len(self.signal.x) - 1)
+        return np.asarray(self.spoilt[after] | self.spoilt[after - 1])
+
+
+def _smooth(stream: Stream, values: Array, cutoff: float, reach: float) -> _Smooth:
+    t, step = _equal_steps(stream)
+    low_pass = _filter(stream, cutoff, step, reach)
+    bad = np.zeros(len(t), dtype=bool) if stream.missing is None else stream.missing
+    signal = CubicSpline(t[low_pass.margin : len(t) - low_pass.margin], low_pass.apply(bridged(values, bad)))
+    return _Smooth(signal, spoilt_by(bad, _lost(stream), low_pass))
+
+
+def _lost(stream: Stream) -> NDArray[np.int64]:
+    return lost_samples(stream.t, HOST_GAP)
+
+
+def _filter(stream: Stream, cutoff: float, step: float, reach: float) -> Filter:
+    if not 1.5 * cutoff < 0.5001 / step:
+        raise RecordingError(
+            f"{stream.source}: {1 / step:.4g} samples a second are too few for filter_cutoff_Hz = {cutoff:g}; at most "
+            f"{1 / (3 * step):.3g}"
+        )
+    return Filter(cutoff, step, reach)
+
+
+def widest_band(*streams: Stream) -> float:
+    """Highest cut-off at which the filter removes all above half the rate of every stream [Hz]."""
+    return min(1.0 / (3.0 * _equal_steps(stream)[1]) for stream in streams)
+
+
+def delay_band(recording: Recording) -> float:
+    """The band of a run's delay [Hz]: the widest that all its streams carry, whatever the parameters' filter is.
+
+    At low frequencies a delay looks like a turn of the accelerometer about the axis of the motion, and what the
+    sensors err by with the orientation passes for it; what a machine shakes and jerks above has no such double.
+    """
+    return widest_band(*recording.streams)
+
+
+def _equal_steps(stream: Stream) -> tuple[Array, float]:
+    """Sampling instants behind the jitter of a host's stamps, and their step [s].
+
+    They are a straight line through the stamps; behind a gap it begins anew, with the same step.
+    """
+    if stream.t is None or len(stream.t) < LEAST_ROWS:
+        raise RecordingError(f"{stream.source}: has too few samples with time stamps for a moving run; record longer")
+    section = np.r_[0, np.cumsum(_lost(stream) > 0)]
+    count = np.bincount(section)
+    index = np.arange(len(stream.t), dtype=float)
+    middle, mean = (np.bincount(section, weights=v) / count for v in (index, stream.t))
+    away, late = index - middle[section], stream.t - mean[section]
+    step = float(away @ late / (away @ away))
+    instants = mean[section] + step * away
+    off = np.abs(stream.t - instants)
+    if off.max() > MOST_JITTER * step:
+        row = int(np.argmax(off))
+        raise RecordingError(
+            f"{stream.source}, {stream.lines.place(row)}: the time stamp is {off[row] * 1e3:.3g} ms from equal steps "
+            f"of {step * 1e3:.4g} ms; export the run at one rate"
+        )
+    return instants, step
+
+
+def _product(a: Array, b: Array) -> Array:
+    """Vector part of the quaternion product a b, scalar last, shape (n, 3)."""
+    return np.asarray(a[:, 3:] * b[:, :3] + b[:, 3:] * a[:, :3] + np.cross(a[:, :3], b[:, :3]))

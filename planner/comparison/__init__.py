@@ -1,0 +1,1 @@
+"""Plans, runs and results side by side, and which excitation to prefer."""

@@ -1,0 +1,129 @@
+"""What belongs together among plans, runs and results, and which excitation to prefer."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from cases.errors import HexciteError
+from planner.comparison.entries import Entry, Level
+
+SAME_PATH = 2e-3  # [m] a run that strays less from a plan, and the plan from it, is a run of that plan
+NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one is as good
+
+
+def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
+    """Entries that belong together: a plan, its runs and their results; a result knows its run by hash.
+
+    A run follows the plan whose fingerprint it carries; where it carries none of these, one from whose path neither
+    strays. A result without its run belongs to the plan of that run. A result takes what its run knows of time and
+    machine.
+    """
+    found = [[e] for e in entries if e.level is Level.PLANNED]
+    for run in (e for e in entries if e.level is Level.EXECUTED):
+        plans = [g for g in found if g[0].level is Level.PLANNED]
+        named = [g for g in plans if run.plan is not None and run.plan == g[0].plan]
+        home = next((g for g in named or plans if named or _follows(run, g[0])), None)
+        if home is None:
+            found.append([run])
+        else:
+            home.append(run)
+    for result in (e for e in entries if e.level is Level.IDENTIFIED):
+        runs = [(g, e) for g in found for e in g if e.level is Level.EXECUTED and e.hashes & result.hashes]
+        plans = [g for g in found if result.plan is not None and g[0].plan == result.plan]
+        if runs:
+            home, run = runs[0]
+            known = replace(result, duration=run.duration, load=run.load, machine=run.machine)
+            after = [k for k, e in enumerate(home) if e.hashes & run.hashes]
+            home.insert(max(after) + 1, known)
+        elif plans:
+            plans[0].append(result)
+        else:
+            found.append([result])
+    return found
+
+
+def _follows(run: Entry, plan: Entry) -> bool:
+    if run.path is None or plan.path is None or run.level is plan.level:
+        return False
+    there, back = cKDTree(plan.path).query(run.path)[0], cKDTree(run.path).query(plan.path)[0]
+    return bool(max(there.max(), back.max()) < SAME_PATH * 5 and np.mean(there) < SAME_PATH)
+
+
+class Recommendation(NamedTuple):
+    """Which one to prefer.
+
+    Args:
+        best: its name; None where nothing can be compared.
+        per_second: the best per second of measuring time; None where times are unknown.
+        level: what the figures are: planned, executed or identified.
+        ratios: geometric mean of the standard deviations of each, over the best one's.
+        sentences: why.
+    """
+
+    best: str | None
+    per_second: str | None
+    level: str
+    ratios: Mapping[str, float]
+    sentences: tuple[str, ...]
+
+
+def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
+    """Recommends the excitation with the smallest standard deviations, by the best evidence that all of them have."""
+    common = [level for level in sorted(Level, reverse=True) if all(any(e.level is level for e in g) for g in found)]
+    remarks = []
+    if common:
+        chosen = [e for g in found for e in g if e.level is common[0]]
+        level = common[0].name.lower()
+    else:
+        chosen = [max(g, key=lambda e: e.level) for g in found]
+        level = "mixed"
+        remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
+    if len(chosen) < 2:
+        return Recommendation(None, None, "", {}, ("there is nothing to choose from: name two excitations or more",))
+    names = [n for n in chosen[0].parameters if all(n in e.parameters for e in chosen)]
+    if not names:
+        return Recommendation(None, None, level, {}, ("they have no parameter in common",))
+    for entry in chosen:
+        missing = sorted({n for e in chosen for n in e.parameters} - set(entry.parameters))
+        if missing:
+            remarks.append(f"{entry.name} does not determine {', '.join(missing)}: not compared")
+    sizes = np.array([_size(e, names) for e in chosen])
+    order = np.argsort(sizes, kind="stable")
+    best, second = chosen[order[0]], chosen[order[1]]
+    ratio = float(np.exp(sizes[order[1]] - sizes[order[0]]))
+    times = [e.duration for e in chosen]
+    if ratio < NO_DIFFERENCE and best.duration and second.duration and second.duration < best.duration:
+        best, second = second, best
+        why = f"standard deviations of {second.name} are as small within {100 * (ratio - 1):.0f} %, but it takes longer"
+    else:
+        why = f"its {level} standard deviations are smallest: {second.name}'s are {ratio:.2f} times as large"
+    why += f" (geometric mean over {len(names)} parameters)"
+    sentences = [f"{best.name}: {why}{_times(best, second)}", *remarks]
+    if best.warnings:
+        others = [chosen[k].name for k in order if not chosen[k].warnings]
+        instead = f"; without warnings the best is {others[0]}" if others else ""
+        sentences.insert(1, f"see to the warnings of {best.name} before you rely on it{instead}")
+    fastest = None
+    if all(times):
+        rates = sizes + 0.5 * np.log([float(t or 1.0) for t in times])
+        fastest = chosen[int(np.argmin(rates))].name
+        if fastest != best.name:
+            sentences.append(f"per second of measuring time {fastest} tells most")
+    ratios = {e.name: float(np.exp(s - sizes.min())) for e, s in zip(chosen, sizes, strict=True)}
+    return Recommendation(best.name, fastest, level, ratios, tuple(sentences))
+
+
+def _size(entry: Entry, names: Iterable[str]) -> float:
+    deviations = [entry.parameters[n].std for n in names]
+    if not all(d > 0.0 for d in deviations):
+        raise HexciteError(f"{entry.name}: a parameter was given, not identified; compare without --fix")
+    return float(np.mean(np.log(deviations)))
+
+
+def _times(best: Entry, second: Entry) -> str:
+    if best.duration is None or second.duration is None:
+        return ""
+    return f", in {best.duration:.1f} s against {second.duration:.1f} s"

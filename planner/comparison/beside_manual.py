@@ -1,0 +1,45 @@
+"""What the case's own hand-made motion would tell under the same noise: the yardstick beside every optimised plan."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cases.errors import HexciteError
+from identification.model import identification_model
+from identification.reference import reference_scaling
+from planner.deviations import worst_std
+from planner.families.manual import manual_motion, sequence_file
+from planner.plan import Plan
+from planner.search.problem import mean_information
+
+
+class Beside(NamedTuple):
+    """The hand-made motion's figures.
+
+    Args:
+        duration: [s].
+        std: predicted standard deviation of each physical parameter, of one whole run [SI].
+    """
+
+    duration: float
+    std: dict[str, float]
+
+    def at_equal_time(self, duration: float) -> dict[str, float]:
+        """Deviations if the motion were repeated, or broken off, after another duration [s]."""
+        return {name: std * float(np.sqrt(self.duration / duration)) for name, std in self.std.items()}
+
+
+def beside_manual(plan: Plan) -> Beside | str:
+    """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none."""
+    try:
+        case = plan.case
+        model = identification_model(case, plan.request.model)
+        motion = manual_motion(case, sequence_file(plan.case_file))
+        scaling = reference_scaling(case, model)
+        information = mean_information(model, scaling, motion)
+        if np.linalg.matrix_rank(information) < len(scaling):
+            return "the hand-made motion of this case does not determine all parameters of the model"
+        worst = worst_std(case, model, scaling, motion, plan.request.payloads)
+        return Beside(motion.duration, {name: std for name, (std, _) in worst.items()})
+    except HexciteError as error:
+        return f"there is no hand-made motion to compare with: {error}"

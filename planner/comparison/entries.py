@@ -1,0 +1,283 @@
+"""Plans, runs and results as entries of a comparison: what each cost, and what it tells."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import FileProblem, IdentificationError
+from cases.files import another_kind, read_json
+from cases.loading import load_case
+from cases.schema import Case
+from identification.criteria import CRITERIA, singular_values
+from identification.findings.plausibility import scan
+from identification.hexapod import Hexapod
+from identification.identify import default_model
+from identification.model import Model, identification_model
+from identification.motion import Joined, Measurement, sample
+from identification.recording import Recording, files_of, read_recording
+from identification.reference import reference_scaling
+from identification.runs.evaluation import moving_run, standstills
+from identification.runs.rates import on_one_clock
+from identification.saved import load_result
+from planner.deviations import SAMPLES_PER_SECOND, predicted_std
+from planner.noise import expected_noise
+from planner.poses.regressors import pose_regressors
+from planner.runs.fingerprints import plan_hash
+from planner.runs.recorded import standing_of
+from planner.saved_plan import load_plan
+from planner.search.problem import mean_information
+
+Array = NDArray[np.float64]
+
+PATH_RATE = 500.0  # [1/s]
+
+
+class Level(IntEnum):
+    """How far an excitation has come."""
+
+    PLANNED = 1
+    EXECUTED = 2
+    IDENTIFIED = 3
+
+
+class Told(NamedTuple):
+    """A parameter: value (None before it was identified), and standard deviation, reported or predicted [SI]."""
+
+    value: float | None
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One thing that is compared.
+
+    Args:
+        name: as the user named it.
+        level: plan, run or result.
+        case: of it.
+        model: number in Table 2.
+        family: of the plan, or what the recording says.
+        duration: measuring time [s]; None where nothing tells.
+        samples: of forces that count.
+        criteria: A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown.
+        parameters: by name.
+        s0: of an identified one [N].
+        notes: figures of the execution, by name.
+        path: positions on the way, shape (n, 3) [m]; None where it is unknown.
+        hashes: fingerprints of the recordings that it is or was made of.
+        plan: fingerprint of the plan that it is or followed; None where nothing says.
+        noise: of a force sample that predictions assume [N]; None for identified ones.
+        load: mass of the weights that are mounted [kg]; None where nothing tells.
+        machine: that was measured, in words; None for plans, and where nothing tells.
+        warnings: that its evaluation gave.
+    """
+
+    name: str
+    level: Level
+    case: Case
+    model: int
+    family: str
+    duration: float | None
+    samples: int
+    criteria: Mapping[str, float]
+    parameters: Mapping[str, Told]
+    s0: float | None
+    notes: Mapping[str, float]
+    path: Array | None
+    hashes: frozenset[str]
+    plan: str | None = None
+    noise: float | None = None
+    load: float | None = None
+    machine: str | None = None
+    warnings: tuple[str, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """One row of the answer."""
+        return {
+            "name": self.name,
+            "level": self.level.name.lower(),
+            "model": self.model,
+            "family": self.family,
+            "duration_s": self.duration,
+            "samples": self.samples,
+            "criteria": dict(self.criteria),
+            "s0_N": self.s0,
+            "parameters": {n: t._asdict() for n, t in self.parameters.items()},
+            "execution": dict(self.notes),
+            "assumed_noise_N": self.noise,
+            "load_kg": self.load,
+            "machine": self.machine,
+            "warnings": list(self.warnings),
+        }
+
+
+def read_entry(path: Path) -> Entry:
+    """Reads a plan, recording or result folder.
+
+    Raises:
+        FileProblem: it is none of these.
+        HexciteError: it cannot be used; the message says why.
+    """
+    readers = {"plan.json": _plan, "recording.json": _run, "result.json": _result}
+    for file, reader in readers.items():
+        if (path / file).is_file():
+            return reader(path)
+    wanted = "name folders that plan, poses, run or identify wrote"
+    if not path.exists():
+        raise FileProblem(f"{path}: does not exist; {wanted}")
+    if not path.is_dir():
+        raise FileProblem(f"{path}: is a file; {wanted}")
+    other = another_kind(path, "plan.json")
+    raise FileProblem(f"{path}: {other or 'holds no plan, run or result'}; {wanted}")
+
+
+def _case_of(file: Path, name: object, fingerprint: object, again: str) -> Case:
+    """The case that a run or result names, unless it is another one by now.
+
+    Raises:
+        FileProblem: it names none, or the case has changed.
+    """
+    if not isinstance(name, str):
+        raise FileProblem(f"{file}: names no case; {again}")
+    case = load_case(name)
+    if fingerprint != case.hash:
+        raise FileProblem(
+            f"{file}: case {name} has changed since (hash {case.hash}, was {fingerprint}); {again}, or restore the case"
+        )
+    return case
+
+
+def _plan(path: Path) -> Entry:
+    saved = load_plan(path)
+    model = identification_model(saved.case, int(saved.data["model"]))
+    scaling = reference_scaling(saved.case, model)
+    if saved.data["family"] == "poses" and isinstance(saved.motion, Joined):
+        poses = np.array([p.pose for p in saved.motion.parts if isinstance(p, Measurement)])
+        matrix = (pose_regressors(model, poses) * scaling).reshape(-1, len(scaling))
+        information, samples = matrix.T @ matrix / len(poses), len(poses)
+    else:
+        information = mean_information(model, scaling, saved.motion)
+        samples = round(saved.motion.duration * SAMPLES_PER_SECOND)
+    units, noise, weights = _units(model), float(saved.data["assumed_noise_N"]), int(saved.data.get("payload", 0))
+    if saved.data["family"] == "poses":  # there it is that of averages
+        noise *= float(np.sqrt(max(float(saved.data["settings"]["average_s"]) * SAMPLES_PER_SECOND, 1.0)))
+    payloads = saved.case.payloads
+    load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
+    told = {n: Told(None, float(s), units[n]) for n, s in saved.data["predicted_std"].items()}
+    return Entry(
+        str(path), Level.PLANNED, saved.case, model.number, str(saved.data["family"]), saved.motion.duration, samples,
+        _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
+        plan_hash(path), noise, float(load),
+    )  # fmt: skip
+
+
+def _units(model: Model) -> dict[str, str]:
+    from identification.parameters import physical_form
+
+    return {p.name: p.unit for p in physical_form(model).parameters}
+
+
+def _criteria(information: Array, model: Model) -> dict[str, float]:
+    mu = singular_values(information, model.names)
+    return {letter: c.of(mu) for letter, c in CRITERIA.items()} | {"condition": float(mu[0] / mu[-1])}
+
+
+def _run(path: Path) -> Entry:
+    file = path / "recording.json"
+    about = read_json(file, "hexcite run")
+    case = _case_of(file, about.get("case_file"), about.get("case_hash"), "run the program again")
+    recorded = on_one_clock(read_recording(path, case), case)
+    recording, _ = standing_of(recorded, case, path)
+    model = identification_model(case, default_model(recording))
+    scaling = reference_scaling(case, model)
+    matrices, way, samples = _matrices(recording, case, model)
+    information = _seen(matrices, None, scaling)
+    duration = about.get("executed_s")
+    noise = expected_noise(case, model)
+    seconds = samples / SAMPLES_PER_SECOND
+    if recording.t is None and recorded.t is not None and recorded.trigger is not None:
+        seconds = float(np.count_nonzero(recorded.trigger) * recorded.step)  # of standing still, averaged
+    weighted = _seen(matrices, noise.whitening, scaling)
+    scattered = None if noise.scatter is None else _seen(matrices, noise.scatter, scaling)
+    units = _units(model)
+    expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors, 0, scattered)
+    figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
+    return Entry(
+        str(path), Level.EXECUTED, case, model.number, str(about.get("controller", "recorded")).split(" (")[0],
+        None if duration is None else float(duration), samples, _criteria(information, model),
+        {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
+        {n: float(about[n]) for n in figures if about.get(n) is not None}, way, _fingerprints(path),
+        about.get("plan_hash"), noise.sensors, _mounted(about), _machine(about),
+        tuple(str(about[k]) for k in ("remark",) if about.get(k)),
+    )  # fmt: skip
+
+
+def _mounted(about: Mapping[str, Any]) -> float | None:
+    payload = about.get("payload")
+    return float(payload["mass_kg"]) if isinstance(payload, dict) and "mass_kg" in payload else None
+
+
+def _machine(about: Mapping[str, Any]) -> str:
+    if not about.get("simulated"):
+        return "a real machine"
+    return "a simulated machine, disturbed" if about.get("disturbances") else "a simulated machine, undisturbed"
+
+
+def _seen(matrices: Array, root: Array | None, scaling: Array) -> Array:
+    """Mean of H A^T R^T R A H, shape (u, u)."""
+    rows = ((matrices if root is None else root @ matrices) * scaling).reshape(-1, len(scaling))
+    return np.asarray(rows.T @ rows / len(matrices))
+
+
+def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Array | None, int]:
+    """Regressors that are evaluated, the way of the platform, and the number of samples that they stand for."""
+    found = scan(recording, case)
+    if recording.t is None:
+        return standstills(recording, case, model, found).regressors, None, int(np.sum(~found.bad))
+    run = moving_run(recording, case, model, found=found)
+    struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
+    way = None if struts is None else Hexapod.of(case).poses(struts)[:, :3]
+    return run.regressors(0.0), way, run.samples
+
+
+def _fingerprints(path: Path) -> frozenset[str]:
+    found = set()
+    for file in files_of([path]):
+        with file.open("rb") as stream:
+            found.add(hashlib.file_digest(stream, "sha256").hexdigest())
+    return frozenset(found)
+
+
+def _result(path: Path) -> Entry:
+    saved = load_result(path)
+    file = path / "result.json"
+    data = read_json(file, "hexcite identify")
+    case = _case_of(file, data.get("case_file", saved.case_name), saved.case_hash, "identify again")
+    model = identification_model(case, saved.model)
+    samples, s0 = int(data["samples"]), float(data["s0"])
+    criteria: dict[str, float] = {}
+    if data["weights"] == "equal" and saved.covariance.shape[0] == len(model.names):
+        try:  # (28) turned round: the information that the run held of these parameters
+            mean = s0**2 * np.linalg.inv(saved.covariance) / samples
+            scaling = reference_scaling(case, model)
+            criteria = _criteria(mean * np.outer(scaling, scaling), model)
+        except (np.linalg.LinAlgError, IdentificationError):
+            criteria = {}
+    told = {
+        n: Told(float(p["value"]), max(float(p["std"]), float(p["std_robust"])), str(p["unit"]))
+        for n, p in data["parameters"].items()
+    }
+    seconds = data.get("measuring_s")
+    return Entry(
+        str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")),
+        None if seconds is None else float(seconds), samples, criteria, told,
+        float(data["s0_N"]), {}, None, saved.recordings, data.get("plan_hash"),
+        warnings=tuple(str(w) for w in data.get("warnings", ())),
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Pages and figures: self-contained HTML, and the pictures that stand beside it as files."""

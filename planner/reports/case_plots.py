@@ -1,0 +1,114 @@
+"""Figure of a case: the machine at home, and how much of its reach each pose uses."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.axes3d import Axes3D
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from cases.machine import Machine
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.limits import prove
+from planner.reports.case_figures import STATIC, StandingPoses
+
+Array = NDArray[np.float64]
+
+GRID = 25  # poses along each side of a map
+BESIDE = 0.12  # numbers stand that share of the ring's radius outside of it
+MOST = 1.5  # share of a limit from which the colour stays the same
+
+
+def reach(case: Case, poses: Array) -> Array:
+    """Largest share of any limit of position that each pose uses, above 1 out of reach, shape (n,).
+
+    Counted are strut lengths, joint angles and the way from home to a singularity, not the box of moving excitations.
+
+    Args:
+        case: with machine, workspace and limits.
+        poses: shape (n, 6) [m, rad].
+    """
+    counted = [name for name in STATIC if name not in ("position", "angle")]
+    shares = []
+    for pose in poses:
+        report = prove(StandingPoses(np.stack([pose, pose])), case, 1.0)
+        shares.append(max(check.ratio for check in report.checks if check.name.split(" (")[0] in counted))
+    return np.array(shares)
+
+
+def case_figure(case: Case) -> Figure:
+    """The machine at home in 3-D, and two maps of its reach: over x and y, and over roll and pitch.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    machine, workspace, limits = case.need_machine("the picture of the machine")
+    figure = Figure(figsize=(18, 6), layout="constrained")
+    grid = figure.add_gridspec(1, 3, width_ratios=(1.3, 1.0, 1.0), wspace=0.08)
+    geometry: Axes3D = figure.add_subplot(grid[0], projection="3d")
+    _draw_machine(geometry, case, machine)
+    box = limits.motion.pose
+    over, tilted = figure.add_subplot(grid[1]), figure.add_subplot(grid[2])
+    x, y = (np.linspace(low * MM, high * MM, GRID) for low, high in (workspace.x_mm, workspace.y_mm))
+    colours = _map(over, case, machine, (0, 1), (x, y), MM)
+    a, b = (np.linspace(2 * box[0, k], 2 * box[1, k], GRID) for k in (3, 4))
+    _map(tilted, case, machine, (3, 4), (a, b), DEG)
+    for axes, (i, j), unit in ((over, (0, 1), MM), (tilted, (3, 4), DEG)):
+        sides = box[:, [i, j]] / unit
+        axes.plot(
+            sides[[0, 1, 1, 0, 0], 0], sides[[0, 0, 1, 1, 0], 1], color="white", linewidth=1.5, label="motion box"
+        )
+        axes.legend(loc="lower right", facecolor="0.3", labelcolor="white")
+    over.set(title="reach at the height of home, level", xlabel="x from home [mm]", ylabel="y from home [mm]")
+    tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
+    figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
+    return figure
+
+
+def _map(
+    axes: Axes, case: Case, machine: Machine, which: tuple[int, int], sides: tuple[Array, Array], unit: float
+) -> QuadContourSet:
+    first, second = np.meshgrid(*sides, indexing="ij")
+    poses = np.tile(machine.home.vector, (first.size, 1))
+    poses[:, which[0]] += first.ravel()
+    poses[:, which[1]] += second.ravel()
+    shares = reach(case, poses).reshape(first.shape)
+    shown = np.clip(shares, 0.0, MOST)
+    colours = axes.contourf(first / unit, second / unit, shown, levels=np.linspace(0.0, MOST, 16), cmap="viridis")
+    if shares.min() < 1.0 < shares.max():
+        axes.contour(first / unit, second / unit, shown, levels=[1.0], colors="red", linewidths=2.0)
+        axes.plot([], [], color="red", linewidth=2.0, label="end of reach")
+    axes.set_aspect("equal")
+    return colours
+
+
+def _draw_machine(axes: Axes3D, case: Case, machine: Machine) -> None:
+    """Base, platform, struts and the bars of the sensors at home, in mm."""
+    home = machine.home.vector
+    turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
+    base = machine.base.points / MM
+    platform = (home[:3] + machine.platform.points @ turn.T) / MM
+    for points, colour, label in ((base, "0.3", "base"), (platform, "tab:blue", "platform")):
+        closed = np.vstack([points, points[:1]])
+        axes.plot(closed[:, 0], closed[:, 1], closed[:, 2], color=colour, linewidth=2.0, label=label)
+    for k, (foot, head) in enumerate(zip(base, platform, strict=True), start=1):
+        axes.plot(
+            *zip(foot, head, strict=True), color="tab:gray", linewidth=1.0, label=None if k > 1 else "struts 1 to 6"
+        )
+        for joint, ring, colour in ((foot, base, "0.3"), (head, platform, "tab:blue")):
+            beside = joint + BESIDE * (joint - ring.mean(axis=0))
+            axes.text(*beside, f"{k}", color=colour, ha="center", va="center")
+    bars = case.sensor_frame.bars
+    if bars is not None:
+        ends = [(home[:3] + ring.points @ turn.T) / MM for ring in (bars.lower, bars.upper)]
+        for k, (low, high) in enumerate(zip(*ends, strict=True)):
+            axes.plot(
+                *zip(low, high, strict=True), color="tab:red", linewidth=1.5, label=None if k else "sensors 1 to 6"
+            )
+            axes.text(*high, f"{k + 1}", color="tab:red", fontsize="small", va="bottom")
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{case.name} at home, in {{B}}")
+    axes.text2D(0.98, 0.92, "z [mm]", transform=axes.transAxes, ha="right")
+    axes.set_aspect("equal")
+    axes.legend(loc="upper left")

@@ -1,0 +1,199 @@
+"""The page of a comparison: parameters side by side (Table 6), what controllers made of plans, and what to prefer."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from identification.provenance import provenance
+from planner.comparison.advising import Recommendation
+from planner.comparison.entries import Entry, Level, Told
+from planner.precision import std_text, value_text
+from planner.reports.figures import COLOURS, GREY
+from planner.reports.page import Item, Note, Page, Plot, Section, Table
+from planner.reports.ratios import Series, ratio_figure
+
+SAME_NOISE = 1.0001  # ratio of noises that are one
+
+
+def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
+    """Rows: what each entry is, costs and holds; criteria of the mean information in the reference scaling."""
+    rows = [
+        ["is", *(e.level.name.lower() for e in entries)],
+        ["family, controller, estimator", *(e.family for e in entries)],
+        ["model", *(str(e.model) for e in entries)],
+        ["measuring time [s]", *("-" if e.duration is None else f"{e.duration:.2f}" for e in entries)],
+        ["samples", *(str(e.samples) for e in entries)],
+        ["force residual [N rms]", *("-" if e.s0 is None else f"{e.s0:.3g}" for e in entries)],
+    ]
+    words = {"D": "log det F (D)", "A": "-trace F^-1 (A)", "K": "-mu_1/mu_u (K)", "N": "mu_u²/mu_1 (N)"}
+    for key, label in (*words.items(), ("condition", "condition")):
+        rows.append([label, *(f"{e.criteria[key]:.4g}" if key in e.criteria else "-" for e in entries)])
+    return rows
+
+
+def _each_parameter(entries: Sequence[Entry]) -> Iterator[tuple[str, float, str, list[Told | None]]]:
+    """Of every parameter: name, factor to the unit shown, that unit, and what each entry tells of it."""
+    for name in dict.fromkeys(n for e in entries for n in e.parameters):
+        told = [e.parameters.get(name) for e in entries]
+        unit = next(t.unit for t in told if t is not None)
+        yield name, *((1e3, "mm") if unit == "m" else (1.0, unit)), told
+
+
+def parameter_columns(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """Heads of `parameter_rows`."""
+    labels = ((e.name, "std") if e.level is Level.IDENTIFIED else (f"std {e.name}",) for e in entries)
+    return ("parameter", *(label for each in labels for label in each))
+
+
+def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
+    """Table 6's layout: a row a parameter, of each entry the standard deviation, before it what was identified."""
+    rows = []
+    for name, scale, shown, told in _each_parameter(entries):
+        row = [f"{name} [{shown}]"]
+        for entry, t in zip(entries, told, strict=True):
+            if entry.level is Level.IDENTIFIED:
+                row.append("-" if t is None or t.value is None else value_text(t.value * scale, t.std * scale))
+            row.append("-" if t is None else std_text(t.std * scale))
+        rows.append(row)
+    return rows
+
+
+def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
+    """Standard deviations for one second of measuring: times the square root of the measuring time."""
+    rows = []
+    for name, scale, shown, told in _each_parameter(entries):
+        row = [f"{name} [{shown} √s]"]
+        for entry, t in zip(entries, told, strict=True):
+            known = t is not None and entry.duration is not None
+            row.append(std_text(t.std * scale * np.sqrt(entry.duration)) if known and t and entry.duration else "-")
+        rows.append(row)
+    return rows
+
+
+def execution_rows(groups: Sequence[Sequence[Entry]]) -> list[list[str]]:
+    """Planned against executed, a row a run."""
+    rows = []
+    for group in groups:
+        plan = next((e.name for e in group if e.level == 1), "-")
+        for run in (e for e in group if e.notes):
+            keys = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
+            rows.append([plan, run.name, *(f"{run.notes[k]:.3f}" if k in run.notes else "-" for k in keys)])
+    return rows
+
+
+EXECUTION = ("plan", "run", "planned [s]", "executed [s]", "D-eff. as programmed", "as executed", "off the path [mm]")
+
+
+def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> Page:
+    """The page of `hexcite compare`."""
+    entries = [e for g in groups for e in g]
+    names = tuple(e.name for e in entries)
+    execution = execution_rows(groups)
+    sections = [
+        Section("Recommendation", tuple(Note(s) for s in advice.sentences)),
+        Section(
+            "Parameters side by side (Table 6)",
+            (
+                _std_plot(groups),
+                Table(parameter_columns(entries), tuple(map(tuple, parameter_rows(entries)))),
+                Note(
+                    "std of plans and runs: predicted from the information alone, with white noise as the case states."
+                ),
+            ),
+        ),
+        Section("Figures", (Table(("", *names), tuple(map(tuple, figure_rows(entries)))), _scaling_note())),
+        Section(
+            "Per second of measuring time",
+            (Table(("std · √time", *names), tuple(map(tuple, per_second_rows(entries)))),),
+        ),
+    ]
+    if execution:
+        items: tuple[Item, ...] = (Table(EXECUTION, tuple(map(tuple, execution)), left=2),)
+        words = (
+            "D-efficiency as programmed: of the motion that the controller makes of the text, by its own time law; as "
+        )
+        note = Note(
+            words + "executed: of what it did, behind the evaluation's filter. The plan's own is among the figures."
+        )
+        sections.append(Section("Planned and executed", (*items, note)))
+    hashes = dict.fromkeys((f"case {e.case.name}", e.case.hash) for e in entries)
+    return Page(
+        title="Comparison of excitations",
+        lead=f"{len(entries)} plans, runs and results of {len(groups)} excitations.",
+        inputs=(*hashes, *((e.name, e.level.name.lower()) for e in entries), *provenance([])["versions"].items()),
+        warnings=warnings_of(entries),
+        sections=tuple(sections),
+    )
+
+
+def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """What keeps figures from being compared, and what the evaluations of runs and results warned of."""
+    warnings = []
+    if len({e.model for e in entries}) > 1:
+        warnings.append("models differ: criteria of different models do not compare, standard deviations do")
+    if len({e.case.hash for e in entries}) > 1:
+        warnings.append("cases differ: the machines are not the same, or the case was changed between")
+    noises = [(e.noise, e) for e in entries if e.noise is not None]
+    if noises and max(n for n, _ in noises) > SAME_NOISE * min(n for n, _ in noises):
+        told = _listed((f"{noise:.3g} N", e) for noise, e in noises)
+        warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {told}")
+    if len({round(e.load, 3) for e in entries if e.load is not None}) > 1:
+        told = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
+        warnings.append(f"different weights are mounted, with which errors of the machine grow: {told}")
+    if len({e.machine for e in entries if e.machine is not None}) > 1:
+        told = _listed((e.machine, e) for e in entries if e.machine is not None)
+        warnings.append(f"not the same was measured, so that residuals do not compare: {told}")
+    return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
+
+
+def _listed(told: Iterable[tuple[str, Entry]]) -> str:
+    """Values with the names of the entries that have them."""
+    having: dict[str, list[str]] = {}
+    for value, entry in told:
+        having.setdefault(value, []).append(entry.name)
+    return "; ".join(f"{value} ({', '.join(names)})" for value, names in having.items())
+
+
+def _scaling_note() -> Note:
+    return Note(
+        "Criteria (30)-(33): of the mean information in the reference scaling of case and model; larger is better."
+    )
+
+
+def _coloured(groups: Sequence[Sequence[Entry]]) -> list[tuple[Entry, str]]:
+    """Entries with colours: what belongs together has one."""
+    return [(entry, (*COLOURS, GREY)[k % 7]) for k, group in enumerate(groups) for entry in group]
+
+
+def _std_plot(groups: Sequence[Sequence[Entry]]) -> Plot:
+    symbols = ("circle-open", "diamond", "circle")
+    series = [
+        Series(entry.name, {n: t.std for n, t in entry.parameters.items()}, colour, symbols[entry.level - 1])
+        for entry, colour in _coloured(groups)
+    ]
+    note = (
+        "Standard deviations over the smallest of each parameter: open circles predicted by a plan, diamonds for the "
+        "motion as executed, dots identified; a plan, its runs and their results have one colour."
+    )
+    return Plot("std", ratio_figure(series).update_layout(height=420), note)
+
+
+def compare_figure(groups: Sequence[Sequence[Entry]]) -> Figure:
+    """Standard deviations side by side, for papers."""
+    figure = Figure(figsize=(11, 4.5), layout="constrained")
+    ax = figure.subplots()
+    entries = [e for g in groups for e in g]
+    names = list(dict.fromkeys(n for e in entries for n in e.parameters))
+    for k, (entry, colour) in enumerate(_coloured(groups)):
+        x = [names.index(n) + 0.1 * (k - len(entries) / 2) for n in entry.parameters]
+        y = [t.std for t in entry.parameters.values()]
+        hollow = "none" if entry.level == 1 else colour
+        label = f"{entry.name} ({entry.level.name.lower()})"
+        ax.plot(x, y, ("o", "D", "o")[entry.level - 1], color=colour, markerfacecolor=hollow, label=label)
+    ax.set_xticks(range(len(names)), names, rotation=60)
+    ax.set_yscale("log")
+    ax.set_ylabel("standard deviation [SI]")
+    ax.grid(alpha=0.25)
+    ax.legend(fontsize="small")
+    return figure

@@ -1,0 +1,150 @@
+"""The page of a demo run: the whole chain, and the estimates beside the simulated machine's truth."""
+
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+
+from cases.schema import Case
+from identification.identifiability import Identifiability
+from identification.motion import sample
+from identification.result import Estimate
+from identification.runs.residuals import Residuals
+from identification.trajectories.path import instants
+from planner.precision import std_text, value_text
+from planner.reports.figures import COLOURS, errors_plot, limits_plot, motion_plots
+from planner.reports.identify import identifiability_items, noise_tile, residual_items, run_inputs
+from planner.reports.machine import moving_machine
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, thinned
+from planner.reports.plan import starts_items
+from planner.reports.plots import AXES
+from planner.runs.running import Outcome
+
+DRAWN_RATE = 200.0  # [1/s]
+RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks
+
+
+def demo_page(
+    case: Case,
+    answer: dict[str, Any],
+    outcome: Outcome,
+    estimate: Estimate,
+    found: Identifiability,
+    residuals: Residuals,
+) -> Page:
+    """The page of a demo.
+
+    Args:
+        case: what it ran on.
+        answer: JSON answers of the steps: plan, post, check, run, identify, truth.
+        outcome: the run.
+        estimate: the result.
+        found: what the run determines.
+        residuals: of the recorded forces.
+    """
+    run, plan = answer["run"], answer["plan"]
+    source = case.need_simulation("the demo").source
+    return Page(
+        title=case.title,
+        lead=f"Planned, programmed, proven, executed on {run['controller']} and identified with model "
+        f"{estimate.model}. Sensors and encoders are simulated, with the imperfections that the case states "
+        f"({source}).",
+        inputs=(
+            ("case", f"{case.name} (hash {case.hash})"),
+            ("plan", f"{plan['family']}, criterion {plan['criterion']}, {settings_text(plan['settings'])}"),
+            *run_inputs(run),
+            *answer["identify"]["versions"].items(),
+        ),
+        warnings=estimate.warnings,
+        sections=(
+            Section("What came out", (_headline(answer, estimate), *_truth(answer["truth"], estimate))),
+            Section(
+                "The machine along the plan", (moving_machine(case, outcome.planned, "Drag to turn, wheel to zoom."),)
+            ),
+            Section("The planned motion and its limits", _motion(case, outcome)),
+            Section("Proof of the program's text", _proof(answer)),
+            Section("What the controller made of it", _executed(answer, outcome)),
+            Section("Forces and residuals", residual_items(case, residuals)),
+            Section("What the run determines", identifiability_items(found)),
+            Section("How the plan was found", starts_items(plan)),
+        ),
+    )
+
+
+def settings_text(settings: dict[str, Any]) -> str:
+    """Settings of a plan in one line."""
+    return ", ".join(f"{key} {value}" for key, value in settings.items() if not isinstance(value, list | dict))
+
+
+def _headline(answer: dict[str, Any], estimate: Estimate) -> Tiles:
+    run, plan = answer["run"], answer["plan"]
+    worst = max(abs(r["error"]) / r["std"] for r in answer["truth"])
+    m, z = estimate.physical["m"].std_robust, estimate.physical["zC"].std_robust
+    return Tiles(
+        (
+            Tile(f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
+            Tile(
+                f"{run['d_efficiency']:.2f}",
+                f"D-efficiency as executed, behind the evaluation's filter ({plan['d_efficiency']:.2f} planned, "
+                f"{run['d_efficiency_planned']:.2f} as programmed)",
+            ),
+            Tile(f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
+            Tile(f"{z * 1e6:.3g} µm", "robust standard deviation of the centre of gravity, z"),
+            Tile(f"{worst:.2f}", "largest error in reported standard deviations"),
+            noise_tile(estimate),
+        )
+    )
+
+
+def _truth(rows: list[dict[str, Any]], estimate: Estimate) -> tuple[Item, ...]:
+    table = []
+    for row in rows:
+        scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
+        table.append((row["name"], *truth_cells(row, scale), unit))
+    inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in rows)
+    words = f"{inside} of {len(rows)} truths lie in the 95 % interval of their estimate."
+    if estimate.delay is not None:
+        lag, std = estimate.delay.value * 1e3, estimate.delay.std * 1e3
+        words += f" Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
+    columns = ("parameter", "truth", "estimate", "std", "error", "error / std", "unit")
+    return (errors_plot(rows), Note(words), Table(columns, tuple(table)))
+
+
+def truth_cells(row: dict[str, Any], scale: float) -> tuple[str, ...]:
+    """Truth, estimate, standard deviation, error and error / std of one row of `truth_rows`, times `scale`."""
+    std = row["std"] * scale
+    known = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
+    estimate, error = known
+    return f"{row['truth'] * scale:.6g}", estimate, std_text(std), error, f"{row['error'] / row['std']:+.2f}"
+
+
+def _motion(case: Case, outcome: Outcome) -> tuple[Item, ...]:
+    note = Note("Dashed: the limit of the axis in its colour, grey where axes share it.")
+    return (*motion_plots(case, sample(outcome.planned, DRAWN_RATE)), note)
+
+
+def _proof(answer: dict[str, Any]) -> tuple[Item, ...]:
+    limits = answer["check"]["limits"]
+    words = f"{answer['post']['blocks']} blocks, {answer['check']['duration_s']:.2f} s, read back by code that shares "
+    items: list[Item] = [Note(words + "nothing with the writer; paths checked at 10 kHz."), limits_plot(limits)]
+    left = [f"{v['at'].split(' (')[0]}: {v['status']}" for v in limits.values() if v["status"] != "proven"]
+    if left:
+        items.append(Note("What the program does not determine and its text cannot prove: " + "; ".join(left) + "."))
+    return tuple(items)
+
+
+def _executed(answer: dict[str, Any], outcome: Outcome) -> tuple[Item, ...]:
+    """Accelerations along x, y, z that the controller really made, beside the planned ones."""
+    t = instants(outcome.run.trigger, RECORDED_RATE)
+    executed = outcome.run.execution.kinematics(np.clip(t, 0.0, outcome.run.execution.duration))
+    planned = sample(outcome.planned, DRAWN_RATE)
+    figure = go.Figure()
+    for k in range(3):
+        x, y = thinned(t - t[0], executed.twist_rate[:, k])
+        figure.add_scatter(x=x, y=y, name=f"{AXES[k]} executed", line={"color": COLOURS[k], "width": 1})
+        x, y = thinned(planned.t, planned.accelerations[:, k])
+        figure.add_scatter(x=x, y=y, name=f"{AXES[k]} planned", line={"color": COLOURS[k], "width": 2, "dash": "dot"})
+    figure.update_xaxes(title_text="time since the trigger [s]")
+    figure.update_yaxes(title_text="acceleration [m/s²]")
+    note = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
+    return (Plot("executed", figure.update_layout(height=380), note),)

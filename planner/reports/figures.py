@@ -1,0 +1,224 @@
+"""Interactive figures of a report, drawn with plotly: functions take data and return a figure without colours of text.
+
+Okabe and Ito's colours (told apart by everybody) come from the page; what is set here reads on light and dark.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.identifiability import Identifiability
+from identification.motion import Motion
+from identification.runs.residuals import Residuals
+from planner.precision import std_text, value_text
+from planner.reports.page import Plot, plain, thinned
+from planner.reports.plots import AXES
+
+Array = NDArray[np.float64]
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+GREY = "#8593a1"
+MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
+
+
+def motion_plots(case: Case, motion: Motion) -> list[Plot]:
+    """Position, velocity, acceleration and jerk over time, each axis with its own limits."""
+    machine, _, limits = case.need_machine("the report")
+    box = limits.motion
+    rows = (
+        ("position from home", "mm", "deg", motion.pose - machine.home.vector, box.pose, 1 / MM, 1 / DEG),
+        ("velocity", "mm/s", "deg/s", motion.rates, _both(box.rate), 1 / MM, 1 / DEG),
+        ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), 1.0, 1.0),
+        ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), 1.0, 1.0),
+    )
+    plots = []
+    for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
+        for axes, unit, factor in ((range(3), length_unit, to_length), (range(3, 6), angle_unit, to_angle)):
+            figure = go.Figure()
+            for k in axes:
+                x, y = thinned(motion.t, values[:, k] * factor)
+                figure.add_scatter(x=x, y=y, name=AXES[k], line={"color": COLOURS[k], "width": 1.6})
+            _add_limits(figure, limit[:, list(axes)] * factor, [COLOURS[k] for k in axes])
+            figure.update_xaxes(title_text="time [s]")
+            figure.update_yaxes(title_text=f"{name} [{unit}]")
+            kind = "rotation" if axes.start else "translation"
+            plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), half=True))
+    return plots
+
+
+def _both(limit: Array) -> Array:
+    return np.array([-limit, limit])
+
+
+def _add_limits(figure: go.Figure, limits: Array, colours: Sequence[str]) -> None:
+    """Dashed lines at limits, shape (2, axes): in the colour of their axis, grey where all axes share them."""
+    for row in limits:
+        shared = bool(np.ptp(row) <= 1e-9 * np.abs(row).max())
+        for value, colour in [(row[0], GREY)] if shared else list(zip(row, colours, strict=True)):
+            figure.add_hline(y=float(value), line={"color": colour, "dash": "dash", "width": 1})
+
+
+def limits_plot(limits: dict[str, dict[str, Any]]) -> Plot:
+    """Share of each proven limit that the program uses."""
+    proven = {k: v for k, v in limits.items() if v["status"] == "proven"}
+    names = [plain(v["at"]) for v in proven.values()][::-1]
+    shares = [100 * v["ratio"] for v in proven.values()][::-1]
+    words = [f"{v['worst']:.4g} of {v['limit']:.4g} {v['unit']}" for v in proven.values()][::-1]
+    figure = go.Figure(
+        go.Bar(
+            x=shares,
+            y=names,
+            orientation="h",
+            text=words,
+            textposition="inside",
+            insidetextanchor="start",
+            marker_color=COLOURS[5],
+            textfont_color="#102a43",
+        )
+    )
+    figure.add_vline(x=100, line={"color": COLOURS[1], "width": 2})
+    figure.update_xaxes(title_text="share of the limit [%]", range=[0, 108])
+    return Plot("limits", figure.update_layout(height=110 + 30 * len(names)))
+
+
+def forces_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
+    """Forces as the estimator saw them (lines) and the model's (dotted)."""
+    figure = go.Figure()
+    for k, name in enumerate(channels):
+        x, y = thinned(residuals.t, residuals.seen[:, k])
+        figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
+        x, y = thinned(residuals.t, residuals.predicted[:, k])
+        dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
+        figure.add_scatter(x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
+    _over_samples(figure, residuals)
+    figure.update_yaxes(title_text=f"force [{_unit(channels)}]")
+    how = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
+    return Plot("forces", figure.update_layout(height=340), f"Lines: {how}. Dotted: the identified model.")
+
+
+def residuals_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
+    """What the model leaves of each channel over time; a long run is drawn by its extremes."""
+    figure = go.Figure()
+    for k, name in enumerate(channels):
+        x, y = thinned(residuals.t, residuals.left[:, k])
+        figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
+    _over_samples(figure, residuals)
+    figure.update_yaxes(title_text=f"recorded - model [{_unit(channels)}]")
+    return Plot("residuals", figure.update_layout(height=320))
+
+
+def distribution_plot(residuals: Residuals) -> Plot:
+    """Residuals over the rms of their channel, with the density of the normal distribution."""
+    values = residuals.left
+    scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
+    density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
+    x = (edges[1:] + edges[:-1]) / 2
+    figure = go.Figure(go.Bar(x=x, y=density, marker_color=GREY, name="residuals"))
+    normal = np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
+    figure.add_scatter(x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
+    figure.update_xaxes(title_text="residual / rms of its channel")
+    figure.update_yaxes(title_text="density")
+    return Plot("distribution", figure.update_layout(height=320, bargap=0.0), half=True)
+
+
+def spectrum_plot(residuals: Residuals, channels: Sequence[str], cutoff: float | None) -> Plot:
+    """Amplitude spectral density of the residuals; what stands above the cut-off the evaluation does not see."""
+    frequency, density = residuals.spectrum()
+    figure = go.Figure()
+    for k, name in enumerate(channels):
+        line = {"color": COLOURS[k], "width": 1.2}
+        figure.add_scatter(
+            x=frequency[1:].astype(np.float32), y=density[1:, k].astype(np.float32), name=plain(name), line=line
+        )
+    if cutoff is not None:
+        figure.add_vline(x=cutoff, line={"color": GREY, "dash": "dash", "width": 1})
+    figure.update_xaxes(title_text="frequency [Hz]", type="log")
+    figure.update_yaxes(title_text=f"residual [{_unit(channels)}/√Hz]", type="log")
+    note = (
+        "Of the forces as recorded."
+        if cutoff is None
+        else f"Of the forces as recorded. Dashed: the evaluation's low-pass at {cutoff:g} Hz; what lies above it, as "
+        "ripple of a controller, the estimate does not see."
+    )
+    return Plot("spectrum", figure.update_layout(height=320), note, half=True)
+
+
+def _over_samples(figure: go.Figure, residuals: Residuals) -> None:
+    if residuals.step is None:
+        figure.update_traces(mode="lines+markers", marker_size=4)
+    figure.update_xaxes(title_text="standstill" if residuals.step is None else "time [s]")
+
+
+def _unit(channels: Sequence[str]) -> str:
+    """`fx_N`, `mz_Nm`: the units that the names of the channels end in."""
+    return ", ".join(dict.fromkeys(name.rsplit("_", 1)[-1].replace("Nm", "N m") for name in channels))
+
+
+def identifiability_plots(found: Identifiability) -> list[Plot]:
+    """Figure 3 of the paper: correlation of the columns, and R of the scaled regressor, both as magnitudes."""
+    panels = (
+        ("correlation", np.abs(found.correlation), "Magnitude of the correlation of the regressor's columns."),
+        ("qr", np.abs(found.r), "Magnitude of R of the scaled regressor: what stands right of the diagonal is shared."),
+    )
+    names = [plain(name) for name in found.names]
+    plots = []
+    for name, values, note in panels:
+        bar = {"thickness": 12, "outlinewidth": 0}
+        figure = go.Figure(
+            go.Heatmap(
+                z=values.astype(np.float32), x=names, y=names, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar
+            )
+        )
+        figure.update_yaxes(autorange="reversed", tickfont_size=10)
+        figure.update_xaxes(tickfont_size=10, tickangle=-90)
+        plots.append(Plot(name, figure.update_layout(height=460), note, half=True))
+    return plots
+
+
+def errors_plot(rows: Sequence[dict[str, Any]]) -> Plot:
+    """Estimate less truth in standard deviations, with the 95 % and the 4 sigma band."""
+    names = [plain(r["name"]) for r in rows]
+    errors = [r["error"] / r["std"] for r in rows]
+    figure = go.Figure()
+    for half, opacity in ((4.0, 0.10), (1.96, 0.16)):
+        figure.add_hrect(y0=-half, y1=half, fillcolor=COLOURS[0], opacity=opacity, line_width=0, layer="below")
+    bars = {"type": "constant", "value": 1.0, "thickness": 1.2, "width": 5}
+    figure.add_scatter(
+        x=names, y=errors, mode="markers", marker={"color": COLOURS[0], "size": 9}, error_y=bars, showlegend=False
+    )
+    reach = max(5.0, 1.15 * max(abs(e) for e in errors))
+    figure.update_xaxes(tickangle=-45)
+    figure.update_yaxes(title_text="(estimate - truth) / std", range=[-reach, reach])
+    note = (
+        "Points: estimate less truth in reported standard deviations, one standard deviation as the bar; bands: 95 % "
+    )
+    return Plot("errors", figure.update_layout(height=380), note + "and 4 standard deviations.")
+
+
+def parameters_plot(parameters: dict[str, dict[str, Any]]) -> Plot:
+    """Each parameter with its 95 % interval, as a share of the largest parameter of its unit."""
+    names = list(parameters)
+    largest: dict[str, float] = {}
+    for p in parameters.values():
+        largest[p["unit"]] = max(largest.get(p["unit"], 0.0), abs(p["value"]), 1e-300)
+    figure = go.Figure()
+    for key, label, colour in (("std_robust", "robust", COLOURS[1]), ("std", "(28)", COLOURS[0])):
+        width = [1.96 * parameters[n][key] / largest[parameters[n]["unit"]] * 100 for n in names]
+        text = [
+            f"{value_text(parameters[n]['value'], parameters[n][key])} ± {std_text(1.96 * parameters[n][key])} "
+            f"{parameters[n]['unit']}"
+            for n in names
+        ]
+        figure.add_scatter(
+            x=[plain(n) for n in names], y=width, name=label, mode="markers", marker={"size": 9, "color": colour},
+            hovertext=text, hoverinfo="text+name",
+        )  # fmt: skip
+    figure.update_xaxes(tickangle=-45)
+    figure.update_yaxes(title_text="half width of the 95 % interval [%]", type="log", dtick="D2")
+    note = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
+    return Plot("parameters", figure.update_layout(height=360), note)

@@ -1,0 +1,71 @@
+"""The hexapod along a motion, as data for the page's 3-D picture."""
+
+import base64
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from cases.units import MM
+from identification.motion import Trajectory, sample
+from planner.reports.page import Machine
+
+Array = NDArray[np.float64]
+
+FRAMES_A_SECOND = 50.0
+MOST_FRAMES = 3000
+SECONDS_A_POSE = 0.5  # of a pose set, when played
+
+
+def moving_machine(case: Case, trajectory: Trajectory, note: str) -> Machine:
+    """The machine of a case along a trajectory.
+
+    Args:
+        case: with a machine.
+        trajectory: of the platform.
+        note: caption.
+    """
+    rate = min(FRAMES_A_SECOND, MOST_FRAMES / max(trajectory.duration, 1e-9))
+    motion = sample(trajectory, rate)
+    return Machine(_scene(case, motion.t, motion.pose, steps=False), note)
+
+
+def posing_machine(case: Case, poses: Array, note: str) -> Machine:
+    """The machine of a case in one pose after the other.
+
+    Args:
+        case: with a machine.
+        poses: shape (n, 6) [m, rad].
+        note: caption.
+    """
+    return Machine(_scene(case, SECONDS_A_POSE * np.arange(float(len(poses))), poses, steps=True), note)
+
+
+def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:
+    """Lengths in mm, angles in rad; points of the platform and the sensors in {P}, of the base in {B}."""
+    machine, _, _ = case.need_machine("the picture of the machine")
+    bars = case.sensor_frame.bars
+    base, platform = machine.base.points / MM, machine.platform.points / MM
+    unit = np.r_[np.full(3, 1 / MM), np.ones(3)]
+    reach = float(np.linalg.norm(platform, axis=1).max())
+    tall = 0.0 if bars is None else float(np.linalg.norm(bars.upper.points, axis=1).max()) / MM
+    centres = poses[:, :3] / MM
+    low = np.minimum(base.min(axis=0), centres.min(axis=0) - np.array([reach, reach, 0.0]))
+    high = np.maximum(base.max(axis=0), centres.max(axis=0) + np.array([reach, reach, tall]))
+    return {
+        "steps": steps,
+        "t": _packed(t),
+        "poses": _packed(poses * unit),
+        "base": np.round(base, 3).tolist(),
+        "platform": np.round(platform, 3).tolist(),
+        "lower": [] if bars is None else np.round(bars.lower.points / MM, 3).tolist(),
+        "upper": [] if bars is None else np.round(bars.upper.points / MM, 3).tolist(),
+        "range": np.column_stack([low, high]).round(1).tolist(),
+    }
+
+
+def _packed(values: Array) -> dict[str, str]:
+    """Numbers as plotly packs them: a third of the size of decimal digits."""
+    raw = np.ascontiguousarray(values, dtype="<f4").tobytes()
+    return {"dtype": "f4", "bdata": base64.b64encode(raw).decode("ascii")}

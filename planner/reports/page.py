@@ -1,0 +1,186 @@
+"""The report page: one HTML file that needs no network, put together from tiles, tables, notes and figures.
+
+Values are typed here and drawn by the template, which escapes every text; plotly, the figures' data and the script
+are part of the file. Text from outside that goes into a figure passes `plain`, for plotly reads some HTML in labels.
+"""
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from numpy.typing import NDArray
+from plotly.io.json import to_json_plotly
+from plotly.offline import get_plotlyjs
+
+Array = NDArray[np.float64]
+
+MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
+
+
+@dataclass(frozen=True, slots=True)
+class Tile:
+    """A figure that matters: `value` with its unit, and what it means in a line."""
+
+    value: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Tiles:
+    """The figures that matter, side by side."""
+
+    tiles: tuple[Tile, ...]
+    kind: str = "tiles"
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A paragraph."""
+
+    text: str
+    kind: str = "note"
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A claim that figures bear out or not."""
+
+    holds: bool
+    claim: str
+    figures: str
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """Claims with their answers, one below the other."""
+
+    answers: tuple[Answer, ...]
+    kind: str = "answers"
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table; the first `left` columns hold words, the others numbers."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    left: int = 1
+    kind: str = "table"
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """An interactive figure.
+
+    Args:
+        name: unique on the page, also the name of the file it is saved to from the browser.
+        figure: drawn in the colours of the page, so it sets none for text, grid and background.
+        note: caption.
+        half: may stand beside another one where the window is wide.
+    """
+
+    name: str
+    figure: go.Figure
+    note: str = ""
+    half: bool = False
+    kind: str = "plot"
+
+    @property
+    def data(self) -> Markup:
+        """The figure as JSON that is safe inside a script element."""
+        content = self.figure.to_dict()
+        content["layout"].pop("template", None)
+        return Markup(to_json_plotly(content))  # escapes <, > and /
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """The hexapod moving in 3-D, with buttons to play and a slider to scrub.
+
+    Args:
+        scene: what `planner.reports.machine` makes of a motion.
+        note: caption.
+    """
+
+    scene: dict[str, Any]
+    note: str = ""
+    kind: str = "machine"
+
+    @property
+    def data(self) -> Markup:
+        """The scene as JSON that is safe inside a script element."""
+        return Markup(to_json_plotly(self.scene))
+
+
+Item = Tiles | Note | Answers | Table | Plot | Machine
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A heading and what stands below it."""
+
+    title: str
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A report.
+
+    Args:
+        title: heading.
+        lead: what was done, in a sentence or two.
+        inputs: what it was done with, versions too: names and values.
+        warnings: stand first.
+        sections: in order.
+    """
+
+    title: str
+    lead: str
+    inputs: tuple[tuple[str, str], ...]
+    warnings: tuple[str, ...]
+    sections: tuple[Section, ...]
+
+
+def render(page: Page) -> str:
+    """The page as HTML."""
+    environment = Environment(
+        loader=PackageLoader("planner.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("page.html.j2").render(page=page, plotly=Markup(get_plotlyjs()))
+
+
+def plain(text: str) -> str:
+    """A text that plotly shows as it is: what looks like HTML in it stays text."""
+    return html.escape(text, quote=False)
+
+
+def thinned(x: Array, y: Array, most: int = MOST_POINTS) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """A line with at most `most` points that looks the same: of each stretch its lowest and its highest sample.
+
+    Args:
+        x: shape (n,).
+        y: shape (n,).
+        most: points that are left, at least 4.
+    """
+    if len(x) <= most:
+        return x.astype(np.float32), y.astype(np.float32)
+    size = -(-len(x) // (most // 2))
+    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
+    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
+    kept = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
+    return x[kept].astype(np.float32), y[kept].astype(np.float32)
+
+
+def rows_of(rows: Sequence[Sequence[str]]) -> tuple[tuple[str, ...], ...]:
+    """Rows of a table that was made for the terminal."""
+    return tuple(tuple(row) for row in rows)

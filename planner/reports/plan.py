@@ -1,0 +1,266 @@
+"""The page of a plan: what it promises, the machine along it, how close it comes to each limit, what it tells when."""
+
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from cases.units import MM
+from identification.evaluate import over_samples
+from identification.identifiability import analyse
+from identification.limited import rotation_motion, strut_motion
+from identification.model import Model, identification_model
+from identification.motion import Motion, Trajectory, sample
+from identification.overload import SHARE, load_shares, sensor_forces
+from identification.parameters import physical_form
+from identification.provenance import provenance
+from identification.recording import force_columns
+from identification.reference import reference_scaling
+from planner.comparison.beside_manual import Beside
+from planner.plan import Plan
+from planner.precision import std_text
+from planner.reports.figures import COLOURS, GREY, limits_plot, motion_plots
+from planner.reports.identify import identifiability_items
+from planner.reports.machine import moving_machine
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
+from planner.search.last_words import solver_text
+
+Array = NDArray[np.float64]
+
+DRAWN_RATE = 500.0  # [1/s]
+INFORMATION_RATE = 100.0  # [1/s] of the figures of information: its mean needs no more
+
+
+def plan_page(plan: Plan, manual: Beside | str) -> Page:
+    """The page of `hexcite plan`.
+
+    Args:
+        plan: the chosen motion.
+        manual: the hand-made motion of the same case, or why there is none.
+    """
+    case, request = plan.case, plan.request
+    model = identification_model(case, request.model)
+    motion = sample(plan.motion, DRAWN_RATE)
+    settings = {k: v for k, v in plan.settings.items() if not isinstance(v, list | dict)}
+    inputs = [
+        ("case", f"{case.name} (hash {case.hash})"),
+        ("family", plan.family),
+        *((k, str(v)) for k, v in settings.items()),
+        ("criterion", request.criterion),
+        ("model", str(request.model)),
+        ("mounted", request.mounted),
+        ("targets", ", ".join(request.targets) or "none"),
+        ("seed", str(request.seed)),
+        *provenance([])["versions"].items(),
+    ]
+    made = "made by hand" if plan.family == "manual" else f"optimised for criterion {request.criterion}"
+    if (method := settings.get("retimed_with")) is not None:
+        made += f", re-timed with {method}"
+    return Page(
+        title=f"Plan: {case.title}",
+        lead=f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {made}, to identify model {request.model} "
+        f"with {request.mounted} mounted; every limit is proven at 10 kHz.",
+        inputs=tuple(inputs),
+        warnings=_warnings(plan),
+        sections=(
+            Section("What the plan promises", (_headline(plan), *_deviations(plan, model, manual))),
+            Section("The machine along the plan", (moving_machine(case, plan.motion, "Drag to turn, wheel to zoom."),)),
+            Section("How close it comes to each limit", (limits_plot(plan.limits.to_json()), *_bound_by(plan))),
+            Section("The motion and its limits", (*motion_plots(case, motion), _dashed())),
+            Section("Struts", _struts(case, motion)),
+            Section("Predicted sensor forces", _forces(case, motion, request.payload)),
+            Section("What the motion tells", (*_information(plan, model), *_identifiability(plan, model))),
+            Section("How the plan was found", starts_items(plan.to_json())),
+        ),
+    )
+
+
+def _warnings(plan: Plan) -> tuple[str, ...]:
+    words = list(plan.notes)
+    if plan.interrupted:
+        words.insert(0, "The search was stopped by Ctrl-C: this is the best of what was found until then.")
+    if not plan.bound.certified:
+        words.append("The bound behind the D-efficiency is an estimate: time ran out before its proof.")
+    return tuple(words)
+
+
+def _dashed() -> Note:
+    return Note("Dashed: the limit of the axis in its colour, grey where axes share it.")
+
+
+def _headline(plan: Plan) -> Tiles:
+    kind = "certified" if plan.bound.certified else "an estimate"
+    tiles = [
+        Tile(f"{plan.motion.duration:.2f} s", "duration, from rest to rest"),
+        Tile(f"{plan.d_efficiency:.3f}", f"D-efficiency against the box bound ({kind})"),
+        Tile(f"{plan.condition:.3g}", "condition in reference scaling"),
+        Tile(f"{plan.limits.worst_ratio * 100:.1f} %", "most that is used of any limit"),
+    ]
+    if plan.d_efficiency_tight is not None and plan.tight is not None:
+        kind = "certified" if plan.tight.certified else "an estimate"
+        tight = Tile(
+            f"{plan.d_efficiency_tight:.3f}", f"D-efficiency against closed motions with limited jerk ({kind})"
+        )
+        tiles.insert(2, tight)
+    return Tiles(tuple(tiles))
+
+
+def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
+    """Predicted standard deviations, beside those of the hand-made motion at equal time."""
+    shaken = " and noise of the accelerations as the case states it" if plan.noise.shaken else ""
+    note = (
+        f"Predicted for white force noise of {plan.noise.sensors:g} N{shaken} at 1 kHz, weights {plan.noise.weights}."
+    )
+    columns = ["parameter", "predicted std"]
+    other = None
+    if plan.family != "manual":
+        if isinstance(manual, Beside):
+            other = manual.at_equal_time(plan.motion.duration)
+            columns += ["hand-made, equal time", "times smaller"]
+            note += (
+                f" The hand-made motion of the case takes {manual.duration:.2f} s; its deviations are those of "
+                "as much measuring time as the plan's, repeated or broken off."
+            )
+        else:
+            note += f" {manual[0].upper()}{manual[1:]}."
+    rows = []
+    for p in physical_form(model).parameters:
+        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        std = plan.predicted_std[p.name]
+        row = [p.name, std_text(std * scale)]
+        if other is not None:
+            row += [std_text(other[p.name] * scale), f"{other[p.name] / std:.2f}"]
+        rows.append((*row, unit))
+    return (Table((*columns, "unit"), tuple(rows)), Note(note))
+
+
+def _bound_by(plan: Plan) -> tuple[Item, ...]:
+    names = plan.to_json()["bound_by"]
+    words = f"What shapes the motion: {', '.join(names)}." if names else "No limit is used up."
+    return (Note(words),)
+
+
+def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[float, ...], height: int) -> go.Figure:
+    """Six lines over time, with the limits that they share."""
+    figure = go.Figure()
+    for k, name in enumerate(names):
+        thin_x, thin_y = thinned(x, values[:, k])
+        figure.add_scatter(x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
+    for limit in limits:
+        figure.add_hline(y=limit, line={"color": GREY, "dash": "dash", "width": 1})
+    figure.update_xaxes(title_text="time [s]")
+    figure.update_yaxes(title_text=unit)
+    return figure.update_layout(height=height)
+
+
+def _struts(case: Case, motion: Motion) -> tuple[Item, ...]:
+    machine, workspace, limits = case.need_machine("the page of a plan")
+    box = limits.motion
+    length, velocity, acceleration = strut_motion(motion, machine)
+    low = max(box.strut_length[0], workspace.strut_length[0]) / MM
+    high = min(box.strut_length[1], workspace.strut_length[1]) / MM
+    v, a = box.strut_velocity_m_s, box.strut_acceleration_m_s2
+    names = [f"strut {k}" for k in range(1, 7)]
+    panels = (
+        ("strut-lengths", length / MM, "length [mm]", (low, high)),
+        ("strut-velocities", velocity, "velocity [m/s]", (-v, v)),
+        ("strut-accelerations", acceleration, "acceleration [m/s²]", (-a, a)),
+    )
+    return tuple(Plot(n, _lines(motion.t, values, names, unit, of, 280)) for n, values, unit, of in panels)
+
+
+def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
+    """Forces with what is mounted, and how much of the range each number of payloads would use."""
+    forces = sensor_forces(*rotation_motion(motion), motion.accelerations[:, :3], case.body(payload), case)
+    of = case.sensors.range_N
+    limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
+    columns = force_columns(case)
+    unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
+    words = f"With {payload} payloads, offsets and compensation apart."
+    plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
+    shares = load_shares(motion, case)
+    if of is None or not len(shares):
+        return (plot, Note("The case names no range of its sensors: nothing limits these forces."))
+    rows = tuple((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))
+    table = Table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {of:g} N"), rows, left=0)
+    return (plot, table)
+
+
+def _matrices(plan: Plan, model: Model) -> Array:
+    """Scaled regressors along the motion, shape (n, 6, u)."""
+    motion = plan.motion.at(_instants(plan.motion))
+    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
+    return np.asarray(matrices * reference_scaling(plan.case, model))
+
+
+def _instants(motion: Trajectory) -> Array:
+    count = max(200, int(motion.duration * INFORMATION_RATE))
+    return (np.arange(count) + 0.5) * motion.duration / count
+
+
+def _information(plan: Plan, model: Model) -> tuple[Item, ...]:
+    """What each parameter costs: its deviation if all others were known, and as one of all."""
+    matrices = _matrices(plan, model)
+    stacked = matrices.reshape(-1, matrices.shape[2])
+    information = stacked.T @ stacked / len(matrices)
+    alone = 1.0 / np.sqrt(np.diag(information))
+    together = np.sqrt(np.diag(np.linalg.inv(information)))
+    names = [plain(name) for name in model.names]
+    figure = go.Figure()
+    figure.add_bar(x=names, y=together, name="with all others unknown", marker_color=COLOURS[0])
+    figure.add_bar(x=names, y=alone, name="if all others were known", marker_color=COLOURS[5])
+    figure.update_xaxes(tickangle=-60)
+    figure.update_yaxes(title_text="std of one sample, scaled")
+    words = "In reference scaling, for a noise of 1. The gap is what telling a parameter from the others costs."
+    return (Plot("information", figure.update_layout(height=360, barmode="group"), words), _progress(plan, matrices))
+
+
+def _progress(plan: Plan, matrices: Array) -> Plot:
+    """How the information grows while the motion runs: the D-criterion of what was gathered so far."""
+    per_sample = np.einsum("nki,nkj->nij", matrices, matrices)
+    steps = np.unique(np.linspace(len(matrices) // 20, len(matrices) - 1, 60).astype(int))
+    gathered = np.cumsum(per_sample, axis=0)[steps]
+    sign, logdet = np.linalg.slogdet(gathered)
+    whole = logdet[-1]
+    share = np.where(sign > 0, np.exp(np.minimum(0.0, (logdet - whole) / matrices.shape[2])), 0.0)
+    t = _instants(plan.motion)[steps]
+    figure = go.Figure(go.Scatter(x=t, y=100 * share, line={"color": COLOURS[0], "width": 2}, name="gathered"))
+    figure.add_scatter(
+        x=[0.0, plan.motion.duration],
+        y=[0.0, 100.0],
+        line={"color": GREY, "dash": "dash", "width": 1},
+        name="at an even pace",
+    )
+    figure.update_traces(mode="lines")
+    figure.update_xaxes(title_text="time [s]", range=[0.0, plan.motion.duration])
+    figure.update_yaxes(title_text="information gathered [%]", range=[0, 105])
+    words = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
+    return Plot("progress", figure.update_layout(height=300), words)
+
+
+def _identifiability(plan: Plan, model: Model) -> tuple[Item, ...]:
+    return identifiability_items(analyse(_matrices(plan, model), model.names))
+
+
+def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
+    """Starts of a search, and the bound that its result is measured by; of the JSON of a plan."""
+    bound = plan["bound"]
+    words = f"Log det of the mean information in reference scaling; bound {bound['logdet']:.3f} ({bound['method']})."
+    if not plan["starts"]:
+        source = plan["settings"].get("retimed_from")
+        how = "Made by hand, nothing was searched" if source is None else f"Re-timed from {source}"
+        return (Note(f"{how}. {words}"),)
+    columns = ("seed", "stage", "log det at start", "log det at end", "iterations", "time", "solver")
+    rows = tuple(
+        (str(s["seed"]), s["stage"], _logdet(s["start_logdet"]), f"{s['logdet']:.3f}", str(s["iterations"]),
+         f"{s['seconds']:.1f} s", solver_text(s["solver"]))
+        for s in plan["starts"]
+    )  # fmt: skip
+    failed = tuple(Note(f"Start {f['seed']} led nowhere: {f['reason']}.") for f in plan["failed_starts"])
+    return (Table(columns, rows, left=2), *failed, Note(words))
+
+
+def _logdet(value: float | None) -> str:
+    return "singular" if value is None else f"{value:.3f}"

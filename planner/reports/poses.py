@@ -1,0 +1,67 @@
+"""The page of a pose set: the machine in each pose, what the set promises, and what its poses determine."""
+
+import plotly.graph_objects as go
+
+from identification.identifiability import Identifiability
+from identification.model import identification_model
+from identification.parameters import physical_form
+from identification.provenance import provenance
+from planner.poses.plan import PosePlan
+from planner.precision import std_text
+from planner.reports.figures import COLOURS, GREY
+from planner.reports.identify import identifiability_items
+from planner.reports.machine import posing_machine
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain
+
+
+def poses_page(plan: PosePlan, found: Identifiability) -> Page:
+    """The page of `hexcite poses`.
+
+    Args:
+        plan: the chosen poses.
+        found: what they determine.
+    """
+    about = plan.to_json()
+    case, settings = plan.case, about["settings"]
+    tiles = (
+        Tile(str(about["count"]), f"poses of {about['candidates']} candidates"),
+        Tile(f"{about['duration_s']:.1f} s", f"measuring time, of it {about['travel_s']:.1f} s of travel"),
+        Tile(f"{about['efficiency']:.3f}", "D-efficiency of the best design over the candidates (lower bound)"),
+        Tile(f"{about['condition']:.3g}", "condition in reference scaling"),
+    )
+    words = f"chosen by {about['method']}, criterion {about['criterion']}, for model {about['model']}: {plan.remark}."
+    inputs = [("case", f"{case.name} (hash {case.hash})"), *((k, str(v)) for k, v in settings.items())]
+    return Page(
+        title=f"Poses: {case.title}",
+        lead=f"{about['count']} poses {words}",
+        inputs=(*inputs, *provenance([])["versions"].items()),
+        warnings=(),
+        sections=(
+            Section("What the set promises", (Tiles(tiles), *_deviations(plan))),
+            Section("The machine in each pose", (posing_machine(case, plan.poses, "In the order of visit."),)),
+            Section("Where the poses are", (_places(plan),)),
+            Section("What the poses determine", identifiability_items(found)),
+        ),
+    )
+
+
+def _deviations(plan: PosePlan) -> tuple[Item, ...]:
+    rows = []
+    for p in physical_form(identification_model(plan.case, plan.request.model)).parameters:
+        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+        rows.append((p.name, std_text(plan.predicted_std[p.name] * scale), unit))
+    note = Note(f"Predicted for averaged forces that scatter by {plan.noise:.3g} N, independently from pose to pose.")
+    return (Table(("parameter", "predicted std", "unit"), tuple(rows)), note)
+
+
+def _places(plan: PosePlan) -> Plot:
+    figure = go.Figure()
+    for poses, name, size, colour in (
+        (plan.candidates.poses, "candidates", 5, GREY),
+        (plan.poses, "chosen", 10, COLOURS[1]),
+    ):
+        marker = {"size": size, "color": colour}
+        figure.add_scatter(x=poses[:, 0] * 1e3, y=poses[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
+    figure.update_xaxes(title_text="x [mm]", constrain="domain")
+    figure.update_yaxes(title_text="y [mm]", scaleanchor="x", constrain="domain")
+    return Plot("places", figure.update_layout(height=460), "Seen from above; several orientations share a place.")

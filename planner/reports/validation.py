@@ -1,0 +1,294 @@
+"""The page of a validation: Table 7, what the methods cost and give, and why a value is off."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import plotly.graph_objects as go
+from matplotlib.figure import Figure
+
+from cases.schema import Case
+from identification.provenance import provenance
+from planner.precision import with_deviation
+from planner.reports.figures import COLOURS, GREY
+from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
+from planner.reports.ratios import Series, ratio_figure
+from planner.validation.causes import SUSPICIOUS
+from planner.validation.experiment import TABLE_3
+from planner.validation.remedy import REMEDY_COLUMNS, Remedy
+from planner.validation.step import COMPARED, SHOWN, Identified, Step
+from planner.validation.verdict import OFF_COLUMNS, Finding, off_rows
+
+TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
+SCALES = {"zC": (1e3, "mm"), "xC": (1e3, "mm"), "yC": (1e3, "mm")}
+LEAST_DEVIATION = 1e-12  # the first step is its own theory
+
+
+def table_7(steps: Sequence[Step]) -> list[list[str]]:
+    """Table 7's layout: a row a load, values with their relative deviation from theory."""
+    rows = []
+    for step in steps:
+        row = [f"{step.load:.0f} kg", f"{step.s0:.2f}"]
+        for name in SHOWN:
+            value = step.estimate.physical.get(name)
+            scale = SCALES.get(name, (1.0, ""))[0]
+            row.append("-" if value is None else f"{value.value * scale:.2f}")
+            if name[0] != "k":
+                deviation = step.deviation(name)
+                blank = deviation is None or abs(deviation) < LEAST_DEVIATION
+                row.append("" if blank or deviation is None else f"{100 * deviation:+.2f} %")
+        rows.append(row)
+    return rows
+
+
+def _methods(steps: Sequence[Step]) -> list[str]:
+    return list(dict.fromkeys(step.method for step in steps))
+
+
+def validation_page(
+    case: Case,
+    steps: Sequence[Step],
+    verdict: Sequence[Finding],
+    columns: Mapping[int, Identified],
+    machine: str,
+    failed: Mapping[str, str],
+    helped: Sequence[Remedy] = (),
+) -> Page:
+    """The page of `hexcite validate`.
+
+    Args:
+        case: with its payloads.
+        steps: of all methods.
+        verdict: claims about the methods, answered.
+        columns: runs without payload by several models; empty where they were not made.
+        machine: what was used, in words.
+        failed: methods that could not be carried out, and why.
+        helped: steps that were identified with the structural mode.
+    """
+    payloads = case.payloads
+    assert payloads is not None
+    warnings = tuple(f"{method} was not run: {why}" for method, why in failed.items())
+    warnings += tuple(_warnings(steps))
+    tables: list[Item] = []
+    for method in _methods(steps):
+        own = [s for s in steps if s.method == method]
+        took = "" if own[0].duration is None else f", {own[0].duration:.1f} s"
+        tables += [
+            Note(f"{method}{took}, model {own[0].estimate.model}"),
+            Table(TABLE_7, tuple(map(tuple, table_7(own)))),
+        ]
+    sections = [
+        Section("What it comes to", (_findings(verdict),)),
+        Section("Which method gives the smallest standard deviations", (*_std_plots(steps), _std_table(steps))),
+        Section("Values and deviations from theory (Table 7)", (_deviation_note(), *tables, *_error_plots(steps))),
+        Section("Residuals grow with the load", (_s0_plot(steps),)),
+    ]
+    if off := off_rows(steps):
+        note = (
+            "Errors of more than 3 reported standard deviations, and what they consist of, in these: forces that each "
+            "disturbance of the simulated machine added pass the evaluation of the run by themselves. The cause is the "
+            "one without which the error would be smallest."
+        )
+        items: list[Item] = [Note(note), Table(OFF_COLUMNS, rows_of(off), left=3)]
+        if helped:
+            items.append(
+                Note("The same recordings identified with the mode estimated too (hexcite identify --flexible):")
+            )
+            items.append(Table(REMEDY_COLUMNS, rows_of([row for h in helped for row in h.rows()]), left=3))
+        sections.insert(3, Section("What is off, and why", tuple(items)))
+    if columns:
+        sections.append(
+            Section("Models side by side, without payload (Table 3)", _models(case, dict(sorted(columns.items()))))
+        )
+    return Page(
+        title=f"Validation with payloads: {case.title}",
+        lead=f"Known weights of {_loads(steps)} mounted one after the other and identified by "
+        f"{len(_methods(steps))} methods on {machine}.",
+        inputs=(
+            ("case", f"{case.name} (hash {case.hash})"),
+            ("machine", machine),
+            ("weights", payloads.source),
+            *provenance([])["versions"].items(),
+        ),
+        warnings=warnings,
+        sections=tuple(sections),
+    )
+
+
+def _loads(steps: Sequence[Step]) -> str:
+    return ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps)) + " kg"
+
+
+def _findings(verdict: Sequence[Finding]) -> Answers:
+    return Answers(tuple(Answer(f.holds, f.claim, f.figures) for f in verdict))
+
+
+def _warnings(steps: Sequence[Step]) -> list[str]:
+    """Each warning once, with the runs that it was given for: those that differ by numbers alone count as one."""
+    given: dict[str, list[tuple[str, str]]] = {}
+    for step in steps:
+        for warning in step.estimate.warnings:
+            run = f"{step.method} {step.load:.0f} kg"
+            told = warning.replace("; look at plots/residuals.svg", "")  # those pictures are of single results
+            given.setdefault(re.sub(r"[0-9.]+", "#", told), []).append((run, told))
+    sentences = []
+    for runs in given.values():
+        first, warning = runs[0]
+        others = ", ".join(run for run, _ in runs[1:])
+        sentences.append(f"{first}: {warning}" + (f" (likewise: {others})" if others else ""))
+    return sentences
+
+
+def _deviation_note() -> Note:
+    return Note(
+        "Theory: what the method itself identified without payload, plus the known weights; offsets must stay. s0 is "
+        "(27), of the recorded forces [N]. m in kg, zC in mm, IC33 in kg m², f_q0_3 in N, "
+        "k0 in N/m, k1 in N m/m."
+    )
+
+
+def _std_plots(steps: Sequence[Step]) -> list[Plot]:
+    """Reported standard deviations without payload, at each method's own s0, and for one second of measuring."""
+    bare = [s for s in steps if s.weights == 0]
+    timed = [s for s in bare if s.duration is not None]
+    over = ", over the smallest of each parameter."
+    note = "Reported standard deviations without payload, at each method's own residuals" + over
+    plots = [_std_plot("std", bare, lambda s: 1.0, note)]
+    if bare and all(s.scatter for s in bare):
+        note = (
+            "What these deviations are in truth: over simulated machines whose errors of the pose differ, and which "
+            "therefore repeat wherever a motion comes back to a pose" + over
+        )
+        plots.append(_std_plot("std-true", bare, lambda s: 1.0, note, true=True))
+    if timed:
+        note = "The same for one second of measuring: times the square root of the measuring time" + over
+        plots.append(_std_plot("std-per-second", timed, lambda s: float(np.sqrt(s.duration or 1.0)), note))
+    return plots
+
+
+def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], note: str, true: bool = False) -> Plot:
+    series = [
+        Series(
+            step.method,
+            {
+                n: (step.scatter[n] if true else value.reported) * factor(step)
+                for n, value in step.estimate.physical.items()
+            },
+            (*COLOURS, GREY)[k % 7],
+        )
+        for k, step in enumerate(bare)
+    ]
+    return Plot(name, ratio_figure(series).update_layout(height=400, showlegend=True), note)
+
+
+def _std_table(steps: Sequence[Step]) -> Table:
+    bare = [s for s in steps if s.weights == 0]
+    names = list(dict.fromkeys(n for s in bare for n in s.estimate.physical))
+    rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
+    rows.append(("s0", *(f"{s.s0:#.3g} N" for s in bare)))
+    for name in names:
+        scale, unit = SCALES.get(name, (1.0, ""))
+        found = [s.estimate.physical.get(name) for s in bare]
+        unit = unit or next(v.unit for v in found if v is not None)
+        rows.append((f"std {name} [{unit}]", *("-" if v is None else f"{v.reported * scale:#.3g}" for v in found)))
+    return Table(("without payload", *(s.method for s in bare)), tuple(rows))
+
+
+def _error_plots(steps: Sequence[Step]) -> list[Item]:
+    """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
+    plots: list[Item] = []
+    for name in COMPARED:
+        figure = go.Figure()
+        figure.add_hrect(y0=-SUSPICIOUS, y1=SUSPICIOUS, fillcolor=COLOURS[0], opacity=0.12, line_width=0, layer="below")
+        drawn = False
+        for k, method in enumerate(_methods(steps)):
+            own = [(s.load, s.error(name)) for s in steps if s.method == method]
+            known = [(load, error) for load, error in own if error is not None]
+            if known:
+                x, y = zip(*known, strict=True)
+                line = {"color": (*COLOURS, GREY)[k % 7]}
+                figure.add_scatter(x=x, y=y, name=plain(method), mode="lines+markers", line=line)
+                drawn = True
+        figure.update_xaxes(title_text="load [kg]")
+        figure.update_yaxes(title_text=f"error of {name} / std")
+        if drawn:
+            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), half=True))
+    if plots:
+        told = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
+        plots.insert(0, Note(told))
+    return plots
+
+
+def _s0_plot(steps: Sequence[Step]) -> Plot:
+    figure = go.Figure()
+    for k, method in enumerate(_methods(steps)):
+        own = [s for s in steps if s.method == method]
+        line = {"color": (*COLOURS, GREY)[k % 7]}
+        figure.add_scatter(
+            x=[s.load for s in own],
+            y=[s.s0 for s in own],
+            name=plain(method),
+            mode="lines+markers",
+            line=line,
+        )
+    figure.update_xaxes(title_text="load [kg]")
+    figure.update_yaxes(
+        title_text="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)]
+    )
+    return Plot("s0", figure.update_layout(height=340, showlegend=True))
+
+
+def _models(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
+    names = ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33", "k0", "k1", "k2", "k3")
+    rows = [("s0 [N]", *(f"{e.s0_N:.3g}" for e in columns.values()))]
+    for name in names:
+        scale, unit = SCALES.get(name, (1.0, ""))
+        found = [e.physical.get(name) for e in columns.values()]
+        if not any(found):  # standing still tells no inertia
+            continue
+        unit = unit or next(v.unit for v in found if v is not None)
+        told = ("-" if v is None else with_deviation(v.value * scale, v.reported * scale) for v in found)
+        rows.append((f"{name} [{unit}]", *told))
+    truth = "" if case.simulation is None else f" True mass: {case.simulation.parameters.body.mass_kg:g} kg."
+    sources = {"Q5M": "the 480 poses", "D9M": "the hand-made motion"}
+    made = [
+        f"Models {', '.join(map(str, numbers))}: {sources[method]}."
+        for method, numbers in TABLE_3.items()
+        if any(n in columns for n in numbers)
+    ]
+    note = " ".join(made) + (
+        " Models 0, 2, 6 and 7 have no orientation-dependent error terms (K5): standing still that makes their mass "
+        "wrong, moving it does not."
+    )
+    return (Table(("parameter", *(f"model {n}" for n in sorted(columns))), tuple(rows)), Note(note + truth))
+
+
+def std_figure(steps: Sequence[Step]) -> Figure:
+    """Standard deviations without payload, for papers: bars from zero are the reported ones, lines the true ones."""
+    bare = [s for s in steps if s.weights == 0]
+    panels = ("m", "xC", "zC", "IC33", "k0", "k1")
+    labels = [s.method if s.duration is None else f"{s.method}\n{s.duration:.0f} s" for s in bare]
+    figure = Figure(figsize=(12, 5.2), layout="constrained")
+    if any(s.scatter for s in bare):
+        told = "bars and numbers: as each run reports; lines: in truth, over machines that err with the pose otherwise"
+        figure.suptitle(told, fontsize=9, x=0.01, ha="left")
+    for ax, name in zip(figure.subplots(2, 3).ravel(), panels, strict=True):
+        scale, unit = SCALES.get(name, (1.0, ""))
+        for k, step in enumerate(bare):
+            value = step.estimate.physical.get(name)
+            height = 0.0 if value is None else value.reported * scale
+            unit = unit or ("" if value is None else value.unit)
+            ax.bar(k, height, color=(*COLOURS, GREY)[k % 7], width=0.7)
+            true = step.scatter.get(name, 0.0) * scale
+            if true > 0.0:
+                ax.plot([k - 0.42, k + 0.42], [true, true], color="black", linewidth=1.6)
+            said = "none" if value is None else f"{height:#.2g}"
+            ax.annotate(said, (k, max(height, true)), (0, 2), textcoords="offset points", ha="center", fontsize=9)
+        ax.set_xticks(range(len(bare)), labels, fontsize=8)
+        ax.set_xlim(-0.6, len(bare) - 0.4)
+        ax.margins(y=0.15)
+        ax.set_yticks([])
+        ax.tick_params(length=0)
+        ax.spines[["left", "right", "top"]].set_visible(False)
+        ax.set_title(f"standard deviation of {name} [{unit.replace('^2', '²')}]", fontsize=11, loc="left")
+    return figure

@@ -1,0 +1,210 @@
+"""The fastest pace along a path that keeps every limit of rates, accelerations and jerks: a small control problem.
+
+The path is the planned motion q(s) itself, s its own time. Wanted is the pace p(s) = ds/dt that minimises the
+duration, the integral of ds / p. With primes for derivatives with respect to s,
+
+    q_t = q' p,    q_tt = q'' p^2 + q' p p',    q_ttt = q''' p^3 + 3 q'' p^2 p' + q' p (p'^2 + p p''),
+
+and the same for the struts. p is a cubic B-spline, so that jerks stay finite; toppra's answer to the problem without
+the third equation has steps in p'.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cases.schema import Case
+from identification.evaluate import over_samples
+from identification.hexapod import Hexapod
+from identification.motion import Motion, Trajectory
+from planner.search.last_words import last_words
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+Array = NDArray[np.float64]
+
+KNOT_DISTANCE = 0.05  # [s] of the planned time: limits of jerk let accelerations change in about that
+POINTS = 4  # between two knots, at which the limits are held
+SLOWEST = 0.01  # of the planned pace
+ITERATIONS = 300
+INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is integrated
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """A path and what its limits are made of, at the points at which they are held.
+
+    Args:
+        s: places on the path, its own time, shape (n,) [s].
+        weights: of the integral over s, shape (n,) [s].
+        first: derivatives of the six coordinates and the six strut lengths with respect to s, shape (n, 12).
+        second: shape (n, 12).
+        third: of the six coordinates, shape (n, 6).
+        velocity: limits, shape (12,).
+        acceleration: shape (12,).
+        jerk: shape (6,).
+    """
+
+    s: Array
+    weights: Array
+    first: Array
+    second: Array
+    third: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+
+    @classmethod
+    def of(cls, path: Trajectory, case: Case, margin: float) -> "Course":
+        """The course of a path.
+
+        Args:
+            path: from rest to rest.
+            case: gives limits and struts.
+            margin: share of every limit that is left free.
+
+        Raises:
+            CaseError: the case has no machine or no limits.
+        """
+        limits = case.need_machine("re-timing")[2].motion
+        knots = _knots(path.duration)
+        s = (knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(POINTS) + 0.5) / POINTS).ravel()
+        motion = path.at(s)
+        _, along, again = over_samples(Hexapod.of(case).strut_motion, motion.pose, motion.rates, motion.accelerations)
+        six = np.ones(6)
+        return cls(
+            s,
+            np.full(len(s), path.duration / len(s)),
+            np.hstack([motion.rates, along]),
+            np.hstack([motion.accelerations, again]),
+            motion.jerks,
+            np.concatenate([limits.rate, limits.strut_velocity_m_s * six]) * (1.0 - margin),
+            np.concatenate([limits.acceleration, limits.strut_acceleration_m_s2 * six]) * (1.0 - margin),
+            limits.jerk * (1.0 - margin),
+        )
+
+    @property
+    def own_pace(self) -> float:
+        """The largest share of the path's own pace that keeps all limits if it is kept all along."""
+        shares = [
+            float((np.abs(values) / limit).max()) ** (1.0 / (order + 1))
+            for order, (values, limit) in enumerate(
+                ((self.first, self.velocity), (self.second, self.acceleration), (self.third, self.jerk))
+            )
+        ]
+        return float(1.0 / max(*shares, 1e-9))
+
+
+def _knots(duration: float) -> Array:
+    return np.linspace(0.0, duration, max(20, int(np.ceil(duration / KNOT_DISTANCE))) + 1)
+
+
+def _basis(duration: float) -> "BSpline":
+    from scipy.interpolate import BSpline
+
+    knots = _knots(duration)
+    return BSpline(np.concatenate([np.zeros(3), knots, np.full(3, duration)]), np.eye(len(knots) + 2), 3)
+
+
+@dataclass(frozen=True)
+class PacedMotion:
+    """A motion along a path at another pace, with finite jerks; a `Trajectory`.
+
+    Args:
+        path: the planned motion.
+        pace: p over the planned time.
+        solver: what the optimiser said.
+    """
+
+    path: Trajectory
+    pace: "BSpline"
+    solver: str = field(default="", compare=False)
+
+    @cached_property
+    def _clock(self) -> tuple[Array, Array]:
+        """Times and places on the path, both increasing."""
+        s = np.linspace(0.0, self.path.duration, max(64, int(self.path.duration * INTEGRATED)) + 1)
+        middle = 1.0 / self.pace((s[1:] + s[:-1]) / 2)
+        ends = 1.0 / self.pace(s)
+        steps = (ends[:-1] + 4.0 * middle + ends[1:]) * np.diff(s) / 6.0  # Simpson's rule
+        return np.concatenate([[0.0], np.cumsum(steps)]), s
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return float(self._clock[0][-1])
+
+    def places(self, t: ArrayLike) -> Array:
+        """Where on the path the motion is at times t: planned times, shape (n,) [s]."""
+        from scipy.interpolate import CubicHermiteSpline
+
+        times, s = self._clock
+        found = CubicHermiteSpline(times, s, self.pace(s))(np.clip(np.asarray(t, dtype=float), 0.0, times[-1]))
+        return np.asarray(np.clip(found, 0.0, self.path.duration))
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        s = self.places(time)
+        q = self.path.at(s)
+        p, slope, bend = (self.pace(s, nu=order)[:, None] for order in range(3))
+        change, third = p * slope, p * (slope**2 + p * bend)  # second and third time derivative of s
+        return Motion(
+            time,
+            q.pose,
+            q.rates * p,
+            q.accelerations * p**2 + q.rates * change,
+            q.jerks * p**3 + 3.0 * q.accelerations * p * change + q.rates * third,
+        )
+
+
+def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Array]) -> PacedMotion:
+    """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
+
+    Args:
+        path: from rest to rest.
+        course: of that path.
+        most: times the planned pace, at most.
+        held: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of
+            shape (n,), above 0 and at most 1.
+    """
+    basis = _basis(path.duration)
+    at = [ca.sparsify(ca.DM(basis(course.s, nu=order))) for order in range(3)]
+    x = ca.MX.sym("x", basis.c.shape[0])
+    p, slope, bend = (ca.mtimes(matrix, x) for matrix in at)
+    change, third = p * slope, p * (slope**2 + p * bend)
+    with np.errstate(divide="ignore"):
+        fastest = np.minimum(most, np.min(course.velocity / np.abs(course.first), axis=1))
+    rows = [p / ca.DM(fastest)]
+    for k, limit in enumerate(course.acceleration):
+        one, two = (ca.DM(v[:, k] / (limit * held[0])) for v in (course.first, course.second))
+        rows.append(two * p**2 + one * change)
+    for k, limit in enumerate(course.jerk):
+        one, two, three = (
+            ca.DM(v[:, k] / (limit * held[1])) for v in (course.first, course.second, course.third)
+        )  # fmt: skip
+        rows.append(three * p**3 + 3.0 * two * p * change + one * third)
+    problem = {"x": x, "f": ca.dot(ca.DM(course.weights), 1.0 / p) / path.duration, "g": ca.vertcat(*rows)}
+    options = {"ipopt": {"print_level": 0, "sb": "yes", "max_iter": ITERATIONS, "tol": 1e-6}, "print_time": False}
+    solver = ca.nlpsol("pace", "ipopt", problem, options)
+    begin = min(most, course.own_pace * float(min(h.min() for h in held)))
+    count = len(course.s)
+    low = np.concatenate([np.zeros(count), -np.ones((len(rows) - 1) * count)])
+    answer = solver(x0=np.full(x.shape[0], begin), lbx=SLOWEST * begin, ubx=most, lbg=low, ubg=1.0)
+    stats = solver.stats()
+    found = answer["x"].full()[:, 0]
+    said = last_words(stats["return_status"])
+    if not np.isfinite(found).all():
+        found, said = np.full(len(found), begin), f"{said}; one pace all along"
+    return PacedMotion(path, _with(basis, found), f"ipopt: {said}, {int(stats['iter_count'])} iterations")
+
+
+def _with(basis: "BSpline", coefficients: Array) -> "BSpline":
+    from scipy.interpolate import BSpline
+
+    return BSpline(basis.t, coefficients, 3)

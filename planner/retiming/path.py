@@ -1,0 +1,158 @@
+"""A path re-timed inside every limit, jerk too, as a cubic spline: what plans, programs and controllers can carry.
+
+The pace is that of `planner.retiming.pacing`; the spline is the nearest to the motion at that pace. Where the spline
+passes a limit between the points at which the pace was held, the limits there are drawn in and the pace is sought
+again; what is left after some rounds is taken out by one slower pace for all. The spline is not the path: `off_path`
+says how far it strays.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import InfeasiblePlan
+from cases.schema import Case
+from identification.limits import TOLERANCE, kinetic_shares, prove
+from identification.motion import TimedPoints, Trajectory
+from identification.trajectories.polynomial import PolynomialMotion
+from planner.retiming.pacing import POINTS, Course, PacedMotion, paced
+from planner.retiming.spline_fit import fitted_spline
+from planner.search.solving import MARGIN, remedy
+
+Array = NDArray[np.float64]
+
+STEP = 0.04  # [s] of the spline: four blocks of 10 ms, from which readers tell a cubic spline by its points
+ROUNDS = 4
+WATCHED = 2000.0  # [1/s] at which a round looks where limits are passed
+SETTLED = 1e-3  # of the duration: rounds that gain less are the last
+FASTEST = 5.0  # times the planned pace, where as fast as possible is asked for
+LONGEST = 120.0  # [s] of a path: beyond that the search takes minutes
+SLOWER = 1.02  # steps in which a motion is stretched whose sensor forces are too large
+STRETCHES = 40
+
+
+class RetimedPath(NamedTuple):
+    """A path at another pace.
+
+    Args:
+        motion: proven inside all limits, with a margin; the path itself where its own pace is as good as any found.
+        off_path: largest distance from the path, of the position [m] and of an angle [rad].
+        solver: what the optimiser said.
+    """
+
+    motion: Trajectory
+    off_path: tuple[float, float]
+    solver: str
+
+
+def retimed_path(
+    path: Trajectory, case: Case, fastest: bool, told: Callable[[str], None] = lambda _: None
+) -> RetimedPath:
+    """The path at the fastest pace that keeps all limits.
+
+    Args:
+        path: from rest to rest.
+        case: gives the limits.
+        fastest: up to `FASTEST` times the planned pace; otherwise never faster than planned.
+        told: how it is getting on.
+
+    Raises:
+        InfeasiblePlan: no pace keeps all limits; the message names the one in the way.
+        CaseError: the case has no machine or no limits.
+    """
+    if path.duration > LONGEST:
+        raise InfeasiblePlan(
+            f"a path of {path.duration:.0f} s is longer than the {LONGEST:g} s that this search takes; use "
+            "--method toppra, or cut it"
+        )
+    _require_rest(path, case)
+    own = not isinstance(path, TimedPoints) and prove(path, case).worst_ratio <= 1.0 - MARGIN + TOLERANCE
+    if own and not fastest:
+        return RetimedPath(path, (0.0, 0.0), "its own pace keeps all limits")
+    best, solver = _search(path, case, FASTEST if fastest else 1.0, told)
+    if own and best.duration >= path.duration:
+        return RetimedPath(path, (0.0, 0.0), "its own pace is the fastest that was found")
+    motion = _inside(best, case)
+    return RetimedPath(motion, _off(motion, best, path), solver)
+
+
+class _Round(NamedTuple):
+    """A motion at a pace, its spline, and by how much that must be slower."""
+
+    motion: PacedMotion
+    spline: PolynomialMotion
+    slower: float
+
+    @property
+    def duration(self) -> float:
+        return self.spline.duration * self.slower
+
+
+def _search(path: Trajectory, case: Case, most: float, told: Callable[[str], None]) -> tuple[_Round, str]:
+    course = Course.of(path, case, MARGIN)
+    held = (np.ones(len(course.s)), np.ones(len(course.s)))
+    best: _Round | None = None
+    for number in range(ROUNDS):
+        motion = paced(path, course, most, held)
+        spline = fitted_spline(motion, STEP)
+        t = np.linspace(0.0, spline.duration, int(spline.duration * WATCHED) + 2)
+        shares = kinetic_shares(spline, case, t)
+        roots = [float(s.max()) ** (1.0 / order) for order, s in enumerate(shares, start=1)]
+        found = _Round(motion, spline, max(1.0, *roots) / (1.0 - MARGIN) if max(roots) > 1.0 - MARGIN else 1.0)
+        told(f"round {number + 1}: {found.duration:.3f} s")
+        gained = best is None or found.duration < best.duration * (1.0 - SETTLED)
+        best = found if best is None or found.duration < best.duration else best
+        if not gained or found.slower == 1.0:
+            break
+        places = motion.places(t)
+        held = (held[0] / _passed(shares[1], places, course), held[1] / _passed(shares[2], places, course))
+    assert best is not None
+    return best, best.motion.solver
+
+
+def _passed(shares: Array, places: Array, course: Course) -> Array:
+    """By how much a limit is passed near each point of the course, at least 1."""
+    from scipy.ndimage import maximum_filter1d
+
+    step = course.s[1] - course.s[0]
+    nearest = np.clip(np.round(places / step - 0.5).astype(int), 0, len(course.s) - 1)
+    over = np.ones(len(course.s))
+    np.maximum.at(over, nearest, shares / (1.0 - MARGIN))
+    return np.asarray(maximum_filter1d(over, 2 * POINTS + 1))
+
+
+def _inside(found: _Round, case: Case) -> PolynomialMotion:
+    """The spline as much slower as the proof at 10 kHz and the sensors' forces need.
+
+    Raises:
+        InfeasiblePlan: a limit is passed that no pace helps against.
+    """
+    slower = found.slower
+    for _ in range(STRETCHES):
+        motion = found.spline.slowed(1.0 / slower)
+        report = prove(motion, case)
+        if report.worst_ratio <= 1.0 - MARGIN + TOLERANCE:
+            return motion
+        worst = max(report.checks, key=lambda c: c.ratio)
+        if not any(word in worst.name for word in ("velocity", "acceleration", "jerk", "sensor force")):
+            if report.kept:  # inside, with less than the margin: the path itself leaves no more
+                return motion
+            raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst)}")
+        slower *= SLOWER if worst.name.startswith("sensor force") else 1.0 + 2e-4
+    raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst)}")
+
+
+def _off(motion: PolynomialMotion, found: _Round, path: Trajectory) -> tuple[float, float]:
+    t = np.linspace(0.0, motion.duration, int(motion.duration * WATCHED) + 2)
+    off = motion.at(t).pose - path.at(found.motion.places(t / motion.duration * found.spline.duration)).pose
+    return float(np.linalg.norm(off[:, :3], axis=1).max()), float(np.abs(off[:, 3:]).max())
+
+
+def _require_rest(path: Trajectory, case: Case) -> None:
+    ends = path.at([0.0, path.duration])
+    share = np.abs(ends.rates) / case.need_machine("re-timing")[2].motion.rate
+    if not share.max() <= 1e-6:
+        which = "begins" if not share[0].max() <= 1e-6 else "ends"
+        raise InfeasiblePlan(f"the path {which} at {100 * share.max():.3g} % of a rate limit; it must be at rest there")

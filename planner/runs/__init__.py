@@ -1,0 +1,1 @@
+"""Programs on a controller and the recordings that come of them."""

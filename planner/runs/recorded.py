@@ -1,0 +1,137 @@
+"""What stands beside a recording: its case, the poses it was to stand at, the motion it was to follow."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cases.errors import RecordingError
+from cases.files import another_kind, read_json
+from cases.loading import lasting_name, load_case
+from cases.schema import Case
+from identification.findings.feed import about_feed, against_plan
+from identification.identify import placed
+from identification.recording import Recording
+from identification.result import Estimate
+from identification.runs.standing import average, find_standstills, match, stands_only
+from planner.poses.expected import poses_of_plan, poses_of_recording
+from planner.runs.fingerprints import plan_of_recording
+from planner.runs.followed import followed_by_recording, followed_plan
+
+RESTLESS = 3.0  # times the usual scatter of an averaged force
+
+
+class Still(NamedTuple):
+    """What a user says about standstills in a run that was recorded with a clock.
+
+    Args:
+        plan: of poses, whose standstills the run holds.
+        asked: average standstills without knowing the poses.
+    """
+
+    plan: Path | None = None
+    asked: bool = False
+
+
+UNSAID = Still()
+
+
+def case_of(path: Path, case: str | None) -> Case:
+    """The case that was named, or the one that a recording folder was made for and that has not changed since."""
+    recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
+    if not recorded and (other := another_kind(path, "recording.json")):
+        raise RecordingError(f"{path}: {other}; here a recording is wanted, such as hexcite run writes")
+    if case is not None:
+        return load_case(case)
+    if not (path.is_dir() and (path / "recording.json").is_file()):
+        raise RecordingError(f"{path}: does not say which machine it is from; name it with --case")
+    about = read_json(path / "recording.json", "hexcite run")
+    loaded = load_case(str(about.get("case_file")))
+    if about.get("case_hash") != loaded.hash:
+        raise RecordingError(
+            f"{path}: case {about.get('case_file')} has changed since the recording; name the right one with --case"
+        )
+    return loaded
+
+
+def about_run(path: Path, case: str | None, recording: Recording, estimate: Estimate) -> dict[str, Any]:
+    """What a result says of its run: the file of the case, the plan that it followed, the time that it took.
+
+    Args:
+        path: of the recording.
+        case: as it was named; None where the recording's folder says.
+        recording: as it was identified.
+        estimate: of it.
+    """
+    file = path / "recording.json"
+    about = read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
+    taken = about.get("executed_s")
+    if taken is None and recording.t is not None:
+        taken = estimate.samples * float(np.median(np.diff(recording.t)))  # stamps of a host jitter
+    name = str(about.get("case_file")) if case is None else lasting_name(case)
+    return {"case_file": name, "plan_hash": plan_of_recording(path), "measuring_s": taken}
+
+
+def with_feed(estimate: Estimate, recording: Recording, case: Case, path: Path, plan: Path | None) -> Estimate:
+    """The estimate with a warning where the run went at another feed than its plan or program.
+
+    Args:
+        estimate: of the recording.
+        recording: the run.
+        case: its case.
+        path: where it was read.
+        plan: that it followed, as the user says; else what the folder of `hexcite run` says counts.
+
+    Raises:
+        HexciteError: a plan that was named and cannot be compared, or is not of this run.
+    """
+    followed = followed_plan(plan, case) if plan is not None else followed_by_recording(path, case)
+    if followed is None or (plan is None and (recording.t is None or recording.struts is None)):
+        return estimate
+    try:
+        stretches = against_plan(recording, case, followed.motion, followed.name)
+    except RecordingError as error:
+        if plan is not None:
+            raise RecordingError(placed(recording.source, error)) from error
+        return replace(estimate, warnings=(*estimate.warnings, str(error)))
+    sentences, entries = about_feed(recording, stretches, f"comparison with {followed.name}")
+    if plan is not None and not stretches:
+        entries = {"feed": {"found_by": f"comparison with {followed.name}", "stretches": []}}
+    return replace(estimate, warnings=(*estimate.warnings, *sentences), told={**estimate.told, **entries})
+
+
+def knows_poses(path: Path, still: Still) -> bool:
+    """Whether a run is said to stand at poses, by its folder or by the user."""
+    return still.asked or still.plan is not None or poses_of_recording(path) is not None
+
+
+def standing_of(
+    recording: Recording, case: Case, path: Path, still: Still = UNSAID
+) -> tuple[Recording, dict[str, Any] | None]:
+    """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
+
+    A folder of hexcite run knows the poses of its program; `still` names others, or says that there are standstills.
+
+    Raises:
+        StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
+        RecordingError: no standstills, though there should be some.
+    """
+    expected = poses_of_plan(still.plan) if still.plan is not None else poses_of_recording(path)
+    if recording.t is None:
+        if still.plan is None and not still.asked:
+            return recording, None
+        raise RecordingError(f"{recording.source}: its rows are averaged already; leave --poses and --standstills out")
+    if expected is None and not still.asked and not stands_only(recording):
+        return recording, None
+    settle = case.poses.settle_s if case.poses is not None else 0.5
+    standing = average(recording, find_standstills(recording, settle))
+    if expected is not None:
+        standing = match(standing, case, expected, recording.source)
+    told = {
+        "count": len(standing.windows),
+        "matched_to_poses": expected is not None,
+        "found_by": "trigger" if recording.trigger is not None and recording.trigger.any() else "motion",
+        "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
+    }
+    return standing.averages, told

@@ -1,0 +1,264 @@
+"""Runs a program on a controller, simulates the sensors for what was really executed, and rates the run."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import ExecutionError, HexciteError
+from cases.files import RUN, atomic_folder, json_text
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from identification.loaded import UNDISTURBED, Circumstances
+from identification.model import identification_model
+from identification.motion import Joined, Standstill, Trajectory
+from identification.peaks import executed_peaks
+from identification.recording import Recording, write_recording
+from identification.reference import reference_scaling
+from identification.simulate import TRUE_MODEL, simulate_recording
+from identification.trajectories.executed import StrutExecution
+from identification.trajectories.path import executed_information, path_error
+from planner.bounds.kept import Bound, box_bound
+from planner.runs.fingerprints import plan_of_program
+from planner.runs.standing import stood, way_of
+from planner.search.problem import mean_information
+from postprocessors.execute.executed_run import ExecutedRun, moving_windows
+from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
+from postprocessors.execute.linuxcnc.punctuality import TIME_TOLERANCE, slowest_path
+from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from postprocessors.execute.virtual import run_virtual
+from postprocessors.files import ProgramFile, read_program
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.measured import measured_poses, measures_at_poses
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.proof import prove_program
+from postprocessors.proving.stretches import Stretch, Timed, Untimed, stretches
+
+CONTROLLERS = ("virtual", "linuxcnc")
+SLOWER = 4.0  # speed-up of a second session
+NOTICEABLE = 0.01  # of a run
+
+
+class Rating(NamedTuple):
+    """Planned against executed.
+
+    Args:
+        planned: duration of the excitation in the program [s].
+        executed: with the controller [s].
+        path_error: [m].
+        efficiency_planned: D-efficiency of the program's excitation; None where it measures standing still.
+        efficiency: of the executed one, behind the filter of the evaluation; None as before.
+        peaks: largest share of each kinetic limit in the whole run, approach and return included.
+    """
+
+    planned: float
+    executed: float
+    path_error: float
+    efficiency_planned: float | None
+    efficiency: float | None
+    peaks: dict[str, float]
+
+    @property
+    def peak_acceleration(self) -> float:
+        """The largest of the accelerations' shares: of the origin, the angles and the struts."""
+        return max(share for name, share in self.peaks.items() if name.endswith("acceleration"))
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """A run with its recording.
+
+    Args:
+        run: what the controller did.
+        recording: what was measured, simulated.
+        rating: planned against executed.
+        planned: the excitation that the program asks for, or the way through the poses that it measures.
+        program_hash: fingerprint of the program that ran.
+        guarantees: what the controller that it was written for answers for.
+        around: what was mounted and what disturbed.
+        poses: at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
+        plan_hash: of the plan that the program says it was written from; None where it says nothing.
+    """
+
+    run: ExecutedRun
+    recording: Recording
+    rating: Rating
+    planned: Trajectory
+    program_hash: str
+    guarantees: Guarantees
+    around: Circumstances
+    poses: NDArray[np.float64]
+    plan_hash: str | None = None
+
+
+def best_controller() -> tuple[str, str]:
+    """The real controller if it is installed, else the virtual one, with the reason."""
+    reason = linuxcnc_missing()
+    return ("linuxcnc", "LinuxCNC is installed") if reason is None else ("virtual", reason)
+
+
+def require_controller(on: str) -> None:
+    """Raises HexciteError unless `on` names a controller that can run here."""
+    if on not in CONTROLLERS:
+        raise HexciteError(f"controller {on!r} is unknown; choose {', '.join(CONTROLLERS)}")
+    if on == "linuxcnc" and (missing := linuxcnc_missing()) is not None:
+        raise ExecutionError(missing)
+
+
+def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> Outcome:
+    """Proves a program, runs it and simulates the recording.
+
+    Args:
+        program: its file.
+        case: with a simulated machine.
+        on: `virtual` or `linuxcnc`.
+        seed: of the sensors' noise.
+        around: what is mounted and what disturbs.
+
+    Raises:
+        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
+    """
+    case.need_simulation("a run")
+    read, parts, run = carried_out(program, case, on)
+    at_poses = measures_at_poses(parts)
+    planned = way_of(parts, case, read.guarantees) if at_poses else planned_excitation(read, case)
+    recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
+    fingerprint, followed = hashlib.sha256(read.content).hexdigest()[:16], plan_of_program(read.content)
+    if at_poses:
+        poses = measured_poses(parts)
+        went = stood(run, poses, program)
+        rating = Rating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
+        return Outcome(run, recording, rating, planned, fingerprint, read.guarantees, around, poses, followed)
+    rating = _rating(case, planned, run)
+    none = np.zeros((0, 6))
+    return Outcome(run, recording, rating, planned, fingerprint, read.guarantees, around, none, followed)
+
+
+def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[Stretch, ...], ExecutedRun]:
+    """Proves a program and runs it: as read, its stretches, and what the controller did.
+
+    Args:
+        program: its file.
+        case: the machine.
+        on: `virtual` or `linuxcnc`.
+
+    Raises:
+        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
+    """
+    require_controller(on)
+    read = read_program(program, case)
+    prove_program(read.reading, case, read.guarantees).require()
+    parts = stretches(read.reading)
+    run = run_virtual(read.reading, case, read.guarantees) if on == "virtual" else _on_linuxcnc(read, case)
+    if not len(run.trigger):
+        raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
+    return read, parts, run
+
+
+def planned_excitation(read: ProgramFile, case: Case) -> Trajectory:
+    """The motion that the program asks for while its trigger is on."""
+    limits = case.need_machine("a run")[2].motion
+    excited: list[Trajectory] = []
+    for part in stretches(read.reading):
+        if not part.trigger:
+            continue
+        if isinstance(part, Timed):
+            excited.append(part.points)
+        elif isinstance(part, Untimed):
+            motion = predicted(part, limits, read.guarantees)
+            excited += [] if motion is None else [motion]
+        elif excited and part.duration > 0.0:  # a pause between moves
+            excited.append(Standstill(excited[-1].at([excited[-1].duration]).pose[0], part.duration))
+    while excited and isinstance(excited[-1], Standstill):
+        excited.pop()
+    if not excited:
+        raise ExecutionError(f"{read.path}: nothing moves with the trigger on; write it with hexcite post")
+    return excited[0] if len(excited) == 1 else Joined(tuple(excited))
+
+
+def _on_linuxcnc(read: ProgramFile, case: Case) -> ExecutedRun:
+    if read.dialect.name != "linuxcnc":
+        raise ExecutionError(f"{read.path}: is no LinuxCNC program ({read.dialect.name}); run it with --on virtual")
+    headroom = acceleration_headroom(read.reading, case)
+    log = run_linuxcnc(read.path, case, read.content, headroom=headroom)
+    remark = ""
+    if late := slowest_path(read.reading, log):
+        # Blocks that come too slowly from a busy computer make the motion wait for them; a slower session tells.
+        slower = run_linuxcnc(read.path, case, read.content, headroom=headroom, speedup=SLOWER)
+        again = slowest_path(read.reading, slower)
+        agree = again is not None and abs(again.taken - late.taken) <= TIME_TOLERANCE * late.planned
+        why = "the same at a fifth of the speed" if agree else "this computer was too busy, the slower run counts"
+        remark = f"{late.sentence()}; {why}" if agree or again is None else f"{again.sentence()}; {why}"
+        log = slower
+    if log.left_out > NOTICEABLE * len(log.lines):
+        surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
+        remark = f"{remark}; {surplus}" if remark else surplus
+    execution = StrutExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
+    excited = moving_windows(log.trigger, log.strut_lengths, log.period)
+    return ExecutedRun(log.controller, execution, excited, real=True, remark=remark)
+
+
+def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> Rating:
+    model = identification_model(case, TRUE_MODEL)
+    scaling, bound = reference_scaling(case, model), box_bound(case, model)
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is None:
+        case.missing("recording.filter_cutoff_Hz", "the rating of a run")
+    after = executed_information(model, scaling, run.execution, run.trigger, cutoff)
+    return Rating(
+        planned=planned.duration,
+        executed=run.excitation,
+        path_error=path_error(planned, run.execution, run.trigger),
+        efficiency_planned=_efficiency(bound, mean_information(model, scaling, planned)),
+        efficiency=_efficiency(bound, after),
+        peaks=executed_peaks(run.execution, case),
+    )
+
+
+def _efficiency(bound: Bound, information: np.ndarray) -> float:
+    sign, logdet = np.linalg.slogdet(information)
+    return bound.efficiency(float(logdet)) if sign > 0 else 0.0
+
+
+def save_recording(
+    folder: Path, outcome: Outcome, program: Path, case: Case, case_file: str, seed: int
+) -> dict[str, Any]:
+    """Writes a recording folder; returns what `recording.json` holds."""
+    rating, disturbances = outcome.rating, outcome.around.disturbances
+    about = {
+        "schema_version": 1,
+        "case": case.name,
+        "case_file": case_file,
+        "case_hash": case.hash,
+        "controller_hash": case.controller_hash,
+        "program": str(program.resolve()),
+        "program_hash": outcome.program_hash,
+        "plan_hash": outcome.plan_hash,
+        "controller": outcome.run.controller,
+        "controller_real": outcome.run.real,
+        "simulated": True,
+        "simulated_parts": "sensors and encoders; the motion is what the controller executed",
+        "simulation_source": case.need_simulation("a recording").source,
+        "payload": {"weights": len(outcome.around.weights), "mass_kg": outcome.around.load},
+        "disturbances": None if disturbances is None else disturbances.model_dump(),
+        "seed": seed,
+        "samples": len(outcome.recording.forces),
+        "trigger_windows_s": outcome.run.trigger.tolist(),
+        "planned_s": rating.planned,
+        "executed_s": rating.executed,
+        "path_error_mm": rating.path_error * 1e3,
+        "d_efficiency_planned": rating.efficiency_planned,
+        "d_efficiency": rating.efficiency,
+        "peak_acceleration_of_limit": rating.peak_acceleration,
+        "peaks_of_limit": rating.peaks,
+        "poses_m_rad": outcome.poses.tolist(),
+        "remark": outcome.run.remark,
+        "units": "SI with the unit in each column name",
+    }
+    with atomic_folder(folder, RUN) as part:
+        write_recording(part / "recording.csv", outcome.recording, case)
+        (part / "recording.json").write_text(json_text(about), encoding="utf-8")
+    return about

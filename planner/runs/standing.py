@@ -1,0 +1,65 @@
+"""Runs of programs that measure standing still: the way they are expected to go, and how they went."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import ExecutionError
+from cases.schema import Case
+from identification.motion import Joined, Standstill, Trajectory
+from postprocessors.execute.executed_run import ExecutedRun
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.stretches import Stretch, Timed, Untimed
+
+
+class Stood(NamedTuple):
+    """How a run went.
+
+    Args:
+        duration: from the first movement to the last [s].
+        off: largest distance of a standstill from its pose of the program [m].
+    """
+
+    duration: float
+    off: float
+
+
+def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:
+    """The whole way of a program that measures standing still, from home on, as its controller is expected to go it."""
+    machine, _, limits = case.need_machine("a run")
+    here, way = machine.home.vector, list[Trajectory]()
+    for part in parts:
+        motion: Trajectory | None
+        if isinstance(part, Timed):
+            motion = part.points
+        elif isinstance(part, Untimed):
+            motion = predicted(part, limits.motion, guarantees)
+        else:
+            motion = Standstill(here, part.duration) if part.duration > 0.0 else None
+        if motion is not None:
+            way.append(motion)
+            here = motion.at([motion.duration]).pose[0]
+    return Joined(tuple(way))
+
+
+def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
+    """How long it took from home to home, and how far the machine stood from the poses of the program.
+
+    An accelerated LinuxCNC session times dwells by the wall clock: there they take longer than in the machine.
+
+    Raises:
+        ExecutionError: the trigger did not come on once at each pose.
+    """
+    if len(run.trigger) != len(poses):
+        raise ExecutionError(
+            f"{program}: the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}; "
+            "report this"
+        )
+    there = run.execution.kinematics(run.trigger.mean(axis=1)).pose
+    t = np.arange(0.0, run.execution.duration, 1e-3)
+    moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
+    off = float(np.linalg.norm(there[:, :3] - poses[:, :3], axis=1).max())
+    return Stood(float(t[moving[-1] + 1] - t[moving[0]]), off)

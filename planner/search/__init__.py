@@ -1,0 +1,1 @@
+"""The search for a motion: the non-linear program, its solvers, and starts in parallel."""

@@ -1,0 +1,128 @@
+"""Runs starts in parallel processes, tells how they are getting on, and stops them on Ctrl-C without losing them."""
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing import get_context, parent_process
+from threading import Thread
+from typing import Any, NamedTuple
+
+from planner.interruption import ctrl_c_waits, first_ctrl_c_calls
+from planner.search.solving import Failed, Start, Task, run_safely
+
+NEWS = 0.3  # [s] between two words of a worker
+POLL = 0.1  # [s]
+
+
+class News(NamedTuple):
+    """What a running start tells: its seed, iterations so far and the solver's present objective."""
+
+    seed: int
+    iterations: int
+    objective: float
+
+
+@dataclass(frozen=True, slots=True)
+class Listener:
+    """Who is told how the starts are getting on.
+
+    Args:
+        done: called with each result as it arrives.
+        news: called between the results.
+    """
+
+    done: Callable[[Start | Failed], None]
+    news: Callable[[News], None]
+
+
+class Outcome(NamedTuple):
+    """Results of a round of starts, and whether Ctrl-C ended it early."""
+
+    results: list[Start | Failed]
+    interrupted: bool
+
+
+_stop: Any = None
+_news: Any = None
+
+
+def _begin(stop: Any, news: Any) -> None:
+    """Gives a worker process its ends of the event and of the queue."""
+    global _stop, _news
+    _stop, _news = stop, news
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """A killed parent cannot end its workers, which would wait for work for ever."""
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
+
+
+def _work(task: Task) -> Start | Failed:
+    iterations, told = 0, time.monotonic()
+
+    def watch(objective: float) -> bool:
+        nonlocal iterations, told
+        iterations += 1
+        now = time.monotonic()
+        if now - told >= NEWS:
+            told = now
+            _news.put(News(task.seed, iterations, objective))
+        return bool(_stop.is_set())
+
+    return run_safely(task, watch)
+
+
+Runner = Callable[[Sequence[Task], Listener], Outcome]
+"""How a round of starts is run."""
+
+
+def run_here(tasks: Sequence[Task], listener: Listener) -> Outcome:
+    """Runs tasks one after the other in this process: for those who bring processes of their own."""
+    results = []
+    for task in tasks:
+        result = run_safely(task, lambda objective: False)
+        listener.done(result)
+        results.append(result)
+    return Outcome(results, False)
+
+
+def run_all(tasks: Sequence[Task], listener: Listener) -> Outcome:
+    """Runs tasks; the first Ctrl-C lets running ones end with what they have reached and drops those that wait."""
+    # Spawned, not forked: MUMPS and threads of a parent do not survive a fork.
+    context = get_context("spawn")
+    stop, news = context.Event(), context.SimpleQueue()
+    workers = min(len(tasks), os.cpu_count() or 1)
+    results: list[Start | Failed] = []
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(stop, news))
+    try:
+        with first_ctrl_c_calls(stop.set):
+            with ctrl_c_waits():
+                pending: set[Future[Start | Failed]] = {pool.submit(_work, task) for task in tasks}
+            while pending:
+                finished, pending = wait(pending, POLL, FIRST_COMPLETED)
+                while not news.empty():
+                    listener.news(news.get())
+                if stop.is_set():
+                    pending = {f for f in pending if not f.cancel()}
+                for future in finished:
+                    result = _result(future)
+                    listener.done(result)
+                    results.append(result)
+            return Outcome(results, stop.is_set())
+    finally:
+        stop.set()
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _result(future: Future[Start | Failed]) -> Start | Failed:
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        return Failed(0, "any", "a worker process died, perhaps for want of memory; ask for fewer --starts")

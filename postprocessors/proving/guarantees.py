@@ -1,0 +1,102 @@
+"""What a controller answers for, beyond what a program's text fixes: limits of its own, its time law, its accuracy."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from identification.hexapod import Hexapod
+from identification.trajectories.profile import TimeLaw
+
+
+class Law(Protocol):
+    """How a controller covers a straight way from rest to rest."""
+
+    def __call__(self, velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+        """Time law of the share of the way, from 0 to 1, within limits on that share [1/s, 1/s^2, 1/s^3]."""
+        ...
+
+
+class ArcLaw(Protocol):
+    """How a controller covers an arc from rest to rest."""
+
+    def __call__(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+        """The same for an arc that turns by `angle` [rad], where turning needs a part of the acceleration."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class StrutDrives:
+    """What the struts do at most where the controller moves them in proportion.
+
+    Args:
+        hexapod: on them.
+        velocity: of each [m/s].
+        acceleration: of each [m/s^2].
+        jerk: of each [m/s^3].
+        rapid: whether the program moves them as fast as they can; else a block's time does.
+    """
+
+    hexapod: Hexapod
+    velocity: float
+    acceleration: float
+    jerk: float
+    rapid: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Guarantees:
+    """A controller as set up for one case and one program.
+
+    Args:
+        controller: its name, for messages.
+        shortest_block: a timed block must not be shorter: the controller's cycle [s].
+        longest_block: a timed block must not be longer: beyond it nothing is known of its time law [s].
+        follows_paths: whether it passes timed points at their times along the assumed curve between them; then what a
+            timed path reaches is proven from the text, else only its geometry and rates are.
+        even_blocks: whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all
+            coordinates, at one feed): then rates are proven also where it does not follow the assumed curve.
+        enforced: families of limits that it keeps by itself, whatever the program asks for; see `family`.
+        law: its time law in straight moves that it times itself, under the limits of the case.
+        arc_law: the same in arcs.
+        jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
+        drives: of the struts in moves that are straight in them; None where there are none or nothing is known.
+        rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
+        block_key: setting that the length of timed blocks comes from.
+    """
+
+    controller: str
+    shortest_block: float
+    longest_block: float
+    follows_paths: bool
+    even_blocks: bool
+    enforced: frozenset[str]
+    law: Law
+    arc_law: ArcLaw
+    jerk_time: float
+    drives: StrutDrives | None = None
+    rounding: tuple[float, float] = (0.0, 0.0)
+    block_key: str = "controller.block_ms"
+
+
+@dataclass(frozen=True, slots=True)
+class Forecast:
+    """What a controller will make of a program's time, told before it runs.
+
+    Args:
+        stretch: predicted duration over planned duration of the excitation's timed paths.
+        remarks: what to know about it and what to change, one sentence each.
+    """
+
+    stretch: float = 1.0
+    remarks: tuple[str, ...] = ()
+
+
+def family(name: str) -> str:
+    """The family of a limit by its name in a report: `angular jerk, untimed moves (b)` is of `jerk`."""
+    return name.split(" (")[0].split(",")[0].removeprefix("angular ")
+
+
+IN_STRUTS = frozenset({"strut velocity", "strut acceleration"})
+"""Families that a controller can keep in a move straight in the struts: it plans the axes, not the platform."""
+
+KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
+"""Families of limits that depend on a controller's time law; those of geometry do not."""

@@ -1,0 +1,167 @@
+"""The limits of one stretch of a program: what its text proves, what the controller keeps, and what nobody does."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from cases.errors import ProgramError
+from identification.limited import velocities
+from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at, worst_case, worst_of
+from identification.motion import Standstill, Trajectory
+from identification.trajectories.circle import CircularMove
+from identification.trajectories.polynomial import PolynomialMotion
+from identification.trajectories.profile import StraightMove
+from identification.trajectories.strut_move import NoStrutMove, StrutMove
+from identification.trajectories.tabulated import Tabulated
+from postprocessors.proving.answering import UNTIMED, Answering
+from postprocessors.proving.forces import Steady
+from postprocessors.proving.guarantees import IN_STRUTS, family
+from postprocessors.proving.homing import way_home
+from postprocessors.proving.joints import joint_checks
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.sampling import prove_path
+from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
+
+FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration
+RATES = ("velocity", "strut velocity")
+BY_TIME_LAW = ("acceleration", "jerk", "strut acceleration")
+
+
+def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, float]:
+    """Limits and duration [s] of a stretch that starts at `clock`.
+
+    Timed paths and moves with the trigger on are excitations, which keep the box of `[limits.motion]`; moves without it
+    take the machine to a place and keep `[workspace]`, and so do the rows of a table, in which every move is timed.
+
+    Raises:
+        ProgramError: a timed block that the controller cannot time as written.
+    """
+    if isinstance(part, Timed):
+        return LimitReport(tuple(_timed(part, by, clock))), part.points.duration
+    if isinstance(part, Still):
+        return LimitReport(()), part.duration
+    if part.start is None:
+        return LimitReport(tuple(way_home(part, by, clock))), 0.0
+    if part.in_struts:
+        by = replace(by, guarantees=replace(by.guarantees, enforced=by.guarantees.enforced & IN_STRUTS))
+    try:
+        motion = predicted(part, by.limits, by.guarantees)
+    except NoStrutMove as error:
+        raise ProgramError(by.file, part.line, 0, f"{error}, or move straight in the coordinates") from error
+    if motion is None:
+        return prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger), 0.0
+    return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
+
+
+def _require_timing(part: Timed, by: Answering) -> None:
+    """A block shorter than the controller's cycle does not keep its time; of one that is too long nothing is known."""
+    guarantees = by.guarantees
+    steps = np.diff(part.points.times)
+    short = steps < guarantees.shortest_block * (1 - 1e-6)
+    if short.any():
+        k = int(np.argmax(short))
+        raise ProgramError(
+            by.file,
+            part.lines[k],
+            0,
+            f"the block takes {1e3 * steps[k]:.4g} ms, less than a cycle of {guarantees.controller} "
+            f"({1e3 * guarantees.shortest_block:g} ms); write longer blocks ({guarantees.block_key})",
+        )
+    long = steps > guarantees.longest_block * (1 + 1e-6)
+    if long.any():
+        k = int(np.argmax(long))
+        raise ProgramError(
+            by.file,
+            part.lines[k],
+            0,
+            f"the timed block takes {steps[k]:.4g} s; how {guarantees.controller} moves within more than "
+            f"{guarantees.longest_block:g} s is not known: write shorter blocks ({guarantees.block_key}), "
+            "or a move at a feed (G94) with an exact stop",
+        )
+
+
+def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
+    """What a timed path reaches between its points is proven only of a controller that follows the assumed curve."""
+    _require_timing(part, by)
+    in_box = part.trigger or not isinstance(part.points, Tabulated)
+    report = prove_path(part.points, part.points.times, by.case, clock, in_box)
+    if isinstance(part.points, PolynomialMotion):
+        steps = tuple(joint_checks(part.points, by.limits, by.guarantees.shortest_block, clock))
+        report = worst_of([report, LimitReport(steps)])
+    for check in report.checks:
+        kind = family(check.name)
+        if by.guarantees.follows_paths:
+            yield check
+        elif kind == "sensor force":
+            kept = by.forces_kept(lambda forces: forces.on(part.points, clock))
+            yield kept or replace(check, status=Status.NOT_ENFORCED)
+        elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
+            yield replace(check, status=by.answer(check.name))
+        else:
+            yield check
+
+
+def _own_time(
+    part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
+) -> Iterable[LimitCheck]:
+    """Geometry and programmed speed are proven; what follows from the controller's law is predicted."""
+    count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
+    report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), clock, part.trigger)
+    asked = {c.name.split(" (")[0]: c for c in _asked(part, motion, by, clock)}
+    for check in report.checks:
+        kind = check.name.split(" (")[0]
+        match family(kind):
+            case "velocity":
+                yield by.own(check) if part.feed is None else asked[kind]
+            case "strut velocity":
+                fastest = asked.get(kind)
+                if fastest is None or not fastest.kept:
+                    yield by.own(check)
+                elif part.feed is None:  # the fastest that the kept rates of all coordinates let pass
+                    yield by.own(fastest, status=Status.ENFORCED)
+                else:
+                    yield fastest  # even at the full feed everywhere on the way
+            case "acceleration" | "strut acceleration":
+                yield by.own(check)
+            case "sensor force":
+                kept = by.forces_kept(lambda forces: forces.along(motion, part.share_rate, clock), UNTIMED)
+                yield kept or by.own(check, status=Status.NOT_ENFORCED)
+            case "jerk":
+                yield _jerk(check, motion, by)
+            case _:
+                yield check
+
+
+def _jerk(check: LimitCheck, motion: Trajectory, by: Answering) -> LimitCheck:
+    """Where a law has no jerk limit its acceleration steps within a cycle, by twice its peak where it reverses."""
+    cycle = by.guarantees.jerk_time
+    if cycle <= 0.0:
+        return by.own(check)
+    axes = slice(3, 6) if check.name.startswith("angular") else slice(0, 3)
+    peak = np.abs(motion.at(np.linspace(0.0, motion.duration, FEWEST + 1)).accelerations).max(axis=0)
+    steps = 2.0 * peak[axes] / cycle
+    limit = by.limits.jerk[axes]
+    k = int(np.argmax(steps / limit))
+    ratio = float(steps[k] / limit[k])
+    return by.own(replace(check, worst=float(steps[k]), limit=float(limit[k]), ratio=ratio))
+
+
+def _asked(
+    part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
+) -> Iterable[LimitCheck]:
+    """Velocities if the programmed feed held from end to end: the text asks for them, whoever would slow it down.
+
+    Of a rapid those at the limits of the coordinates, if the controller keeps these.
+    """
+    if part.feed is not None:
+        speed = part.feed / part.length
+    elif "velocity" in by.guarantees.enforced and isinstance(motion, StraightMove):
+        way = np.abs(motion.end - motion.start)
+        speed = float(np.min(by.limits.rate[way > 0.0] / way[way > 0.0]))
+    else:
+        return
+    steady = replace(motion, profile=Steady(1.0 / speed))
+    t = np.linspace(0.0, steady.duration, FEWEST + 1)
+    for quantity in velocities(steady.at(t), by.case.need_machine("the check of a program")[0], by.limits):
+        yield worst_case(quantity, t + clock)

@@ -1,0 +1,78 @@
+"""The motion that a controller makes of a move which it times itself: its own law under the limits of the case."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.machine import MotionLimits
+from identification.trajectories.circle import CircularMove
+from identification.trajectories.profile import StraightMove
+from identification.trajectories.strut_move import NoStrutMove, StrutMove
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.stretches import Untimed
+
+Array = NDArray[np.float64]
+
+
+def predicted(
+    part: Untimed, limits: MotionLimits, guarantees: Guarantees
+) -> StraightMove | CircularMove | StrutMove | None:
+    """How a move will run; None where its start is not known or nothing moves.
+
+    Args:
+        part: the move.
+        limits: that the controller is set up with.
+        guarantees: give its time law.
+
+    Raises:
+        NoStrutMove: it is straight in the struts, and the platform cannot follow them.
+    """
+    if part.start is None or not part.moves:
+        return None
+    if part.in_struts:
+        return strut_move(part.start, part.end, part.feed, guarantees)
+    way = np.abs(part.end - part.start)
+    if part.turn is not None:
+        return _arc(part, part.start, limits, guarantees)
+    feed = np.inf if part.feed is None else part.feed / part.length
+    moves = way > 0.0
+    velocity, acceleration, jerk = (
+        float(np.min(limit[moves] / way[moves])) for limit in (limits.rate, limits.acceleration, limits.jerk)
+    )
+    return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
+
+
+def strut_move(start: Array, end: Array, feed: float | None, guarantees: Guarantees) -> StrutMove:
+    """A move straight in the struts.
+
+    Args:
+        start: shape (6,) [m, rad].
+        end: shape (6,) [m, rad].
+        feed: largest share of the way per second; None for as fast as the drives can [1/s].
+        guarantees: give drives and time law.
+
+    Raises:
+        NoStrutMove: the platform cannot follow its struts, or the drives are not known.
+    """
+    drives = guarantees.drives
+    if drives is None:
+        raise NoStrutMove(f"the settings of {guarantees.controller} have no ptp table; add it")
+    way = float(np.abs(np.subtract(*drives.hexapod.strut_lengths(np.vstack([start, end])))).max())
+    velocity = drives.velocity / way if feed is None else min(feed, drives.velocity / way)
+    law = guarantees.law(velocity, drives.acceleration / way, drives.jerk / way)
+    return StrutMove.between(drives.hexapod, start, end, law)
+
+
+def _arc(part: Untimed, start: Array, limits: MotionLimits, guarantees: Guarantees) -> CircularMove:
+    turn = part.turn
+    assert turn is not None
+    assert part.feed is not None
+    first, second, _ = turn.plane.axes
+    length = part.length
+    way = np.abs(part.end - start)
+    way[[first, second]] = length  # either axis may carry all of it
+    moves = way > 0.0
+    velocity, acceleration, jerk = (
+        float(np.min(limit[moves] / way[moves])) for limit in (limits.rate, limits.acceleration, limits.jerk)
+    )
+    law = guarantees.arc_law(min(part.feed / length, velocity), acceleration, jerk, abs(turn.angle))
+    return CircularMove(start, part.end[3:], turn.plane, turn.centre, turn.angle, law)

@@ -1,0 +1,107 @@
+"""What SINUMERIK, TwinCAT and a setpoint generator answer for, as far as the case says that they are set up to."""
+
+import math
+
+import numpy as np
+
+from cases.controller_struts import PointToPointDrives
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.hexapod import Hexapod
+from identification.motion import Array
+from identification.trajectories.profile import TimeLaw, fastest_profile, fastest_trapezoid
+from postprocessors.proving.guarantees import Guarantees, StrutDrives
+from postprocessors.reading.words import Polynomial, Reading
+
+ALONG, ACROSS = math.sqrt(0.75), 0.5
+"""Shares of the acceleration limit that an arc is assumed to spend along its path and on turning."""
+
+LONGEST_POINTS = 0.25
+"""[s] between points of a path: the curve between them is near the assumed one only while they are near."""
+
+
+def _seven_segments(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+    return fastest_profile(1.0, velocity, acceleration, jerk)
+
+
+def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+    return fastest_trapezoid(1.0, velocity, acceleration)
+
+
+def _seven_segment_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+    turning = math.sqrt(ACROSS * acceleration / angle)  # v^2 / r over the length r angle
+    return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration, ALONG * jerk)
+
+
+def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+    turning = math.sqrt(ACROSS * acceleration / angle)
+    return fastest_trapezoid(1.0, min(velocity, turning), ALONG * acceleration)
+
+
+def _drives(ptp: PointToPointDrives | None, case: Case) -> StrutDrives | None:
+    if ptp is None:
+        return None
+    limits = ptp.strut_velocity_m_s, ptp.strut_acceleration_m_s2, ptp.strut_jerk_m_s3
+    return StrutDrives(Hexapod.of(case), *limits, rapid=ptp.feed == "rapid")
+
+
+def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
+    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
+    polynomial = any(isinstance(e, Polynomial) for e in reading.events)
+    return Guarantees(
+        controller="SINUMERIK",
+        shortest_block=settings.shortest_block,
+        longest_block=math.inf if polynomial else LONGEST_POINTS,
+        follows_paths=False,
+        even_blocks=False,
+        enforced=frozenset(settings.controller_keeps),
+        law=_seven_segments,
+        arc_law=_seven_segment_arc,
+        jerk_time=0.0,
+        drives=_drives(settings.ptp, case),
+        rounding=(settings.contour_tolerance_mm * MM, settings.orientation_tolerance_deg * DEG),
+        block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
+    )
+
+
+def sinumerik_tolerance(case: Case) -> Array:
+    """How far POLY blocks may be off a motion that is no polynomial, shape (6,) [m, rad]."""
+    length, angle = case.need_controller("a SINUMERIK program").need_sinumerik(case.name).poly_tolerance
+    return np.repeat([length, angle], 3)
+
+
+def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
+    settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
+    smooth = settings.slope == "TRAPEZ"
+    tolerance = (settings.path_deviation_mm * MM, settings.track_deviation_deg * DEG)
+    return Guarantees(
+        controller="TwinCAT",
+        shortest_block=settings.shortest_block,
+        longest_block=LONGEST_POINTS,
+        follows_paths=False,
+        even_blocks=False,
+        enforced=frozenset(settings.controller_keeps),
+        law=_seven_segments if smooth else _trapezoid,
+        arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
+        jerk_time=0.0 if smooth else settings.shortest_block,
+        drives=_drives(settings.ptp, case),
+        rounding=(0.0, 0.0) if settings.path == "akima" else tolerance,
+    )
+
+
+def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """A table carries its time exactly: all of it is proven from the rows; there are no moves of anybody else's law."""
+    settings = case.need_controller("a setpoint table").need_setpoints(case.name)
+    return Guarantees(
+        controller="setpoint generator",
+        shortest_block=settings.cycle,
+        longest_block=settings.cycle,
+        follows_paths=True,
+        even_blocks=False,
+        enforced=frozenset(settings.controller_keeps),
+        law=_seven_segments,
+        arc_law=_seven_segment_arc,
+        jerk_time=settings.cycle,
+    )

@@ -1,0 +1,166 @@
+"""Proves a program's text inside the limits of a case, or says at which line it is not."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from cases.errors import ProgramError
+from cases.schema import Case
+from identification.limits import LimitCheck, LimitReport, Status, worst_of
+from postprocessors.proving.answering import Answering
+from postprocessors.proving.forces import ForceBounds
+from postprocessors.proving.guarantees import KINETIC, Guarantees, family
+from postprocessors.proving.homing import FEED_TO_HOME
+from postprocessors.proving.judging import judge
+from postprocessors.proving.remarks import remarks
+from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed, stretches
+from postprocessors.reading.words import Reading
+
+AT_A_SPEED = (*KINETIC, FEED_TO_HOME)  # limits that a slower program keeps
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A limit that the program passes.
+
+    Args:
+        line: of the program.
+        check: which limit, and by how much.
+    """
+
+    line: int
+    check: LimitCheck
+
+    def sentence(self) -> str:
+        """Line, value and limit."""
+        return f"line {self.line}: {self.check.sentence()}"
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramProof:
+    """What the proof found.
+
+    Args:
+        file: the program.
+        controller: that would run it.
+        blocks: lines that hold words.
+        duration: of everything whose duration is known [s].
+        excitation: duration of the motion with the trigger on [s].
+        limits: worst case of each limit.
+        violations: limits that are passed, the worst first.
+        remarks: what no limit says: where it begins and ends.
+    """
+
+    file: str
+    controller: str
+    blocks: int
+    duration: float
+    excitation: float
+    limits: LimitReport
+    violations: tuple[Violation, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether every limit that the program itself is answerable for is kept."""
+        return not self.violations
+
+    @property
+    def relies_on(self) -> tuple[str, ...]:
+        """Families of limits that nobody enforces, in the order of the report: `jerk`, `strut acceleration`."""
+        return self._families(Status.NOT_ENFORCED)
+
+    def _families(self, status: Status) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(family(c.name) for c in self.limits.checks if c.status is status))
+
+    @property
+    def verdict(self) -> str:
+        """What the proof comes to, never more than it holds."""
+        if self.violations:
+            return "NOT proven"
+        kept = [name for name in self._families(Status.ENFORCED) if name not in self.relies_on]
+        return "; ".join(
+            [
+                "proven",
+                *([f"{self.controller} enforces: {', '.join(kept)}"] if kept else []),
+                *([f"nobody enforces: {', '.join(self.relies_on)}"] if self.relies_on else []),
+            ]
+        )
+
+    def require_accepted(self, accepted: Collection[str]) -> None:
+        """Raises ProgramError unless the proof holds and every limit that nobody enforces is accepted by name.
+
+        Args:
+            accepted: families of limits, as in `relies_on`, or several with commas; a hyphen counts as a blank.
+        """
+        self.require()
+        names = {part.strip().lower().replace("-", " ") for name in accepted for part in name.split(",")}
+        if unknown := sorted(names - set(KINETIC)):
+            raise ProgramError(
+                self.file, 0, 0, f"--accept {unknown[0]!r} names no such limit; choose from {', '.join(KINETIC)}"
+            )
+        open_ = [name for name in self.relies_on if name not in names]
+        if open_:
+            options = f"--accept {','.join(name.replace(' ', '-') for name in open_)}"
+            raise ProgramError(
+                self.file,
+                0,
+                0,
+                f"{self.controller} does not enforce {', '.join(open_)} in this motion, and nothing else does; "
+                f"look at hexcite check, and write it with {options} if the machine can bear it",
+            )
+
+    def require(self) -> None:
+        """Raises ProgramError, naming line, value and limit, unless the proof holds."""
+        if self.violations:
+            first = self.violations[0]
+            more = f" ({len(self.violations) - 1} more)" if len(self.violations) > 1 else ""
+            remedy = "slow down or change the move" if family(first.check.name) in AT_A_SPEED else "change the move"
+            raise ProgramError(self.file, first.line, 0, f"{first.check.sentence()}; {remedy}{more}")
+
+
+def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> ProgramProof:
+    """Proves a program that was read.
+
+    Timed paths are proven at 10 kHz, or at a hundred samples a block where blocks are longer than 10 ms, under the
+    assumption that the controller passes the points at their times along the quintic spline through them; of a
+    controller that is not known to do so, accelerations and jerks are `NOT enforced`. Moves whose time law is the
+    controller's are proven in their geometry and feed; the rest is predicted from that law
+    and says who answers for it.
+
+    Args:
+        reading: the program.
+        case: machine and limits.
+        guarantees: what the controller answers for.
+
+    Raises:
+        ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
+        CaseError: the case has no machine.
+    """
+    parts = stretches(reading)
+    if not any(isinstance(p, Timed | Untimed) for p in parts):
+        raise ProgramError(reading.file, 0, 0, "contains no motion; is this the right file?")
+    by = Answering(case, guarantees, reading.file, ForceBounds.of(case))
+    clock, excitation = 0.0, 0.0
+    reports: list[LimitReport] = []
+    violations: list[Violation] = []
+    for part in parts:
+        report, duration = judge(part, by, clock)
+        reports.append(report)
+        violations += [Violation(_line(part, v.time - clock), v) for v in report.violations]
+        clock += duration
+        excitation += duration if part.trigger and not isinstance(part, Still) else 0.0
+    worst_first = tuple(sorted(violations, key=lambda v: -v.check.ratio))
+    return ProgramProof(
+        reading.file,
+        guarantees.controller,
+        reading.blocks,
+        clock,
+        excitation,
+        worst_of(reports),
+        worst_first,
+        remarks(reading, parts, case),
+    )
+
+
+def _line(part: Stretch, time: float) -> int:
+    return part.line_at(time) if isinstance(part, Timed) else part.line

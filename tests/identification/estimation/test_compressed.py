@@ -1,0 +1,63 @@
+"""One QR keeps all that a regression says about its unknowns."""
+
+import numpy as np
+import pytest
+
+from cases.errors import IdentificationError
+from identification.estimation.compressed import compress, degrees_of_freedom, determined, fit_along, inverse_root
+from identification.estimation.estimator import gauss_markov
+from identification.estimation.fit import Filtered
+from tests.helpers import one_line
+from tests.identification.moving_run import NAMES, A, U, forces
+
+WEIGHTS = np.array([1.0, 2.0, 0.5, 1.0, 4.0, 0.1])
+
+
+def test_chi_squared_is_that_of_the_full_problem_everywhere() -> None:
+    measured, draw = forces(0), np.random.default_rng(1)
+    compressed = compress(A, measured, WEIGHTS)
+    for u in (U, np.zeros(20), U + draw.normal(size=20)):
+        direct = np.sum(WEIGHTS * (measured - A @ u) ** 2)
+        assert compressed.chi_squared(u) == pytest.approx(direct, rel=1e-12)
+    assert compressed.root.shape == (20, 20)
+
+
+@pytest.mark.parametrize("nuisance", [0, 1])
+@pytest.mark.parametrize("filtered", [Filtered(1.0, 1), Filtered(0.1, 5)])
+def test_with_all_parameters_free_the_fit_is_that_of_gauss_markov(nuisance: int, filtered: Filtered) -> None:
+    measured = forces(0)
+    expected = gauss_markov(A, measured, NAMES, WEIGHTS, nuisance, filtered)
+    compressed = compress(A, measured, WEIGHTS)
+    values = np.linalg.solve(compressed.root, compressed.right)
+    fit = fit_along(A, measured, NAMES, WEIGHTS, compressed, values, np.eye(20), nuisance, filtered)
+    np.testing.assert_allclose(fit.values, expected.values, rtol=1e-9)
+    np.testing.assert_allclose(fit.covariance, expected.covariance, rtol=1e-9, atol=1e-18)
+    np.testing.assert_allclose(fit.covariance_robust, expected.covariance_robust, rtol=1e-8, atol=1e-16)
+    np.testing.assert_allclose([fit.s0, fit.freedom], [expected.s0, expected.freedom])
+    assert fit.rank == expected.rank
+    assert fit.condition == pytest.approx(expected.condition)
+
+
+def test_its_inverse_root_is_a_root_of_the_inverse_whatever_the_units() -> None:
+    root = np.random.default_rng(2).normal(size=(8, 4)) * [1.0, 1e6, 1e-6, 30.0]
+    inverse = inverse_root(root) @ inverse_root(root).T
+    np.testing.assert_allclose(inverse @ root.T @ root, np.eye(4), atol=1e-9 * 1e12)
+    np.testing.assert_allclose(root @ inverse @ root.T @ root, root, rtol=1e-9)
+
+
+def test_what_nothing_excites_is_named() -> None:
+    root = np.triu(np.ones((3, 3)))
+    assert determined(root, ["m", "k0", "k1"], 60).rank == 3
+    root[:, 1] = 2.0 * root[:, 0]
+    with pytest.raises(IdentificationError, match="rank 2 of 3: m, k0 not determined") as caught:
+        determined(root, ["m", "k0", "k1"], 60)
+    one_line(caught.value)
+
+
+def test_too_few_forces_are_refused() -> None:
+    with pytest.raises(IdentificationError, match="3 samples give 18 forces for 20 unknowns") as caught:
+        compress(A[:3], forces(0)[:3], WEIGHTS)
+    one_line(caught.value)
+    with pytest.raises(IdentificationError, match="24 forces, 12 of them independent, for 20 unknowns") as caught:
+        degrees_of_freedom(24, 20, Filtered(0.1, 5))
+    one_line(caught.value)

@@ -1,0 +1,75 @@
+"""A machine whose structure yields: its lowest mode is told, and no longer drawn into mass and inertia."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+from cases.errors import RecordingError
+from cases.loading import load_case
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.loaded import Circumstances
+from identification.motion import Motion
+from identification.recording import Recording
+from identification.result import Estimate
+from identification.runs.conditioning import Conditioning
+from identification.simulate import simulate_recording, simulate_standstills
+from identification.trajectories.executed import PoseExecution
+from tests.helpers import Harmonic, simulated
+
+CASE = load_case("hexapod")
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """Harmonics of half a hertz to two, for eight seconds."""
+
+    motion: Harmonic = field(default_factory=lambda: Harmonic(seed=1, duration=2.0))
+    duration: float = 8.0
+
+    def at(self, t: ArrayLike) -> Motion:
+        return self.motion.at(t)
+
+
+EXECUTION = PoseExecution(Hexapod.of(CASE), Repeated())
+QUIET = simulated(CASE, force_noise_N=0.1)
+CALM = {"pose_error_N": 0.0, "pose_error_of_load": 0.0, "strut_velocity_noise_percent": 0.0}
+FLEXIBLE = Conditioning(flexible=True)
+TRUE_MASS = 31.83
+
+
+def run(mode: float) -> Recording:
+    found = CASE.simulation.disturbances.model_copy(update=CALM | {"mode_Hz": mode})
+    return simulate_recording(QUIET, EXECUTION, np.array([[0.5, 7.5]]), 0, "run.csv", Circumstances((), found))
+
+
+def off(estimate: Estimate) -> float:
+    mass = estimate.physical["m"]
+    return abs(mass.value - TRUE_MASS) / mass.reported
+
+
+@pytest.mark.parametrize("mode", [25.0, 40.0])
+def test_the_mode_is_found_and_no_longer_draws_the_mass(mode: float):
+    recording = run(mode)
+    rigid, flexible = identify(recording, CASE), identify(recording, CASE, conditioning=FLEXIBLE)
+    found = flexible.told["structural_mode_Hz"]
+    assert found["value"] == pytest.approx(mode, rel=0.05)
+    assert abs(flexible.physical["m"].value - TRUE_MASS) < 0.3 * abs(rigid.physical["m"].value - TRUE_MASS)
+    assert off(rigid) > 5.0
+    assert any(note.startswith(f"a structural mode at {found['value']:.3g} +-") for note in flexible.notes)
+    assert flexible.case_hash == CASE.hash
+
+
+def test_a_rigid_machine_has_no_mode():
+    estimate = identify(run(1e5), CASE, conditioning=FLEXIBLE)
+    assert "structural_mode_Hz" not in estimate.told
+    assert any("no structural mode is seen" in note for note in estimate.notes)
+    assert off(estimate) < 4.0
+
+
+def test_what_does_not_move_has_no_mode_to_see():
+    poses = CASE.machine.home.vector + np.random.default_rng(0).uniform(-0.1, 0.1, (20, 6))
+    with pytest.raises(RecordingError, match="--flexible are for moving runs"):
+        identify(simulate_standstills(CASE, poses, 100, 0), CASE, conditioning=FLEXIBLE)

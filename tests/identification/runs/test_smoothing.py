@@ -1,0 +1,72 @@
+"""Forces that are smoothed more, or less, than the motion: by their sampling, or by a low-pass of their channels."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.model import identification_model
+from identification.parameters import linear_parameters, physical_form
+from identification.recording import Recording
+from identification.result import Estimate
+from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
+from tests.helpers import Harmonic, ideal, simulated
+from tests.identification.leaping import CASE, moves_without_jerk_limit
+
+MODEL = identification_model(CASE, 9)
+TRUTH = physical_form(MODEL).of(linear_parameters(MODEL, CASE.simulation.parameters), np.eye(20))[0]
+EXECUTION = moves_without_jerk_limit(0)
+WINDOW = np.array([[0.25, EXECUTION.duration - 0.25]])
+STEP = 1e-3  # [s] between samples
+
+
+def run(offset: float, noise: float, seed: int = 0) -> Recording:
+    """Sampled so much of a step after the encoders."""
+    case = simulated(ideal(CASE), force_noise_N=noise, force_sampling_offset_cycles=offset)
+    return simulate_recording(case, EXECUTION, WINDOW, seed, "run.csv")
+
+
+def errors(estimate: Estimate) -> np.ndarray:
+    """Of the physical parameters, in reported standard deviations."""
+    return np.array([(v.value - t) / v.reported for v, t in zip(estimate.physical.values(), TRUTH, strict=True)])
+
+
+@pytest.mark.parametrize(("offset", "share"), [(0.0, -1 / 12), (0.25, 1 / 96), (0.5, 1 / 24)])
+def test_pointwise_samples_of_leaping_forces_smooth_by_a_share_of_the_step_squared(offset: float, share: float) -> None:
+    """Of straight lines between the ends of steps: trapezoids, midpoints, and B2(offset) / 2 between them."""
+    found = identify(run(offset, 0.05), CASE).told["smoothing_s2"]
+    assert found["value"] == pytest.approx(share * STEP**2, abs=4.0 * found["std"] + 0.1 * abs(share) * STEP**2)
+    assert found["std"] < 0.005 * STEP**2  # the test sees it
+
+
+def test_parameters_are_not_drawn_by_the_sampling() -> None:
+    """Over noise of 6 seeds the errors centre on nothing; left out, the smoothing alone is several deviations."""
+    estimates = [identify(run(0.0, 0.2, seed), CASE) for seed in range(6)]
+    centre = np.mean([errors(e) for e in estimates], axis=0)
+    assert np.abs(centre).max() < 4.5 / np.sqrt(6)
+    values = [e.told["smoothing_s2"]["value"] for e in estimates]
+    std = np.mean([e.told["smoothing_s2"]["std"] for e in estimates])
+    assert np.abs(np.mean(values) + STEP**2 / 12) < 4.0 * std / np.sqrt(6) + 0.1 * STEP**2 / 12
+
+
+def test_a_low_pass_of_the_channels_is_found_as_delay_and_smoothing() -> None:
+    """First order with time constant tau: 1 / (1 + tau s) = exp(-tau s) (1 + (tau s)^2 / 2 ..)."""
+    tau, clean = 1e-3, run(0.5, 0.05)
+    keep = np.exp(-0.1 * STEP / tau)
+    fine = np.repeat(clean.forces, 10, axis=0)  # held over the step: half a step late, and a step wide
+    slow = lfilter([1 - keep], [1, -keep], fine, axis=0, zi=keep * fine[:1])[0][9::10]
+    found = identify(replace(clean, forces=slow), CASE)
+    assert found.told["smoothing_s2"]["value"] == pytest.approx(tau**2 / 2, rel=0.15)
+    (note,) = [n for n in found.notes if "a second moment" in n]
+    assert "forces are smoothed against the motion" in note
+
+
+def test_a_smooth_motion_cannot_tell_and_is_not_asked() -> None:
+    execution = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=3.0))
+    found = identify(simulate_recording(CASE, execution, np.array([[0.2, 2.8]]), 0), CASE)
+    assert "smoothing_s2" not in found.told
+    assert np.abs(errors(found)).max() < 4.5

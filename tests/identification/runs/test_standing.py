@@ -1,0 +1,151 @@
+"""Standstills in a run: found with and without a trigger, averaged with their scatter, matched pose by pose."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.errors import RecordingError, StandstillMismatch
+from cases.loading import load_case
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.motion import Joined, Standstill, Trajectory
+from identification.recording import Recording
+from identification.runs.standing import average, find_standstills, match, stands_only
+from identification.simulate import simulate_recording
+from identification.trajectories.executed import PoseExecution
+from identification.trajectories.profile import StraightMove
+from tests.helpers import one_line
+
+CASE = load_case("hexapod")
+HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])
+SETTLE, AVERAGE = 0.1, 0.3
+
+
+def poses(count: int = 6) -> np.ndarray:
+    draw = np.random.default_rng(8)
+    return HOME + draw.uniform(-1.0, 1.0, (count, 6)) * np.r_[0.2, 0.2, 0.0, 0.3, 0.3, 0.2]
+
+
+def measured(stations: np.ndarray, rest: float = 0.3) -> Recording:
+    """A run from home through poses and back, with the trigger on in the last 0.3 s at each."""
+    box = CASE.limits.motion if CASE.limits is not None else None
+    assert box is not None
+    parts: list[Trajectory] = [Standstill(HOME, rest)]
+    trigger, clock, here = [], rest, HOME
+    for pose in stations:
+        move = StraightMove.fastest(here, pose, box.rate, box.acceleration, box.jerk)
+        parts += [move, Standstill(pose, SETTLE + AVERAGE)]
+        clock += move.duration + SETTLE + AVERAGE
+        trigger.append((clock - AVERAGE, clock))
+        here = pose
+    parts += [StraightMove.fastest(here, HOME, box.rate, box.acceleration, box.jerk), Standstill(HOME, rest)]
+    execution = PoseExecution(Hexapod.of(CASE), Joined(tuple(parts)))
+    return simulate_recording(CASE, execution, np.array(trigger), 1)
+
+
+RUN = measured(poses())
+PLAIN = replace(RUN, trigger=None)
+
+
+def test_the_trigger_marks_the_standstills() -> None:
+    windows = find_standstills(RUN, SETTLE)
+    assert len(windows) == 6
+    assert all(abs(w.end - w.start - 300) <= 1 for w in windows)
+    assert stands_only(RUN)
+
+
+def test_without_a_trigger_the_same_standstills_are_found_after_settling_and_those_at_home_too() -> None:
+    assert not stands_only(PLAIN)
+    with_trigger, without = find_standstills(RUN, SETTLE), find_standstills(PLAIN, SETTLE)
+    assert len(without) == 8
+    for theirs, ours in zip(with_trigger, without[1:-1], strict=True):
+        assert abs(theirs.start - ours.start) < 40
+        assert theirs.start - 20 <= ours.start
+        assert abs(theirs.end - ours.end) < 25
+
+
+def test_averages_are_the_struts_of_the_poses_and_as_precise_as_the_number_of_samples_makes_them() -> None:
+    standing = average(RUN, find_standstills(RUN, SETTLE))
+    struts = standing.averages.struts
+    assert struts is not None
+    assert standing.averages.t is None
+    np.testing.assert_allclose(struts, Hexapod.of(CASE).strut_lengths(poses()), atol=1e-7)
+    np.testing.assert_allclose(np.median(standing.scatter), 1.0, atol=0.2)
+
+
+def test_the_run_is_matched_to_its_program_with_and_without_the_trigger() -> None:
+    for recording in (RUN, PLAIN):
+        found = match(average(recording, find_standstills(recording, SETTLE)), CASE, poses(), "run")
+        assert len(found.windows) == len(found.averages.forces) == 6
+
+
+def test_identification_of_averages_is_within_its_error_bars_and_says_how_noisy_an_average_is() -> None:
+    many = measured(poses(20))
+    estimate = identify(average(many, find_standstills(many, SETTLE)).averages, CASE, 5)
+    for name, truth in {"m": 31.83, "zC": 0.10505, "k0": 24.05, "k2": 37.38, "k3": 28.27}.items():
+        value = estimate.physical[name]
+        assert abs(value.value - truth) < 4.5 * value.std
+    assert estimate.s0 == pytest.approx(1.0 / np.sqrt(300), rel=0.3)
+
+
+def test_a_restless_standstill_counts_less() -> None:
+    many = measured(poses(20))
+    windows = find_standstills(many, SETTLE)
+    shaken = many.forces.copy()
+    restless = windows[7]
+    t = np.arange(restless.end - restless.start) * 1e-3
+    shaken[restless.start : restless.end] += 40.0 * np.sin(2 * np.pi * 2.3 * t)[:, None]
+    standing = average(replace(many, forces=shaken), windows)
+    assert int(np.argmax(standing.scatter)) == 7
+    assert standing.scatter[7] > 20.0
+    weighted = identify(standing.averages, CASE, 5)
+    plain = identify(replace(standing.averages, weights=None), CASE, 5)
+    truth = 31.83
+    assert abs(weighted.physical["m"].value - truth) < 0.3 * abs(plain.physical["m"].value - truth)
+    assert weighted.physical["m"].std < 0.2 * plain.physical["m"].std
+
+
+def test_a_pose_that_was_not_measured_is_named() -> None:
+    missing = measured(np.delete(poses(), 2, axis=0))
+    standing = average(missing, find_standstills(missing, SETTLE))
+    with pytest.raises(StandstillMismatch, match=r"pose 3 of 6 \(x .* deg\) was not measured, pose 4 follows pose 2"):
+        match(standing, CASE, poses(), "run.csv")
+
+
+def test_a_run_that_ends_early_names_the_first_pose_that_is_missing() -> None:
+    standing = average(RUN, find_standstills(RUN, SETTLE)[:4])
+    with pytest.raises(StandstillMismatch, match=r"pose 5 of 6 .* ends with standstill 4; record the whole program"):
+        match(standing, CASE, poses(), "run.csv")
+
+
+def test_a_standstill_elsewhere_is_named_with_both_places() -> None:
+    moved = poses()
+    moved[3, 0] += 0.01
+    with pytest.raises(StandstillMismatch, match=r"standstill 4 is at x .* pose 4 of the program at x ") as error:
+        match(average(RUN, find_standstills(RUN, SETTLE)), CASE, moved, "run.csv")
+    one_line(error.value)
+
+
+def test_one_standstill_too_many_is_named() -> None:
+    standing = average(RUN, find_standstills(RUN, SETTLE))
+    with pytest.raises(StandstillMismatch, match=r"standstill 6 at x .* is none of the program's 5 poses"):
+        match(standing, CASE, poses()[:5], "run.csv")
+
+
+def test_a_trigger_that_is_on_while_the_machine_moves_is_no_measurement_at_poses() -> None:
+    assert RUN.trigger is not None
+    moving = replace(RUN, trigger=~RUN.trigger)
+    with pytest.raises(RecordingError, match="the machine moves while the trigger is on"):
+        find_standstills(moving, SETTLE)
+
+
+def test_a_run_that_never_stands_still_is_refused() -> None:
+    with pytest.raises(RecordingError, match="standstills of at least"):
+        find_standstills(PLAIN, 100.0)
+
+
+def test_averages_without_a_clock_have_no_standstills_to_find() -> None:
+    standing = average(RUN, find_standstills(RUN, SETTLE))
+    with pytest.raises(RecordingError, match="with a clock"):
+        find_standstills(standing.averages, SETTLE)

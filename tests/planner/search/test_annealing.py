@@ -1,0 +1,122 @@
+"""Annealed walks of equal moves: inside box and limits, worth what they say, better than chance, reproducible."""
+
+import numpy as np
+import pytest
+
+from cases.schema import Case
+from identification.limits import prove
+from identification.model import Model, identification_model
+from identification.reference import reference_scaling
+from identification.trajectories.profile import fastest_profile
+from planner.families.ptp import PointToPointFamily
+from planner.search.annealing import EqualMoves, Walk, annealed_start
+from planner.search.problem import build_problem, mean_information
+from planner.search.solving import random_start
+
+MOVES = 12
+DURATION = 4.0
+
+
+@pytest.fixture(scope="module")
+def model(hexapod_case: Case) -> Model:
+    return identification_model(hexapod_case, 9)
+
+
+@pytest.fixture(scope="module")
+def scaling(hexapod_case: Case, model: Model) -> np.ndarray:
+    return reference_scaling(hexapod_case, model)
+
+
+@pytest.fixture(scope="module")
+def family(hexapod_case: Case) -> PointToPointFamily:
+    return PointToPointFamily.of(hexapod_case, MOVES, DURATION)
+
+
+@pytest.fixture(scope="module")
+def moves(hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily) -> EqualMoves:
+    return EqualMoves.of(hexapod_case, model, scaling, family)
+
+
+@pytest.fixture(scope="module")
+def walk(moves: EqualMoves) -> Walk:
+    some = Walk(moves, MOVES, 20, np.random.default_rng(5))
+    for temperature in (0.1, 0.03, 0.01):
+        some.anneal(temperature, 1000)
+    return some
+
+
+def unknowns_of(points: np.ndarray, moves: EqualMoves, family: PointToPointFamily) -> np.ndarray:
+    return np.concatenate([points.ravel(), np.tile(moves.times / family.unit, len(points))])
+
+
+def test_a_full_step_takes_the_duration_and_one_limit_of_each_coordinate(moves: EqualMoves, family: PointToPointFamily):
+    assert moves.times @ [4.0, 2.0, 1.0] == pytest.approx(family.unit)
+    fastest = [
+        fastest_profile(step, *limits).duration
+        for step, limits in zip(moves.steps * family.half, family.limits.T, strict=True)
+    ]
+    assert max(fastest) == pytest.approx(family.unit)  # that whose times all share
+    assert min(fastest) > 0.8 * family.unit
+
+
+def test_a_walk_stays_in_the_box_and_no_move_is_longer_than_a_step(walk: Walk, moves: EqualMoves):
+    assert np.abs(walk.best_points).max() <= 1.0
+    ways = np.abs(np.roll(walk.best_points, -1, axis=0) - walk.best_points)
+    assert (ways <= moves.steps + 1e-8).all()
+    assert ways.max() > 0.5 * moves.steps.min()
+
+
+def test_its_motion_keeps_the_limits_of_the_coordinates_and_nearly_the_others(
+    walk: Walk, moves: EqualMoves, family: PointToPointFamily, hexapod_case: Case
+):
+    report = prove(family.motion(unknowns_of(walk.best_points, moves, family)), hexapod_case, 1000.0)
+    for check in report.checks:
+        assert check.ratio <= (1.05 if "strut" in check.name or "joint" in check.name else 1.0 + 1e-6), check.name
+
+
+def test_what_was_added_up_move_by_move_is_the_information_of_the_walk(walk: Walk, moves: EqualMoves):
+    anew = Walk(moves, MOVES, 20, np.random.default_rng(5))
+    parts = anew.rate(walk.points, np.roll(walk.points, -1, axis=0))
+    assert walk.total == pytest.approx(parts.mean(axis=0), rel=1e-9, abs=1e-12)
+    assert walk.value == pytest.approx(anew.worth(parts.mean(axis=0)), abs=1e-6)
+
+
+def test_three_instants_a_move_rate_a_walk_well_enough_for_a_choice(
+    walk: Walk, moves: EqualMoves, family: PointToPointFamily, model: Model, scaling: np.ndarray
+):
+    motion = family.motion(unknowns_of(walk.best_points, moves, family))
+    logdet = np.linalg.slogdet(mean_information(model, scaling, motion))[1]
+    assert walk.best == pytest.approx(logdet, abs=0.03 * 20)  # 3 % of an efficiency
+
+
+def test_annealing_finds_more_than_chance_and_the_same_again(
+    hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily
+):
+    def logdet(unknowns: np.ndarray) -> float:
+        return float(np.linalg.slogdet(mean_information(model, scaling, family.motion(unknowns)))[1])
+
+    def annealed(seed: int) -> np.ndarray:
+        draw = np.random.default_rng(seed)
+        return annealed_start(hexapod_case, model, scaling, family, draw, 6000, lambda objective: False)
+
+    problem = build_problem(hexapod_case, model, family, scaling)
+    by_chance = max(logdet(random_start(seed, family, problem)) for seed in range(5))
+    first = annealed(1)
+    assert logdet(first) > by_chance + 20 * np.log(2.0)  # twice the efficiency of the best of five
+    assert np.array_equal(first, annealed(1))
+
+
+def test_a_watch_that_has_seen_enough_ends_it(
+    hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily
+):
+    told: list[float] = []
+
+    def watch(objective: float) -> bool:
+        told.append(objective)
+        return len(told) == 2
+
+    draw = np.random.default_rng(0)
+    unknowns = annealed_start(hexapod_case, model, scaling, family, draw, 50_000, watch)
+    assert len(told) == 2
+    assert told[1] <= told[0]
+    assert np.isfinite(unknowns).all()

@@ -1,0 +1,101 @@
+"""Free order and period: whole numbers of periods near the frequency at which velocity and acceleration both bind."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from cases.errors import HexciteError
+from cases.schema import Case
+from planner.cli.plan import refuse_foreign
+from planner.planning import KEPT, REFINED, rounds, search
+from planner.request import Request
+from planner.search.choices import choices
+from planner.search.parallel import Listener, Outcome
+from planner.search.solving import Start, Task, seeds_of
+from tests.helpers import one_line
+
+SILENT = Listener(lambda start: None, lambda news: None)
+
+
+def test_what_is_fixed_is_the_only_choice(hexapod_case: Case):
+    for request in (Request("hexapod"), Request("hexapod", family="ptp", free_period=True)):
+        assert choices(request, hexapod_case) == (request,)
+
+
+@pytest.mark.parametrize("order", [1, 2, 5, 7])
+def test_a_free_period_is_the_duration_over_a_whole_number(order: int, hexapod_case: Case):
+    found = choices(Request("hexapod", order=order, free_period=True), hexapod_case)
+    periods = [12.0 / choice.period for choice in found]
+    assert periods == pytest.approx(np.round(periods))
+    assert len(set(periods)) == len(found) > 2
+    assert {choice.order for choice in found} == {order}
+    assert not any(choice.free_period for choice in found)
+
+
+def test_the_best_known_periods_are_among_the_choices(hexapod_case: Case):
+    found = {(c.order, c.period) for c in choices(Request("hexapod", free_order=True, free_period=True), hexapod_case)}
+    assert {(5, 3.0), (7, 4.0), (3, 2.0)} <= found
+    assert {order for order, _ in found} == set(range(2, 8))
+
+
+def test_velocity_alone_binds_far_below_and_acceleration_far_above_the_choices(hexapod_case: Case):
+    """One harmonic of amplitude V / w has an acceleration of V w: the limit A is reached at w = A / V."""
+    box = hexapod_case.limits.motion
+    highest = [c.order / c.period for c in choices(Request("hexapod", order=5, free_period=True), hexapod_case)]
+    meets = (box.acceleration / box.rate).max() / (2 * np.pi)
+    assert meets / 3 <= min(highest) < meets < max(highest) <= 2 * meets
+
+
+def test_a_free_order_keeps_the_period_that_is_fixed(hexapod_case: Case):
+    found = choices(Request("hexapod", period=4.0, free_order=True), hexapod_case)
+    assert [c.order for c in found] == [2, 3, 4, 5, 6, 7]
+    assert {c.period for c in found} == {4.0}
+
+
+def test_a_duration_need_not_fit_a_period_that_is_free(hexapod_case: Case):
+    assert choices(Request("hexapod", duration=10.3, free_period=True), hexapod_case)
+    with pytest.raises(HexciteError, match="not positive"):
+        Request("hexapod", duration=-1.0, free_period=True)
+
+
+def test_too_short_a_duration_is_refused_in_one_line(hexapod_case: Case):
+    with pytest.raises(HexciteError, match="no period fits") as caught:
+        choices(Request("hexapod", duration=0.3, free_period=True), hexapod_case)
+    one_line(caught.value)
+
+
+@pytest.mark.parametrize("what", ["order", "period"])
+def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
+    with pytest.raises(HexciteError, match=f"--{what} does nothing with --free-{what}"):
+        refuse_foreign([f"free_{what}", what], "fourier")
+    with pytest.raises(HexciteError, match=f"--free-{what} does nothing with --family ptp"):
+        refuse_foreign([f"free_{what}"], "ptp")
+
+
+def test_each_choice_is_looked_at_and_the_best_get_all_starts(hexapod_case: Case):
+    """With results made up: the shorter the period the better, and later seeds and the second stage better still."""
+    request = Request("hexapod", order=2, duration=3.0, free_period=True, starts=2)
+    first, second = seeds_of(0, 2)
+    tried: list[Task] = []
+
+    def start_of(task: Task) -> Start:
+        period = float(task.family.settings["period_s"])
+        score = -period + (task.seed == second) + 10 * (task.stage.name == "refine")
+        unknowns = np.full(task.family.sampling(hexapod_case).lower.shape, 0.01)
+        return Start(task.seed, task.stage.name, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, unknowns)
+
+    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
+        tried.extend(tasks)
+        return Outcome([start_of(task) for task in tasks], False)
+
+    found = search(request, hexapod_case, SILENT, run)
+    periods = [choice.period for choice in choices(request, hexapod_case)]
+    assert len(periods) > KEPT
+    seen = [(task.stage.name, task.seed, task.family.settings["period_s"]) for task in tried]
+    looks = [("explore", first, period) for period in periods]
+    more = [("explore", second, period) for period in sorted(periods)[:KEPT]]
+    refined = [("refine", second, period) for period in sorted(periods)[:REFINED]]
+    assert sorted(seen) == sorted([*looks, *more, *refined])
+    assert len(tried) == rounds(request, hexapod_case)
+    assert found.settings["period_s"] == min(periods)
