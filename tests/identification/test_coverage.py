@@ -34,6 +34,7 @@ def coverage(seeds: int) -> float:
     return float(np.mean(inside))
 
 
+@pytest.mark.slow
 def test_of_30_runs_about_95_percent_of_the_intervals_hold_the_truth() -> None:
     assert 0.90 <= coverage(30) <= 0.99
 

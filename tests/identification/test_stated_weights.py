@@ -78,6 +78,7 @@ def test_covariance_does_not_depend_on_the_pose() -> None:
     np.testing.assert_allclose(felt @ felt.T, StatedNoise.of(MODEL, CASE.sensors).of_accelerations(TRUTH), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_scatter_shrinks_and_the_reported_deviations_stay_true() -> None:
     """20 runs: a scatter is known to 16 % for each parameter, to a few percent over all 20."""
     estimates = {w: [identify(r, CASE, how=method(weights=w)) for r in runs(CASE, 20)] for w in ("equal", "stated")}

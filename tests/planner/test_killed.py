@@ -44,6 +44,7 @@ def whole(folder: Path, file: str, others: list[str]) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_a_plan_that_is_killed_while_it_is_written_is_whole_or_absent(cache: Path, tmp_path: Path):
     moment = [".plan.*.part/plan.json", "plan"]
     signal_when(start(*QUICK, "-o", tmp_path / "plan"), moment, tmp_path, signal.SIGKILL)

@@ -54,6 +54,7 @@ def test_poses_that_are_too_few_or_too_alike_tell_no_bias() -> None:
     assert accelerometer_bias(np.tile(felt[0], (9, 1)), np.tile(turns[0], (9, 1, 1)), GRAVITY) is None
 
 
+@pytest.mark.slow
 def test_errors_of_given_offsets_are_in_the_reported_deviations() -> None:
     """One run, offsets and noise drawn anew each time: errors spread as reported, and not as with exact offsets."""
     away, bare = [], []

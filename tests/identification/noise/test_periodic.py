@@ -27,6 +27,7 @@ def squares(recording: Recording) -> float:
     return identify(recording, CASE, conditioning=WISH).s0 ** 2
 
 
+@pytest.mark.slow
 def test_shares_are_those_that_each_noise_alone_leaves() -> None:
     """Averaging takes noise of forces and struts alike; the struts' grows with the square of the frequency."""
     case, seeds = stated(CASE, force_noise_N=0.5, strut_noise_um=5.0), range(4)

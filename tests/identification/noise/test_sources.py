@@ -115,7 +115,7 @@ def noisy(recording: Recording, seed: int, std_um: float) -> Recording:
     return replace(recording, struts=recording.struts + errors)
 
 
-@pytest.mark.parametrize("steps", [True, False])
+@pytest.mark.parametrize("steps", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_attenuation_is_the_mean_bias_of_a_coarse_encoder(steps: bool) -> None:
     """Steps of 20 um on a small motion, and white noise as large: estimates are off by what is said, size and sign."""
     size, seeds, resolution = 0.7, range(8), 20.0

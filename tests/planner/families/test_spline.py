@@ -104,6 +104,7 @@ def test_a_spline_of_its_own_kind_is_found_again_through_its_motion(start: np.nd
     assert family.through(family.motion(start)) == pytest.approx(start, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_improving_a_point_to_point_motion_yields_more_than_it(hexapod_case: Case, family: SplineFamily):
     moves = PointToPointFamily.of(hexapod_case, 13, 4.0)
     first = run_start(Task(hexapod_case, 9, moves, "D", "ipopt", Stage("explore", 60, False), 1))

@@ -191,6 +191,7 @@ def _holds(environment: Path, entry: str) -> bool:
         return False
 
 
+@pytest.mark.slow
 def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: Case) -> None:
     from planner.study.spec import request_of
     from planner.study.work import work

@@ -65,7 +65,7 @@ def test_no_tasks_are_no_work(client: Client) -> None:
     [
         ("dies once", None),
         ("fails once", None),
-        ("hangs once", None),
+        pytest.param("hangs once", None, marks=pytest.mark.slow),
         ("dies", "its worker died twice"),
         ("fails", "ArithmeticError: no root"),
         pytest.param("hangs", "past its time limit of 8 s", marks=pytest.mark.slow),

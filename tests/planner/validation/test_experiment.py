@@ -331,6 +331,7 @@ class Stopped(Exception):
     """Something that ends a validation."""
 
 
+@pytest.mark.slow
 def test_an_interrupted_validation_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     words = ("hexapod", "Q5N", "0,3", None, Settings("virtual", 1, 0), False, tmp_path / "v", True)
     kept = tmp_path / "v.unfinished"
