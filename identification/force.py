@@ -13,7 +13,7 @@ from cases.schema import Case
 from identification.findings.plausibility import unmeasured
 from identification.model import OFFSETS, Model
 from identification.recording import Recording
-from identification.runs.evaluation import moving_run, standstills
+from identification.runs.preparation import moving_run, standstills
 from identification.saved import SavedResult
 
 Array = NDArray[np.float64]

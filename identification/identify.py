@@ -31,9 +31,10 @@ from identification.recording import Recording
 from identification.result import Delay, Estimate, Evaluation, estimate_of
 from identification.runs.accelerated import accelerated, compared
 from identification.runs.conditioning import USUAL, Conditioning
-from identification.runs.evaluation import MOST_DELAY, Run, standstills
+from identification.runs.evaluation import MOST_DELAY, Run
 from identification.runs.flexible import NO_MODE, below, mode_of
 from identification.runs.moving import GAUSS_MARKOV, SANDWICHED, fit_with_delay, run_of
+from identification.runs.preparation import standstills
 from identification.runs.smoothing import smoothed, smoothing_of
 from identification.runs.wrist import WristRun, delay_band, wrist_run
 

@@ -18,7 +18,7 @@ from identification.findings.plausibility import bridged, scan
 from identification.formats.stream import Recording
 from identification.hexapod import Hexapod
 from identification.motion import Trajectory
-from identification.runs.evaluation import MOST_BRIDGED, MOVING, checked_filter
+from identification.runs.preparation import MOST_BRIDGED, MOVING, checked_filter
 
 Array = NDArray[np.float64]
 

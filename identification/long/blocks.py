@@ -19,7 +19,8 @@ from identification.long.feed import LongFeed
 from identification.long.rates import at_their_samples, first_rows, gathered, joined, last_rows
 from identification.model import Model
 from identification.recording import read_batches
-from identification.runs.evaluation import MOST_BRIDGED, MOVING, Run, about_left_out, checked_filter, spoilt_by
+from identification.runs.evaluation import Run
+from identification.runs.preparation import MOST_BRIDGED, MOVING, about_left_out, checked_filter, spoilt_by
 from identification.runs.rates import HELD_CHANGES, Rhythm, changes_of, rhythm_of
 from identification.signals import Filter
 

@@ -28,7 +28,8 @@ from identification.periodic.fourier import FourierSeries, fit_series
 from identification.periodic.periods import PeriodScatter, each_period, strangers
 from identification.recording import Recording
 from identification.runs.conditioning import Periodic
-from identification.runs.evaluation import DELAY_STEP, LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
+from identification.runs.evaluation import DELAY_STEP
+from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

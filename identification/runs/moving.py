@@ -21,7 +21,8 @@ from identification.recording import Recording
 from identification.result import Delay
 from identification.runs.accelerated import accelerated
 from identification.runs.conditioning import Conditioning
-from identification.runs.evaluation import MOST_DELAY, Run, moving_run
+from identification.runs.evaluation import MOST_DELAY, Run
+from identification.runs.preparation import moving_run
 from identification.runs.wrist import WristRun, wrist_run
 
 Array = NDArray[np.float64]

@@ -12,7 +12,8 @@ from identification.model import identification_model
 from identification.periodic.averaging import periodic_run
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.evaluation import MOST_DELAY, moving_run, standstills
+from identification.runs.evaluation import MOST_DELAY
+from identification.runs.preparation import moving_run, standstills
 from identification.runs.wrist import wrist_run
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from identification.findings.plausibility import unmeasured
 from identification.formats.table import Lines
 from identification.hexapod import Hexapod
 from identification.recording import Recording
-from identification.runs.evaluation import MOVING
+from identification.runs.preparation import MOVING
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -22,7 +22,7 @@ from identification.formats.clock import HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
 from identification.model import MASS, Model
 from identification.noise.coloured import coloured_covariance
-from identification.runs.evaluation import about_left_out, spoilt_by
+from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, sample
 from identification.recording import Recording, files_of, read_recording
 from identification.reference import reference_scaling
-from identification.runs.evaluation import moving_run, standstills
+from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved import load_result
 from planner.deviations import SAMPLES_PER_SECOND, predicted_std

@@ -11,7 +11,8 @@ from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.evaluation import Run, moving_run, standstills
+from identification.runs.evaluation import Run
+from identification.runs.preparation import moving_run, standstills
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from identification.identify import identify
 from identification.motion import Standstill
 from identification.payload import payload_between, require_two
 from identification.recording import Recording
-from identification.runs.evaluation import moving_run
+from identification.runs.preparation import moving_run
 from identification.saved import SavedResult, load_result, with_tare
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import PoseExecution

@@ -18,7 +18,7 @@ from identification.long.streaming import identify_long
 from identification.model import identification_model
 from identification.recording import read_recording, write_recording
 from identification.result import Estimate
-from identification.runs.evaluation import moving_run
+from identification.runs.preparation import moving_run
 from identification.saved import SavedResult
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import PoseExecution

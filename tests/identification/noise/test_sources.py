@@ -14,7 +14,7 @@ from identification.model import identification_model, regressors
 from identification.motion import Motion
 from identification.noise.effects import acceleration_effects
 from identification.recording import Recording
-from identification.runs.evaluation import moving_run
+from identification.runs.preparation import moving_run
 from identification.signals import Filter
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import PoseExecution

@@ -15,7 +15,7 @@ from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.accelerated import accelerated
 from identification.runs.conditioning import Accelerated, Conditioning
-from identification.runs.evaluation import moving_run
+from identification.runs.preparation import moving_run
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, ideal, one_line

@@ -1,0 +1,211 @@
+"""From a recording to what is evaluated of it: its window, its filter, and what damage leaves out."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError, RecordingError
+from cases.schema import Case
+from identification.findings.plausibility import Scan, bridged
+from identification.formats.lost import MOST_PUT_BACK
+from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
+from identification.model import Model, regressors
+from identification.recording import Recording
+from identification.runs.evaluation import MOST_DELAY, Run, Standstills
+from identification.signals import Filter
+
+Array = NDArray[np.float64]
+
+LEAST_TRAVEL = 1e-4  # [m] of the struts; below, the pose counts as constant
+MOVING = 1e-3  # [m/s] strut speed from which the machine counts as moving, where there is no trigger
+SMALLER_UNITS = {"ms": 1e-3, "us": 1e-6}  # of clocks [s]
+MOST_RATE = 20e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
+MOST_LEFT_OUT = 0.5  # of the motion, by damage and the filter's reach around it
+# Bad samples in a row that a straight line replaces; the filter makes nothing of the difference.
+MOST_BRIDGED = MOST_PUT_BACK
+
+
+def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:
+    """Regressors of averaged standstills.
+
+    Args:
+        recording: one row a standstill.
+        case: machine.
+        model: gives A.
+        found: rows to leave out.
+
+    Raises:
+        IdentificationError: the model needs what the recording does not have, or the struts cannot close.
+    """
+    require_position(recording, model)
+    used = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
+    still = np.zeros((int(used.sum()), 6))
+    count, forces = len(still), recording.forces[used]
+    if recording.struts is not None:
+        try:
+            poses = Hexapod.of(case).poses(recording.struts[used])
+        except StrutsDoNotClose as error:
+            row = int(np.flatnonzero(used)[error.sample])
+            raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
+        return Standstills(forces, regressors(model, Kinematics(poses, still, still)))
+    assert recording.rotations is not None  # the reader admits no recording without a pose
+    matrices = model.matrices(np.zeros((count, 3)), recording.rotations[used], still, still)
+    return Standstills(forces, matrices)
+
+
+def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False, found: Scan | None = None) -> Run:
+    """A moving run with its window found.
+
+    Args:
+        recording: with struts and a clock.
+        case: machine and filter.
+        model: gives A.
+        whole: evaluate all samples, not only the excitation.
+        found: samples that may not be used; what their values did to the filter is left out with them.
+
+    Raises:
+        RecordingError: no struts, no filter in the case, a filter that does not fit the rate, a trigger that is never
+        on.
+        IdentificationError: the pose is constant.
+    """
+    require_position(recording, model)
+    if recording.struts is None:
+        raise RecordingError(
+            f"{recording.source}: has a clock and rotation matrices; moving runs are evaluated from struts only, "
+            "remove t_s if each row is an averaged standstill"
+        )
+    low_pass = checked_filter(recording, case)
+    count = len(recording.struts) - 2 * low_pass.margin
+    warnings: tuple[str, ...] = ()
+    bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
+    spoilt = spoilt_by(bad, recording.lost, low_pass)
+    if bad.any():
+        recording = replace(recording, struts=bridged(recording.struts, bad), forces=bridged(recording.forces, bad))
+    assert recording.struts is not None
+    if whole:
+        low_pass.apply(recording.struts)  # raises where the run is shorter than the filter
+        window = np.arange(max(count, 0))
+    else:
+        window, warnings = _window(recording, low_pass)
+    together = np.flatnonzero(np.diff(window) == 1)
+    lost = int(recording.lost[low_pass.margin + window[together]].sum())
+    share = 1.0 - float(np.sum(~spoilt[window])) / (len(window) + lost)
+    warnings += about_left_out(recording.source, share, low_pass)
+    window = window[~spoilt[window]]
+    rows = window[:: low_pass.stride]
+    if len(rows) < 2:
+        raise IdentificationError(
+            f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a "
+            f"{low_pass.cutoff:g} Hz filter; record longer"
+        )
+    return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window), warnings, spoilt=spoilt)
+
+
+def checked_filter(recording: Recording, case: Case) -> Filter:
+    """The low-pass of a case at the rate of a recording.
+
+    Raises:
+        RecordingError: the case has none, it does not fit the rate, or the clock is not uniform.
+    """
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is None:
+        raise RecordingError(
+            f"{recording.source}: a moving run needs a filter; set recording.filter_cutoff_Hz in the case"
+        )
+    if len(recording.forces) < 2:
+        raise RecordingError(f"{recording.source}: {len(recording.forces)} sample is no run; record longer")
+    step = recording.step
+    if not cutoff < 0.2 / step:
+        raise RecordingError(
+            f"{recording.source}: filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second; at "
+            f"most {0.2 / step:.4g}{_other_clock(step, cutoff)}"
+        )
+    return Filter(cutoff, step, MOST_DELAY)
+
+
+def _other_clock(step: float, cutoff: float) -> str:
+    """What to add where the time stamps make sense in a smaller unit."""
+    for unit, factor in SMALLER_UNITS.items():
+        if cutoff < 0.2 / (step * factor) < MOST_RATE:
+            return f"; time stamps {step:.3g} s apart seem to be in {unit}: set recording.clock.unit = '{unit}'"
+    return ""
+
+
+def spoilt_by(bad: NDArray[np.bool_], lost: NDArray[np.int64], low_pass: Filter) -> NDArray[np.bool_]:
+    """Filtered samples that feel more than a short bridge of bad ones, or reach across a gap, shape (n - 2 margin,).
+
+    Args:
+        bad: samples that may not be used, shape (n,).
+        lost: how many are missing between each and the next, shape (n - 1,).
+        low_pass: the filter; each section between gaps is filtered by itself.
+    """
+    count, margin = len(bad), low_pass.margin
+    change = np.zeros(count + 1, dtype=np.int64)
+    cuts = 1 + np.flatnonzero(lost)
+    np.add.at(change, np.maximum(cuts - margin, 0), 1)
+    np.add.at(change, np.minimum(cuts + margin, count), -1)
+    ends = {0, count, *cuts.tolist()}  # of sections, beyond which there is nothing to bridge to
+    edges = np.flatnonzero(np.diff(np.r_[False, bad, False].astype(np.int8)))
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        if end - first > MOST_BRIDGED or first in ends or end in ends:
+            change[max(first - margin, 0)] += 1
+            change[min(end + margin, count)] -= 1
+    spoilt = np.cumsum(change)[:-1] > 0
+    return np.asarray(spoilt[margin : count - margin])
+
+
+def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[str, ...]:
+    """What to say where damage, with the filter's reach around it, takes a share of the motion.
+
+    Raises:
+        RecordingError: it takes too much.
+    """
+    reach = low_pass.margin * low_pass.step
+    if share > MOST_LEFT_OUT:
+        raise RecordingError(
+            f"{source}: damage, with the filter's reach of {reach:.3g} s on either side, takes {100 * share:.3g} % of "
+            f"the motion, at most {100 * MOST_LEFT_OUT:g} % may be left out; record again"
+        )
+    if share <= 0.0:
+        return ()
+    return (
+        f"{100 * share:.2g} % of the motion is left out: damage longer than {MOST_BRIDGED} samples, gaps, and "
+        f"{reach:.3g} s on either side, as far as the filter reaches",
+    )
+
+
+def require_position(recording: Recording, model: Model) -> None:
+    """Raises IdentificationError where a model needs the position and the recording has none."""
+    if model.needs_position and recording.struts is None:
+        raise IdentificationError(
+            f"{recording.source}: model {model.number} needs the platform's position, the recording has orientations "
+            "only; choose model 0 or 6, or record the struts"
+        )
+
+
+def _window(recording: Recording, low_pass: Filter) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
+    assert recording.struts is not None
+    margin = low_pass.margin
+    speed = low_pass.apply(recording.struts, 1)  # raises where the run is shorter than the filter
+    warnings: tuple[str, ...] = ()
+    if recording.trigger is not None:
+        rows = np.flatnonzero(recording.trigger[margin:-margin])
+        if not len(rows):
+            raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
+    else:
+        moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)
+        rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
+        if not len(moving):
+            warnings = (
+                f"the struts are never faster than {MOVING * 1e3:g} mm/s, so that all of the recording is evaluated; "
+                "record a trigger where only a part is meant",
+            )
+    travel = np.ptp(recording.struts[margin + rows], axis=0).max()
+    if travel < LEAST_TRAVEL:
+        raise IdentificationError(
+            f"{recording.source}: the pose is constant (struts move by {travel * 1e3:.3g} mm, at least "
+            f"{LEAST_TRAVEL * 1e3:g} mm are needed); record the excitation, or remove t_s from averaged standstills"
+        )
+    return rows, warnings
