@@ -5,8 +5,7 @@ import pytest
 
 from cases.schema import Case
 from identification.limits import prove
-from identification.model import Model, identification_model
-from identification.reference import reference_scaling
+from identification.model import Model
 from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily
 from planner.search.annealing import EqualMoves, Walk, annealed_start
@@ -15,16 +14,6 @@ from planner.search.solving import random_start
 
 MOVES = 12
 DURATION = 4.0
-
-
-@pytest.fixture(scope="module")
-def model(hexapod_case: Case) -> Model:
-    return identification_model(hexapod_case, 9)
-
-
-@pytest.fixture(scope="module")
-def scaling(hexapod_case: Case, model: Model) -> np.ndarray:
-    return reference_scaling(hexapod_case, model)
 
 
 @pytest.fixture(scope="module")

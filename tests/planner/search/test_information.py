@@ -9,21 +9,11 @@ from hypothesis import strategies as st
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model, identification_model
-from identification.reference import reference_scaling, uniform_states
+from identification.reference import uniform_states
 from planner.families.fourier import FourierFamily
 from planner.search.information import log_determinant, sample_information
 from planner.search.problem import Problem, build_problem, mean_information
 from tests.helpers import taylor_slope
-
-
-@pytest.fixture(scope="module")
-def model(hexapod_case: Case) -> Model:
-    return identification_model(hexapod_case, 9)
-
-
-@pytest.fixture(scope="module")
-def scaling(hexapod_case: Case, model: Model) -> np.ndarray:
-    return reference_scaling(hexapod_case, model)
 
 
 @pytest.fixture(scope="module")
