@@ -117,7 +117,7 @@ def _casadi(plugin: str, options: dict[str, Any], exact: dict[str, Any]) -> Solv
                 "jac_fg": ca.Function("nlp_jac_fg", [x, p], everything, ["x", "p"], ["f", "grad_f_x", *names])
             }
         callback = _Callback(x.shape[0], c.rows.shape[0], watch)
-        common = {**derivatives, "iteration_callback": callback, "print_time": False, "show_eval_warnings": False}
+        common = {**derivatives, **_COMMON, "iteration_callback": callback}
         limit = {**options, "max_iter": iterations}
         if program.hessian is not None:
             limit = {**limit, **exact, "mu_init": program.barrier, **(_PUSH if program.barrier < FAR else {})}
@@ -138,6 +138,12 @@ def _casadi(plugin: str, options: dict[str, Any], exact: dict[str, Any]) -> Solv
     return solve
 
 
+_COMMON = {
+    "print_time": False,
+    "show_eval_warnings": False,
+    # The Lagrangian's gradient that CasADi builds besides is for sensitivities of the solution, which nobody asks for.
+    "no_nlp_grad": True,
+}
 _IPOPT = {
     "hessian_approximation": "limited-memory",  # AD's exact Hessian costs 1.7 s an evaluation
     "limited_memory_max_history": 40,  # with the default of 6 half of the runs end in the iteration limit
