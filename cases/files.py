@@ -108,12 +108,13 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = ())
         inputs: what the work reads, which is never overwritten.
 
     Raises:
-        FileProblem: wrong ending, a folder stands there, or it is one of the inputs.
+        FileProblem: wrong ending, a folder stands there, it is one of the inputs, or the place cannot be written.
     """
     allowed = tuple(suffixes)
     if path.suffix.lower() not in allowed:
         ending = repr(path.suffix) if path.suffix else "no suffix"
         raise FileProblem(f"{path}: ends in {ending}; name a file that ends in {' or '.join(allowed)}")
+    _require_place(path)
     if path.is_dir():
         raise FileProblem(f"{path}: is a folder; name a file in it with -o")
     for source in inputs:
@@ -133,7 +134,7 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = ()) -> N
         inputs: what the work reads; none of it may be in the folder that is replaced.
 
     Raises:
-        FileProblem: something else stands there, or it is or holds one of the inputs.
+        FileProblem: something else stands there, it is or holds one of the inputs, or the place cannot be written.
     """
     if path.resolve() == Path.cwd() or path.resolve() in Path.cwd().parents:
         raise FileProblem(f"{path}: is the folder that you work in; name a new one with -o")
@@ -147,13 +148,20 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = ()) -> N
         raise FileProblem(f"{path}: cannot be read ({_reason(error)}); choose another place with -o") from error
     if held is None and there:
         raise FileProblem(f"{path}: exists and is no folder; choose another place with -o")
-    above = next(p for p in path.absolute().parents if os.path.lexists(p))
-    if held is None and not (above.is_dir() and os.access(above, os.W_OK | os.X_OK)):
-        reason = "permission denied" if above.is_dir() else f"{above} is no folder"
-        raise FileProblem(f"{path}: cannot be written ({reason}); choose another place with -o")
     if held and not held <= kind.contents:
         other = sorted(held - kind.contents)[0]
         raise FileProblem(f"{path}: is not {kind.name} of hexcite's (it holds {other}); choose another place with -o")
+    _require_place(path)
+
+
+def _require_place(path: Path) -> None:
+    """Tries to write beside `path`: what a file system really lets one do no permission bits tell."""
+    above = next(p for p in path.absolute().parents if os.path.lexists(p))
+    try:
+        os.rmdir(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".try", dir=above))
+    except OSError as error:
+        reason = _reason(error) if above.is_dir() else f"{above} is no folder"
+        raise FileProblem(f"{path}: cannot be written ({reason}); choose another place with -o") from error
 
 
 @contextmanager

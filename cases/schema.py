@@ -171,7 +171,7 @@ class Case(Part):
             raise CaseError(
                 f"case {self.name}",
                 "setup",
-                f"is 1a, a sensor frame that does not move, so that there is no {purpose}; use hexcite tare, "
+                f"is 1a, a sensor frame that does not move: {purpose} needs one that does; use hexcite tare, "
                 "force, and identify with payload for what is put on it",
             )
         if self.machine is None:

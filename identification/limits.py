@@ -61,10 +61,11 @@ class LimitCheck:
         """Whether the limit is kept, as far as the motion is answerable for it."""
         return not self.binding or self.ratio <= 1.0 + TOLERANCE
 
-    def sentence(self) -> str:
-        """One phrase with value and limit."""
+    def sentence(self, timed: bool = True) -> str:
+        """One phrase with value and limit, and when, unless that tells nothing."""
         digits = next(d for d in range(4, 18) if f"{self.worst:.{d}g}" != f"{self.limit:.{d}g}" or d == 17)
-        return f"{self.name} reaches {self.worst:.{digits}g} {self.unit} at {self.time:.3f} s, limit {self.limit:.4g}"
+        when = f" at {self.time:.3f} s" if timed else ""
+        return f"{self.name} reaches {self.worst:.{digits}g} {self.unit}{when}, limit {self.limit:.4g}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise
 from planner.request import Request
 from planner.search.solving import Failed, Start
+from planner.target import parse_targets
 
 Array = NDArray[np.float64]
 
@@ -110,7 +111,10 @@ class Plan:
             )
             off = f", up to {off_mm:.2g} mm and {off_deg:.2g} deg off its path" if off_mm or off_deg else ""
             notes.append(f"re-timed with {method}: {self.motion.duration:.2f} s instead of {before:.2f} s{off}")
-        if all(s.converged is False for s in self.starts) and self.starts:
+        if self.request.targets:
+            targets = parse_targets(self.request.targets, self.case, self.request.model)
+            notes.append(f"targets: {', '.join(t.compared(self.predicted_std) for t in targets)}")
+        if self.starts and not self.interrupted and not any(s.converged for s in self.starts):
             notes.append("no start converged within its iterations; more --starts or another --solver may find more")
         if self.family == "spline" and (knots := self.settings.get("knots")) is not None:
             enough = enough_intervals(self.case, self.motion.duration)
@@ -120,9 +124,10 @@ class Plan:
                     "more information"
                 )
         if self.family != self.request.family:
-            notes.append(
-                f"this is a {self.family} plan: no {self.request.family} found carries more; more --knots may help"
-            )
+            wanted = self.request.family
+            reached = any(s.family.name == wanted for s in self.starts)
+            why = f"no {wanted} found carries more; more --knots may help" if reached else "it never came further"
+            notes.append(f"this is a {self.family} plan, where the search for a {wanted} began: {why}")
         if len(self.request.payloads) > 1:
             notes.append(f"predicted standard deviations are the largest with {self.request.mounted}: {self._by_load}")
         forces = [c for c in self.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]

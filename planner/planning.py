@@ -164,6 +164,8 @@ def search(request: Request, case: Case, listener: Listener, run: Runner = run_a
 def _made_by_hand(request: Request, case: Case) -> Found:
     file = request.sequence if request.sequence is not None else sequence_file(request.case_file)
     motion = manual_motion(case, file)
+    if not motion.duration <= LONGEST:
+        raise InfeasiblePlan(f"{file}: takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
     return Found(motion, "manual", {"sequence": str(file)}, prove(motion, case), (), (), False)
 
 
@@ -191,8 +193,6 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
     if not found.limits.kept:
         worst = found.limits.violations[0]
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)}")
-    if not found.motion.duration <= LONGEST:
-        raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
     return rated(request, case, case_file, found, seconds)
 
 

@@ -109,6 +109,12 @@ class Request:
             return max(self._fewest_periods, int(np.ceil(duration / self.period - 1e-9))) * self.period
         return max(duration, FEWEST * SHORTEST_MOVE, FEWEST_INTERVALS / KNOTS_A_SECOND)
 
+    def knots_for(self, duration: float) -> str:
+        """The option that a spline of this duration needs, or nothing."""
+        if self.family != "spline" or self.knots is not None or duration * KNOTS_A_SECOND <= MOST_INTERVALS:
+            return ""
+        return f" --knots {MOST_INTERVALS}"
+
     def lasting(self, duration: float) -> "Request":
         """The same for another duration, with as many moves and knots a second."""
         share = duration / self.duration

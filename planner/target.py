@@ -1,17 +1,15 @@
-"""The shortest motion whose predicted standard deviations meet given targets."""
+"""Standard deviations that a user wants to be met, as typed."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from cases.errors import HexciteError, InfeasiblePlan
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.model import identification_model
 from identification.parameters import physical_form
-from planner.plan import Plan
-from planner.request import LONGEST, Request
 
 UNITS = {
     "kg": ("kg", 1.0),
@@ -26,10 +24,6 @@ UNITS = {
     "Nm": ("N m", 1.0),
 }
 NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-ROUNDS = 4  # of shortening: each lands within a few percent of what the information rate promises
-RESERVE = 1.03  # shorter motions carry a little less information a second: turning round at the ends takes its time
-WORTHWHILE = 0.97  # share of the duration below which another plan is worth its time
-SHORTEST = 2.0  # [s]
 
 
 class Target(NamedTuple):
@@ -46,6 +40,15 @@ class Target(NamedTuple):
     std: float
     text: str
     unit: str
+
+    def share(self, predicted: Mapping[str, float]) -> float:
+        """Share of it that predicted standard deviations [SI] use; it is met up to 1."""
+        return predicted[self.name] / self.std
+
+    def compared(self, predicted: Mapping[str, float]) -> str:
+        """What is predicted and what is wanted, in the user's unit."""
+        scale = UNITS[self.unit][1]
+        return f"{self.name} {predicted[self.name] / scale:.3g} of {self.std / scale:.3g} {self.unit}"
 
 
 def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Target, ...]:
@@ -71,47 +74,3 @@ def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Targe
             raise HexciteError(f"target {word!r}: {number} is no positive number")
         targets.append(Target(name, std, word, unit))
     return tuple(targets)
-
-
-def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan]) -> Plan:
-    """Plans at the request's duration, the longest allowed, then shorter ones as long as the targets are met.
-
-    Every plan is optimal by the request's criterion for its duration; the shortest of these that meets the targets need
-    not be the shortest of all motions.
-
-    Raises:
-        HexciteError: a target that cannot be read.
-        InfeasiblePlan: a target is not met; the message says what is reached, and about how long would do.
-    """
-    targets = parse_targets(request.targets, case, request.model)
-
-    def use(plan: Plan) -> tuple[float, Target]:
-        """The largest share of a target that a plan needs, and which."""
-        return max((plan.predicted_std[t.name] / t.std, t) for t in targets)
-
-    best = make(request)
-    needed, target = use(best)
-    if needed > 1.0:
-        reached = best.predicted_std[target.name] / UNITS[target.unit][1]
-        longer = request.allowed_duration(float(np.ceil(request.duration * needed**2 * RESERVE)))
-        remedy = f"allow --duration {longer:g} or a wider target"
-        if longer > LONGEST:
-            remedy = f"even the longest motion, {LONGEST:g} s, would not do: set a wider target"
-        raise InfeasiblePlan(
-            f"target {target.text} is out of reach in {request.duration:g} s: the best found has "
-            f"{reached:.3g} {target.unit}; {remedy}"
-        )
-    too_short = SHORTEST / 2
-    for _ in range(ROUNDS):
-        duration = max(best.motion.duration * use(best)[0] ** 2 * RESERVE, SHORTEST)
-        if duration <= too_short:
-            duration = (too_short + best.motion.duration) / 2
-        duration = request.allowed_duration(duration)
-        if duration > WORTHWHILE * best.motion.duration or best.interrupted:
-            break
-        trial = make(request.lasting(duration))
-        if use(trial)[0] <= 1.0:
-            best = trial
-        else:
-            too_short = duration
-    return best

@@ -123,7 +123,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     from planner.readiness import require_plannable
     from planner.search.parallel import Listener, News
     from planner.search.solving import Failed, Start
-    from planner.target import shortest_plan
+    from planner.shortest import shortest_plan
 
     loaded = load_case(request.case_file)
     folder = output if output is not None else Path(f"{loaded.name}-{request.family}")

@@ -139,7 +139,9 @@ def _given(source: Path, case: str | None, model: int | None) -> _Given:
     from planner.saved_plan import load_plan
 
     if not source.exists():
-        raise HexciteError(f"{source}: cannot be read (there is nothing); give a plan folder or a table of poses")
+        raise HexciteError(
+            f"{source}: cannot be read (No such file or directory); name a plan folder, or a table of poses"
+        )
     if source.is_dir():
         saved = load_plan(source)
         data, case_file = saved.data, saved.case_file
@@ -159,10 +161,6 @@ def _given(source: Path, case: str | None, model: int | None) -> _Given:
             return _Given(saved.motion, saved.case, case_file, request)
         motion, request = saved.motion, replace(request, case_file=case)
     else:
-        if not source.exists():
-            raise HexciteError(
-                f"{source}: cannot be read (No such file or directory); name a plan folder, or a table of poses"
-            )
         if case is None:
             raise HexciteError(f"{source}: a table does not know its machine; name it with --case")
         request = Request(case, family="manual", model=9 if model is None else model)

@@ -10,7 +10,7 @@ from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import find_case
 from cases.manual import Sequence, load_poses, load_sequence
 from cases.schema import Case
-from identification.limits import prove
+from identification.limits import of_coordinates, of_mechanics, prove, prove_at, worst_of
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.circle import Plane, fastest_circle
 from identification.trajectories.profile import StraightMove
@@ -21,6 +21,7 @@ MARGIN = 1e-3  # of every limit, as for optimised motions
 SLOWEST = 0.02  # share of the speed; a move that needs less cannot be made at all
 BISECTIONS = 12
 RATE = 2000.0  # [1/s]
+PLACES = 9  # looked at on the way of a step before it is timed
 STILL = 1e-9  # [m, rad] closer poses are the same
 
 Build = Callable[[float], Trajectory]
@@ -102,12 +103,16 @@ def _circle(case: Case, start: Array, plane: Plane, radius: float, speed: float)
 
 def _fastest_within_limits(case: Case, build: Build, place: str) -> Trajectory:
     """The step at full speed if it keeps every limit, else slowed until it does."""
+    way = build(1.0)
+    _require_reach(way, case, place)
+    if isinstance(way, Standstill):
+        return way
 
     def keeps(slower: float) -> bool:
         return prove(build(slower), case, RATE).worst_ratio <= 1.0 - MARGIN / 2
 
     if keeps(1.0):
-        return build(1.0)
+        return way
     low, high = SLOWEST, 1.0
     if not keeps(low):
         worst = prove(build(low), case, RATE).violations
@@ -117,3 +122,13 @@ def _fastest_within_limits(case: Case, build: Build, place: str) -> Trajectory:
         middle = (low + high) / 2
         low, high = (middle, high) if keeps(middle) else (low, middle)
     return build(low)
+
+
+def _require_reach(way: Trajectory, case: Case, place: str) -> None:
+    """No pace helps where standing somewhere on the way passes a limit; and a way of miles need not be timed."""
+    poses = way.at(np.linspace(0.0, way.duration, PLACES)).pose
+    for limited in (of_coordinates, of_mechanics):  # what is computed of the latter may overflow miles away
+        report = worst_of(prove_at(Standstill(pose, 1.0), case, np.zeros(1), limited=limited) for pose in poses)
+        if not report.kept:
+            worst = report.violations[0].sentence(timed=False)
+            raise InfeasiblePlan(f"{place}: {worst}; choose another pose or a smaller circle")

@@ -256,3 +256,18 @@ def test_an_output_file_is_checked_before_the_work(tmp_path: Path) -> None:
     (tmp_path / "f.ngc").mkdir()
     with pytest.raises(FileProblem, match="is a folder"):
         check_file(tmp_path / "f.ngc", [".ngc"])
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "sub/" + "x" * 300])
+def test_a_place_that_only_looks_writable_is_known_before_the_work(name: str, tmp_path: Path) -> None:
+    """Permission bits tell nothing of names that are too long, of /proc, of full disks."""
+    for check in (lambda: check_folder(tmp_path / name, PLAN), lambda: check_file(tmp_path / f"{name}.csv", [".csv"])):
+        with pytest.raises(FileProblem, match=r"cannot be .* \(File name too long\); choose another place with -o"):
+            check()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="only Linux has a folder that nobody can write to")
+def test_a_folder_of_the_kernel_is_no_place() -> None:
+    with pytest.raises(FileProblem, match=r"/proc/plan: cannot be written"):
+        check_folder(Path("/proc/plan"), PLAN)

@@ -125,14 +125,31 @@ def test_every_limit_is_proven(planned: dict[str, Any]):
     assert set(planned["limits"]) >= kinds
 
 
+def notes_of(stages: list[tuple[str, bool]], family: str, interrupted: bool) -> list[str]:
+    """What a plan for a spline says whose starts were of these families and converged or not, the best first."""
+    starts = [SimpleNamespace(family=SimpleNamespace(name=name), converged=done) for name, done in stages]
+    found = SimpleNamespace(
+        motion=None, starts=starts, family=family, settings={}, request=Request("hexapod", family="spline"),
+        noise_note=(), limits=LimitReport(()), interrupted=interrupted,
+    )  # fmt: skip
+    return vars(Plan)["notes"].fget(found)
+
+
 def test_a_spline_that_lost_against_the_moves_it_began_from_is_told():
     """The best motion found is kept, whatever its family; nobody should take it for a spline."""
-    request = Request("hexapod", family="spline")
-    found = SimpleNamespace(
-        motion=None, starts=(), family="ptp", settings={}, request=request, noise_note=(), limits=LimitReport(())
-    )
-    (note,) = vars(Plan)["notes"].fget(found)
-    assert "this is a ptp plan: no spline found carries more" in note
+    (note,) = notes_of([("ptp", True), ("spline", True)], "ptp", interrupted=False)
+    assert "this is a ptp plan, where the search for a spline began: no spline found carries more" in note
+
+
+def test_a_search_that_was_stopped_is_not_blamed_for_what_it_did_not_come_to():
+    (note,) = notes_of([("ptp", False)], "ptp", interrupted=True)
+    assert note == "this is a ptp plan, where the search for a spline began: it never came further"
+
+
+@pytest.mark.parametrize(("converged", "told"), [((False, False), True), ((False, True), False)])
+def test_starts_that_all_ran_out_of_iterations_are_told(converged: tuple[bool, bool], told: bool):
+    notes = notes_of([("spline", done) for done in converged], "spline", interrupted=False)
+    assert any("no start converged within its iterations" in note for note in notes) == told
 
 
 @pytest.mark.parametrize(("knots", "advice"), [(60, 1), (100, 1), (110, 0), (120, 0), (150, 0)])

@@ -1,5 +1,6 @@
 """Targets: the shortest motion that meets them, or one line that says what can be reached."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,21 +8,41 @@ import pytest
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
+from identification.limits import LimitReport
+from planner.interruption import Interrupted
+from planner.plan import Plan
 from planner.request import Request
-from planner.target import parse_targets, shortest_plan
+from planner.shortest import shortest_plan
+from planner.target import parse_targets
 from tests.helpers import one_line
 
 
-def planner_with(rate: float):
-    """A stand-in whose motions gain information at a constant rate: std = rate / sqrt(duration)."""
-    asked = []
+@dataclass(frozen=True)
+class Found:
+    """A stand-in for a plan."""
 
-    def make(request: Request) -> SimpleNamespace:
+    request: Request
+    predicted_std: dict[str, float]
+    interrupted: bool = False
+
+    @property
+    def motion(self) -> SimpleNamespace:
+        return SimpleNamespace(duration=self.request.duration)
+
+
+def planner_with(rate: float, stopped: int = 0, failing: int = 0, by: type[BaseException] = Interrupted):
+    """A stand-in whose motions gain information at a constant rate: std = rate / sqrt(duration).
+
+    Ctrl-C ends the plan of number `stopped`; the plan of number `failing` ends in an exception.
+    """
+    asked: list[float] = []
+
+    def make(request: Request) -> Found:
         asked.append(request.duration)
-        std = {"m": rate / np.sqrt(request.duration), "zC": 1e-6}
-        return SimpleNamespace(
-            motion=SimpleNamespace(duration=request.duration), predicted_std=std, interrupted=False, request=request
-        )
+        if len(asked) == failing:
+            raise by("no start led anywhere")
+        worse = 2.0 if len(asked) == stopped else 1.0  # it would have gone on
+        return Found(request, {"m": worse * rate / np.sqrt(request.duration), "zC": 1e-6}, len(asked) == stopped)
 
     return make, asked
 
@@ -59,6 +80,45 @@ def test_a_target_that_no_motion_can_meet_is_called_so(hexapod_case: Case):
     message = one_line(caught.value)
     assert "the best found has 28.9 g" in message
     assert "even the longest motion, 600 s, would not do: set a wider target" in message
+
+
+def test_ctrl_c_in_a_shorter_plan_keeps_the_one_that_meets_the_targets(hexapod_case: Case):
+    request = Request("hexapod", family="ptp", targets=("m=0.05kg",))
+    for make, asked in (planner_with(0.1, stopped=2), planner_with(0.1, failing=2)):
+        plan = shortest_plan(request, hexapod_case, make)
+        assert plan.motion.duration == 12.0
+        assert plan.interrupted
+        assert len(asked) == 2  # nothing is begun after it
+
+
+def test_ctrl_c_before_the_targets_are_met_says_so_and_nothing_of_reach(hexapod_case: Case):
+    request = Request("hexapod", family="ptp", targets=("m=0.05kg",))
+    with pytest.raises(
+        Interrupted, match=r"the best found until then has 0.0577 kg, not m=0.05kg: nothing was written"
+    ):
+        shortest_plan(request, hexapod_case, planner_with(0.1, stopped=1)[0])
+
+
+def test_a_duration_in_which_nothing_is_found_is_too_short_and_no_reason_to_give_up(hexapod_case: Case):
+    request = Request("hexapod", family="ptp", targets=("m=0.05kg",))
+    plan = shortest_plan(request, hexapod_case, planner_with(0.1, failing=2, by=InfeasiblePlan)[0])
+    assert 4.0 < plan.motion.duration < 12.0
+
+
+def test_a_plan_tells_what_its_targets_use(hexapod_case: Case):
+    request = Request("hexapod", targets=("m=0.05kg", "zC=0.3mm"))
+    found = SimpleNamespace(
+        motion=None, starts=(), settings={}, family="fourier", request=request, case=hexapod_case, noise_note=(),
+        limits=LimitReport(()), predicted_std={"m": 0.0491, "zC": 1.5e-4},
+    )  # fmt: skip
+    assert vars(Plan)["notes"].fget(found) == ["targets: m 0.0491 of 0.05 kg, zC 0.15 of 0.3 mm"]
+
+
+@pytest.mark.parametrize(("family", "knots"), [("ptp", ""), ("spline", " --knots 150")])
+def test_the_command_that_would_do_is_whole(family: str, knots: str, hexapod_case: Case):
+    """Ten knots a second are too many for so long a spline."""
+    with pytest.raises(InfeasiblePlan, match=rf"allow --duration 104{knots} or a wider target"):
+        shortest_plan(Request("hexapod", family=family, targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
 
 
 @pytest.mark.parametrize(

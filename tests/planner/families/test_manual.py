@@ -85,7 +85,9 @@ def test_a_list_of_poses_is_visited_in_order_and_left_for_home(hexapod_case: Cas
         ('title = "t"\nsteps = [{x_mm = nan}]', "steps.1.x_mm"),
         ('title = "t"\nsteps = [{x_mm = 3.0, speed = 1.5}]', "steps.1.speed"),
         ('title = "t"\nsteps = [{x_mm = 10.0}, {x_mm = 400.0}]', "step 2: position (x) reaches 400 mm"),
+        ('title = "t"\nsteps = [{x_mm = 1e30}]', "step 1: position (x) reaches 1e+30 mm, limit 250"),
         ('title = "t"\nsteps = [{circle = "ZX", radius_mm = 150.0}]', "step 1: position (z)"),
+        ('title = "t"\nsteps = [{circle = "YZ", radius_mm = 1e9}]', "step 1: position (z) reaches 1e+09 mm, limit 100"),
     ],
 )
 def test_a_file_that_cannot_be_moved_names_the_step(text: str, words: str, hexapod_case: Case, tmp_path: Path):
@@ -105,12 +107,19 @@ def test_a_file_that_cannot_be_moved_names_the_step(text: str, words: str, hexap
         ("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n0,0,900,0,0,0\n0,0,900,0,0\n", "pose 2"),
         ("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n0,0,nan,0,0,0\n", "pose 1"),
         ("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n0,0,0,0,0,0\n", "step 1: position (z)"),
+        ("x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n0,0,900,0,0,1e30\n", "step 1: angle (c) reaches 1e+30 deg, limit 20"),
     ],
 )
 def test_a_list_that_holds_no_poses_says_where(text: str, words: str, hexapod_case: Case, tmp_path: Path):
     with pytest.raises(HexciteError) as caught:
         manual_motion(hexapod_case, written(tmp_path, text, "poses.csv"))
     assert words in one_line(caught.value)
+
+
+def test_a_motion_of_hours_is_refused_before_it_is_proven(tmp_path: Path):
+    file = written(tmp_path, 'title = "t"\nsteps = [{x_mm = 50.0}, {pause_s = 1e9}]')
+    line = refused("plan", "hexapod", "--family", "manual", "--sequence", file, "-o", tmp_path / "plan", "--json")
+    assert "steps.toml: takes 1000000001 s, longer than 600 s; take steps out" in line
 
 
 def test_the_command_writes_a_proven_plan_that_loads_again(tmp_path: Path):
