@@ -18,7 +18,7 @@ from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family, box_middle
 from planner.families.fourier import COARSE, FourierFamily
 from planner.families.manual import manual_motion, sequence_file
-from planner.families.ptp import FEWEST, MOST, PointToPointFamily
+from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.interruption import Interrupted
 from planner.noise import ExpectedNoise, expected_noise, seen_through
@@ -50,7 +50,6 @@ ANEW = {"fourier": 0.0, "ptp": 0.0, "spline": 1e-2}
 # Solvers that approximate second derivatives need minutes from splines that start by chance. For these they begin from
 # point-to-point motions, which reach in seconds what such splines do not.
 BEGIN_FROM_MOVES = ("sqp", "slsqp")
-MOVES_A_SECOND = 3.3
 
 
 class Found(NamedTuple):
@@ -83,10 +82,7 @@ def first_family(request: Request, case: Case) -> Family:
         return FourierFamily.lasting(request.order, request.period, periods, middle, half, COARSE, request.centred)
     if request.family == "spline" and request.solver not in BEGIN_FROM_MOVES:
         return SplineFamily.of(case, request.intervals, request.duration)
-    if request.family == "spline":
-        moves = int(np.clip(round(MOVES_A_SECOND * request.duration), FEWEST, MOST))
-        return PointToPointFamily.of(case, moves, request.duration)
-    return PointToPointFamily.of(case, request.moves, request.duration)
+    return PointToPointFamily.of(case, request.move_count, request.duration)
 
 
 def _explore(request: Request, case: Case, seed: int) -> Task:

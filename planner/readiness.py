@@ -1,15 +1,20 @@
 """Whether a request can be met at all, as far as that is known before any search: refused at once, not in minutes."""
 
+import numpy as np
+
 from cases.errors import HexciteError
 from cases.manual import load_poses, load_sequence
 from cases.schema import Case
 from identification.model import identification_model
 from planner.families.manual import sequence_file
-from planner.families.ptp import SHORTEST_PHASE
+from planner.families.ptp import FEWEST, SHORTEST_PHASE
 from planner.request import Request
 from planner.search.choices import choices
 from planner.search.solving import require_rest
 from planner.target import parse_targets
+
+HALF = 0.5  # of the limit of acceleration
+ROUNDING = 1e-9  # of a duration
 
 
 def require_plannable(request: Request, case: Case) -> None:
@@ -52,13 +57,27 @@ def _require_heard(request: Request, case: Case) -> None:
 
 
 def _require_long_moves(request: Request, case: Case) -> None:
-    """Every move has four phases of jerk, each three controller cycles at least; splines begin from such moves."""
+    """Every move has four phases of jerk, each three controller cycles at least; splines begin from such moves.
+
+    A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search would
+    take minutes to make few moves of many, and find less than with few.
+    """
     cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
     if request.family != "ptp":
         return
-    shortest = 4 * SHORTEST_PHASE * cycle * request.moves
-    if not request.duration >= shortest * (1.0 - 1e-9):
+    box = case.need_machine("planning")[2].motion
+    phases = 4 * SHORTEST_PHASE * cycle
+    rise = 4 * HALF * float(np.min(box.acceleration / box.jerk))
+    least = max(phases, rise)
+    if not request.duration >= request.move_count * least * (1.0 - ROUNDING):
+        why = f"4 phases of {SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
+        if rise > phases:
+            why = (
+                f"at the limits of jerk it takes {least:g} s to reach half of a limit of acceleration and come to rest"
+            )
+        fewer = int(request.duration / least * (1.0 + ROUNDING))
+        remedy = f", or --moves {fewer} or fewer" if fewer >= FEWEST else ""
         raise HexciteError(
-            f"duration {request.duration:g} s is too short for {request.moves} moves of 4 phases of {SHORTEST_PHASE} "
-            f"controller cycles of {cycle * 1e3:g} ms; choose at least {shortest:g} s or fewer moves"
+            f"duration {request.duration:g} s is too short for {request.move_count} moves: {why}; choose at least "
+            f"{request.move_count * least:g} s{remedy}"
         )

@@ -17,7 +17,7 @@ SOLVER_NAMES = ("ipopt", "sqp", "slsqp")
 LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 KNOTS_A_SECOND = 10.0
 MOST_PERIODS = 1e6
-SHORTEST_MOVE = 0.06  # [s] mean duration of a move that a machine can make anything of
+MOVES_A_SECOND = 10.0 / 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Request:
         free_order: family fourier: `order` is open, the best is searched for.
         free_period: family fourier: `period` is open, likewise; the duration is a whole number of what is found.
         centred: family fourier: x0 is the middle of the box.
-        moves: family ptp.
+        moves: family ptp; None for ten in three seconds.
         knots: family spline, intervals between knots; None for ten a second.
         sequence: family manual: file of steps or poses; None for the one beside the case.
         payload: number of the case's payloads that are mounted, at most.
@@ -57,7 +57,7 @@ class Request:
     free_order: bool = False
     free_period: bool = False
     centred: bool = False
-    moves: int = 40
+    moves: int | None = None
     knots: int | None = None
     sequence: Path | None = None
     payload: int = 0
@@ -107,7 +107,7 @@ class Request:
         """The next longer duration that the family can have [s]."""
         if self.family == "fourier" and not self.free_period:
             return max(self._fewest_periods, int(np.ceil(duration / self.period - 1e-9))) * self.period
-        return max(duration, FEWEST * SHORTEST_MOVE, FEWEST_INTERVALS / KNOTS_A_SECOND)
+        return max(duration, FEWEST_INTERVALS / KNOTS_A_SECOND)
 
     def knots_for(self, duration: float) -> str:
         """The option that a spline of this duration needs, or nothing."""
@@ -118,10 +118,11 @@ class Request:
     def lasting(self, duration: float) -> "Request":
         """The same for another duration, with as many moves and knots a second."""
         share = duration / self.duration
-        moves = int(np.clip(round(self.moves * share), FEWEST, MOST))
-        knots = None
-        if self.knots is not None:
-            knots = int(np.clip(round(self.knots * share), FEWEST_INTERVALS, MOST_INTERVALS))
+        moves, knots = self.moves, self.knots
+        if moves is not None:
+            moves = int(np.clip(round(moves * share), FEWEST, MOST))
+        if knots is not None:
+            knots = int(np.clip(round(knots * share), FEWEST_INTERVALS, MOST_INTERVALS))
         return replace(self, duration=duration, moves=moves, knots=knots)
 
     def _fourier(self) -> None:
@@ -152,14 +153,17 @@ class Request:
         return 2 if self.order == 1 else 1
 
     def _ptp(self) -> None:
-        if not FEWEST <= self.moves <= MOST:
-            raise HexciteError(f"{self.moves} moves are outside {FEWEST} to {MOST}; choose about 40")
-        shortest = self.moves * SHORTEST_MOVE
-        if not self.duration >= shortest:
-            raise HexciteError(
-                f"duration {self.duration:g} s is too short for {self.moves} moves; choose at least {shortest:g} s or "
-                "fewer moves"
-            )
+        if not self.duration > 0.0:
+            raise HexciteError(f"duration {self.duration:g} s is not positive; choose about 12 s")
+        if not FEWEST <= self.move_count <= MOST:
+            raise HexciteError(f"{self.move_count} moves are outside {FEWEST} to {MOST}; choose about 40")
+
+    @property
+    def move_count(self) -> int:
+        """Number of moves of a point-to-point motion; where it is not stated, of any duration one that can be had."""
+        if self.moves is not None:
+            return self.moves
+        return int(np.clip(round(MOVES_A_SECOND * self.duration), FEWEST, MOST))
 
     @property
     def intervals(self) -> int:

@@ -40,7 +40,9 @@ def plan(
         bool, typer.Option("--free-period", help="fourier: search the best period of which --duration is a multiple.")
     ] = False,
     centred: Annotated[bool, typer.Option(help="fourier: keep x0 in the middle of the box.")] = False,
-    moves: Annotated[int, typer.Option(help="ptp: point-to-point moves, 8 to 64.")] = 40,
+    moves: Annotated[
+        int | None, typer.Option(help="ptp: point-to-point moves, 8 to 64; by default ten in three seconds.")
+    ] = None,
     knots: Annotated[int | None, typer.Option(help="spline: intervals, 20 to 150; by default ten a second.")] = None,
     sequence: Annotated[
         Path | None, typer.Option(help="manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")

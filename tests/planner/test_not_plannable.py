@@ -41,7 +41,11 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--payload", "some"), ("some", "give 2, or 0-5")),
         (("--period", "0.1", "--duration", "0.1"), ("period 0.1 s is too short", "50 Hz", "20 Hz", "--period 0.25")),
         (("--duration", "0"), ("duration 0 s", "choose 3 s")),
-        (("--family", "ptp", "--duration", "1"), ("too short for 40 moves", "2.4 s")),
+        (("--family", "ptp", "--duration", "0.5"), ("too short for 8 moves", "choose at least 0.8 s")),
+        (
+            ("--family", "ptp", "--moves", "40", "--duration", "2.4"),
+            ("too short for 40", "4 s, or --moves 24 or fewer"),
+        ),
         (("--family", "spline", "--duration", "1"), ("too short for a spline", "2 s")),
         (("--family", "manual", "--duration", "8"), ("--duration does nothing with --family manual", "leave it out")),
         (("--family", "manual", "--starts", "3"), ("--starts does nothing", "fourier, ptp, spline")),
@@ -113,10 +117,28 @@ def test_a_box_around_the_start_is_to_be_made_smaller(hexapod_case: Case):
 
 def test_moves_need_their_controller_cycles(hexapod_case: Case):
     case = changed(hexapod_case, controller__cycle_ms=50.0)
-    with pytest.raises(HexciteError, match=r"12 s is too short for 40 moves .* cycles of 50 ms; choose at least 24 s"):
+    words = (
+        r"12 s is too short for 40 moves: 4 phases of 3 .* of 50 ms take 0.6 s; choose at least 24 s, or --moves 20 or"
+    )
+    with pytest.raises(HexciteError, match=words) as caught:
         require_plannable(Request("hexapod", family="ptp"), case)
-    require_plannable(Request("hexapod", family="ptp", duration=24.0), case)
+    one_line(caught.value)
+    require_plannable(Request("hexapod", family="ptp", moves=40, duration=24.0), case)
     require_plannable(Request("hexapod", family="ptp", moves=20), case)
+
+
+def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
+    """At 100 m/s^3 it takes 0.03 s to 3 m/s^2, at 200 rad/s^3 0.025 s to 5 rad/s^2; a move rises and falls twice."""
+    request = Request("hexapod", family="ptp", moves=40, duration=4.0)
+    require_plannable(request, hexapod_case)
+    softer = changed(
+        hexapod_case, limits__motion__jerk_m_s3=[50.0] * 3, limits__motion__angular_jerk_rad_s3=[100.0] * 3
+    )
+    with pytest.raises(
+        HexciteError, match=r"4 s is too short for 40 moves: .* 0.2 s .* at least 8 s, or --moves 20"
+    ) as caught:
+        require_plannable(request, softer)
+    one_line(caught.value)
 
 
 def test_what_no_filter_holds_back_may_have_any_period(hexapod_case: Case):

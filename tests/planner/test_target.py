@@ -52,7 +52,7 @@ def test_the_shortest_duration_that_meets_the_target_is_found_in_few_plans(hexap
     plan = shortest_plan(Request("hexapod", family="ptp", targets=("m=0.05kg", "zC=1mm")), hexapod_case, make)
     assert 4.0 <= plan.motion.duration < 4.2  # 0.1 / sqrt(4) = 0.05
     assert len(asked) <= 3
-    assert plan.request.moves == 14  # as many a second as in 12 s
+    assert plan.request.move_count == 14  # as many a second as in 12 s
 
 
 def test_a_fourier_motion_lasts_whole_periods(hexapod_case: Case):
