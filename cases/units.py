@@ -4,9 +4,16 @@
 """
 
 import math
+from collections.abc import Iterable
 
 MM = 1e-3  # [m]
 UM = 1e-6  # [m]
 DEG = math.pi / 180.0  # [rad]
 MS = 1e-3  # [s]
 MINUTE = 60.0  # [s]
+
+
+def pose_words(pose: Iterable[float]) -> str:
+    """A pose, six coordinates [m, rad], in words."""
+    x, y, z, a, b, c = (value / unit for value, unit in zip(pose, (MM, MM, MM, DEG, DEG, DEG), strict=True))
+    return f"x {x:.1f} y {y:.1f} z {z:.1f} mm, a {a:.2f} b {b:.2f} c {c:.2f} deg"

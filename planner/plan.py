@@ -59,7 +59,7 @@ class Plan:
         noise_note: what noise of the accelerations does to it.
         limits: proof.
         solve_seconds: time spent on optimising [s].
-        tight: what no closed motion with limited jerk can exceed, where that is known.
+        tight: what no motion from rest to rest with limited jerk can exceed, where that is known.
     """
 
     case: Case
@@ -90,7 +90,7 @@ class Plan:
 
     @property
     def d_efficiency_tight(self) -> float | None:
-        """D-efficiency against the bound of closed motions, where that is known."""
+        """D-efficiency against the bound of motions from rest to rest, where that is known."""
         return self.tight.efficiency(self.logdet) if self.tight is not None else None
 
     @property
@@ -142,6 +142,7 @@ class Plan:
 
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
+        first, last = self.motion.at([0.0, self.motion.duration]).pose
         return {
             "schema_version": SCHEMA_VERSION,
             "case": self.case.name,
@@ -155,6 +156,8 @@ class Plan:
             "status": "proven",
             "interrupted": self.interrupted,
             "duration_s": self.motion.duration,
+            "first_pose_m_rad": first.tolist(),
+            "last_pose_m_rad": last.tolist(),
             "settings": {**self.settings, "seed": self.request.seed},
             "solve_s": self.solve_seconds,
             "starts": [

@@ -32,16 +32,16 @@ from planner.search.solving import AT_HAND, Failed, Stage, Start, Task, keep_lim
 
 Array = NDArray[np.float64]
 
-CLOSED = 1e-9  # [m, rad] between start and end
+AT_REST = 1e-9  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
 KEPT = 3  # of several orders and periods, the best are looked at from all starts
 
-ANNEALING = 200  # proposals for each pair of moves: half a minute for 40 moves, worth more than as many more starts
+ANNEALING = 300  # proposals for each pair of moves: half a minute for 40 moves, worth more than as many more starts
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
 # last iterations bring.
 STAGES = {
     "fourier": (Stage("explore", 100, False), Stage("refine", 240, True, barrier=1e-4)),
-    "ptp": (Stage("explore", 200, False, ANNEALING), Stage("refine", 300, True)),
+    "ptp": (Stage("explore", 200, False, ANNEALING, barrier=1e-4), Stage("refine", 300, True, barrier=AT_HAND)),
     "spline": (Stage("explore", 300, False, barrier=1e-2), Stage("refine", 900, True, barrier=AT_HAND)),
 }
 # Barrier of a refinement by A, K or N: the D-optimal motion, where it begins, is no optimum. Fourier series have few
@@ -236,14 +236,14 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
         noise_note=_told(case, model, scaling, found.motion, noise, request.payload),
         limits=found.limits,
         solve_seconds=seconds,
-        tight=known_tight_bound(case, model) if _closed(found.motion) else None,
+        tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
     )
 
 
-def _closed(motion: Trajectory) -> bool:
-    """Whether it ends where it begins: the tighter bound is one of such motions only."""
-    ends = motion.at([0.0, motion.duration]).pose
-    return bool(np.abs(ends[1] - ends[0]).max() < CLOSED)
+def _from_rest_to_rest(motion: Trajectory) -> bool:
+    """Whether nothing moves or speeds up at either end: the tighter bound is one of such motions only."""
+    ends = motion.at([0.0, motion.duration])
+    return bool(max(np.abs(ends.rates).max(), np.abs(ends.accelerations).max()) < AT_REST)
 
 
 def _told(

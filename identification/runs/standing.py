@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cases.errors import RecordingError, StandstillMismatch
 from cases.schema import Case
-from cases.units import DEG, MM
+from cases.units import DEG, MM, pose_words
 from identification.findings.plausibility import unmeasured
 from identification.formats.table import Lines
 from identification.hexapod import Hexapod
@@ -148,25 +148,25 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     for k, pose in enumerate(expected):
         if k >= len(kept):
             raise StandstillMismatch(
-                f"{names}: pose {k + 1} of {len(expected)} ({_words(pose)}) was not measured, the recording ends with "
-                f"standstill {len(kept)}; record the whole program"
+                f"{names}: pose {k + 1} of {len(expected)} ({pose_words(pose)}) was not measured, the recording ends "
+                f"with standstill {len(kept)}; record the whole program"
             )
         found = poses[kept[k]]
         if _same(found, pose):
             continue
         if k + 1 < len(expected) and _same(found, expected[k + 1]):
             raise StandstillMismatch(
-                f"{names}: pose {k + 1} of {len(expected)} ({_words(pose)}) was not measured, pose {k + 2} follows "
+                f"{names}: pose {k + 1} of {len(expected)} ({pose_words(pose)}) was not measured, pose {k + 2} follows "
                 f"pose {k}; record the whole program"
             )
         raise StandstillMismatch(
-            f"{names}: standstill {k + 1} is at {_words(found)}, pose {k + 1} of the program at {_words(pose)}; is the "
-            "recording of this program?"
+            f"{names}: standstill {k + 1} is at {pose_words(found)}, pose {k + 1} of the program at "
+            f"{pose_words(pose)}; is the recording of this program?"
         )
     if len(kept) > len(expected):
         raise StandstillMismatch(
-            f"{names}: standstill {len(expected) + 1} at {_words(poses[kept[len(expected)]])} is none of the program's "
-            f"{len(expected)} poses; cut the recording at its end, or name the right plan"
+            f"{names}: standstill {len(expected) + 1} at {pose_words(poses[kept[len(expected)]])} is none of the "
+            f"program's {len(expected)} poses; cut the recording at its end, or name the right plan"
         )
     rows = np.array(kept)
     averages = standing.averages
@@ -179,12 +179,6 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
 def _same(pose: Array, other: Array) -> bool:
     off = np.abs(pose - other)
     return bool(off[:3].max() <= SAME_POSITION and off[3:].max() <= SAME_ANGLE)
-
-
-def _words(pose: Array) -> str:
-    x, y, z = pose[:3] / MM
-    a, b, c = pose[3:] / DEG
-    return f"x {x:.1f} y {y:.1f} z {z:.1f} mm, a {a:.2f} b {b:.2f} c {c:.2f} deg"
 
 
 def _moving(struts: Array, step: float) -> Flags:

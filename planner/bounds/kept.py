@@ -2,8 +2,8 @@
 
 Two bounds. Over the motion box of pose, rates and accelerations: the D-optimal approximate design, see
 `planner.bounds.design` and its proof in `planner.bounds.certificate`. Tighter: the best design that also has the
-moments of a closed motion with limited jerk, see `planner.bounds.moments`, `planner.bounds.tight` and the proof in
-`planner.bounds.tight_certificate`.
+moments of a motion from rest to rest with limited jerk, see `planner.bounds.moments`, `planner.bounds.tight` and the
+proof in `planner.bounds.tight_certificate`.
 """
 
 from collections.abc import Callable
@@ -122,7 +122,7 @@ def tight_bound(
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
-    """The bound under the moment constraints of closed motions; arguments and errors as in `box_bound`.
+    """The bound under the moment constraints of motions from rest to rest; arguments and errors as in `box_bound`.
 
     It takes a minute or two, and more time makes it tighter: `renew` computes a certified one of the cache again too,
     and the better of the new and the known one is kept.

@@ -1,15 +1,18 @@
-"""What every closed motion satisfies on average, whatever its shape: moment constraints on designs over the box.
+"""What every motion from rest to rest satisfies on average, whatever its shape: moment constraints on designs.
 
-A closed motion ends in the pose and at the velocity in which it began, as excitations from rest to rest at one pose do.
 Means are time averages over the whole motion; q, v, a are the six coordinates, their rates and accelerations; q counts
-from the middle of the box, which changes nothing since means of v and a vanish. Every mean of a derivative of a
-quantity that returns to its value is zero:
+from the middle of the box. At both ends v and a are zero; the pose may be another one. Every mean of a derivative of a
+quantity that ends with the value it began with is zero:
+
+- mean a_i = 0, for v_i is zero at both ends.
+- mean (v_i v_j + q_i a_j) = 0 for every ordered pair, for q_i v_j is zero at both ends.
+- mean (v_i a_j + a_i v_j) = 0, for v_i v_j is.
+
+Motions that are closed, ending in the pose and at the velocity in which they began, satisfy the same, for these
+products return, and two more:
 
 - mean v_i = 0, for q_i returns.
-- mean a_i = 0, for v_i returns.
 - mean (q_i v_j + v_i q_j) = 0, for q_i q_j returns.
-- mean (v_i v_j + q_i a_j) = 0 for every ordered pair, for q_i v_j returns.
-- mean (v_i a_j + a_i v_j) = 0, for v_i v_j returns.
 
 With a limit J on |a_i'|, a limit A on |a_i| and a limit V on |v_i|:
 
@@ -109,7 +112,7 @@ def motion_moments(case: Case, features: Features) -> Moments:
 
 @dataclass(frozen=True)
 class Multipliers:
-    """Lagrange multipliers, summed up as one function of the state: its mean is at most 0 for every closed motion.
+    """Lagrange multipliers, summed up as one function of the state: its mean is at most 0 for every such motion.
 
     Args:
         linear: of a_j, shape (6,).

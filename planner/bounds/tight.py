@@ -1,4 +1,4 @@
-"""The D-optimal design among those that a closed motion can have: box and moment constraints, with a dual bound.
+"""The D-optimal design among those that a motion from rest to rest can have: box, moment constraints, a dual bound.
 
 For every design G that meets the constraints, every positive definite F and all multipliers of `Multipliers`, with
 h = d - l over the box: trace(F^-1 G) = mean d <= max h, since mean l <= 0. Concavity of log det, and the best factor on

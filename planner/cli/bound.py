@@ -11,7 +11,9 @@ from planner.cli.console import Json, print_json, status_text
 def bound(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
-    tight: Annotated[bool, typer.Option("--tight", help="Count on closed motions with limited jerk; minutes.")] = False,
+    tight: Annotated[
+        bool, typer.Option("--tight", help="Count on rest at both ends and limited jerk; minutes.")
+    ] = False,
     time_limit: Annotated[
         float, typer.Option(help="Stop after this many seconds of computing; the answer is an estimate.")
     ] = 120.0,
@@ -58,7 +60,7 @@ def information_limit(
         "case": loaded.name,
         "case_hash": loaded.hash,
         "model": model_number,
-        "over": "closed motions in the motion box" if tight else "motion box",
+        "over": "motions from rest to rest in the motion box" if tight else "motion box",
         "tight": tight,
         "weights": "equal",
         "logdet_bound": found.logdet,

@@ -168,6 +168,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
 
 
 def _show(answer: dict[str, Any], case: "Case") -> None:
+    from cases.units import pose_words
     from planner.search.last_words import solver_text
 
     rows = [
@@ -190,10 +191,11 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
     print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
     if answer["d_efficiency_tight"] is None:
         command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
-        print(f"{command} finds the tighter bound of closed motions; later plans are rated against it too")
+        print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
     else:
         kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
-        print(f"D-efficiency {answer['d_efficiency_tight']:.3f} against closed motions with limited jerk ({kind})")
+        value = answer["d_efficiency_tight"]
+        print(f"D-efficiency {value:.3f} against motions of limited jerk from rest to rest ({kind})")
     for note in answer["notes"]:
         print(f"note: {note}")
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
@@ -202,6 +204,8 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
     print(f"predicted standard deviations ({noise}, 1 kHz, {_mounted(answer)}, weights {answer['weights']}):")
     for line in _deviations(answer, case):
         print(f"  {line}")
+    first, last = (pose_words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
+    print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "

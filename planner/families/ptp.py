@@ -3,7 +3,7 @@
 Unknowns are the waypoints and three times of each move: of a segment with jerk, of constant acceleration, of constant
 velocity. With D the way of a coordinate and tj, th, tc these times its largest velocity is D / (2 tj + th + tc), its
 largest acceleration that over (tj + th), its largest jerk that over tj: limits hold for all t and are 18 rows a move.
-The motion is closed: the last move ends where the first begins.
+The last move need not end where the first begins: a way back would cost moves that tell little.
 """
 
 from collections.abc import Callable
@@ -73,7 +73,7 @@ CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:])
 
 @dataclass(frozen=True, slots=True)
 class PointToPointFamily:
-    """Closed sequences of rest-to-rest moves.
+    """Sequences of rest-to-rest moves.
 
     Args:
         moves: 8 to 64.
@@ -122,16 +122,18 @@ class PointToPointFamily:
         return self.duration / self.moves
 
     def split(self, unknowns: Array) -> tuple[Array, Array]:
-        """Waypoints in half widths, shape (moves, 6), and times in units of a mean move, shape (moves, 3)."""
-        return unknowns[: 6 * self.moves].reshape(self.moves, 6), unknowns[6 * self.moves :].reshape(self.moves, 3)
+        """Waypoints in half widths, shape (moves + 1, 6), and times in units of a mean move, shape (moves, 3)."""
+        places = 6 * (self.moves + 1)
+        return unknowns[:places].reshape(-1, 6), unknowns[places:].reshape(-1, 3)
 
     def sampling(self, case: Case) -> Sampling:
         """The motion as expressions."""
         count = self.moves
-        unknowns = ca.MX.sym("unknowns", 9 * count)
-        points = ca.reshape(unknowns[: 6 * count], 6, count)
-        times = ca.reshape(unknowns[6 * count :], 3, count)
-        ends = ca.horzcat(points[:, 1:], points[:, 0])
+        edge = np.ones(6 * (count + 1))
+        unknowns = ca.MX.sym("unknowns", len(edge) + 3 * count)
+        waypoints = ca.reshape(unknowns[: len(edge)], 6, count + 1)
+        times = ca.reshape(unknowns[len(edge) :], 3, count)
+        points, ends = waypoints[:, :-1], waypoints[:, 1:]
         to_si = ca.diag(ca.DM(self.half))
 
         def states(places: tuple[tuple[int, float], ...]) -> States:
@@ -153,7 +155,6 @@ class PointToPointFamily:
         shares = ca.vec(ca.kron(lengths, ca.DM.ones(2, 1))) / (2 * count)
         total = ca.sum2(4 * tj + 2 * th + tc) / count
         lower, upper = self._time_bounds()
-        edge = np.ones(6 * count)
         return Sampling(
             unknowns=unknowns,
             lower=np.r_[-edge, lower.ravel()],
@@ -180,7 +181,7 @@ class PointToPointFamily:
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random waypoints, drawn together until the fastest moves between them take the duration."""
-        directions = draw.uniform(-START_WIDTH, START_WIDTH, (self.moves, 6))
+        directions = draw.uniform(-START_WIDTH, START_WIDTH, (self.moves + 1, 6))
         small, large = 0.0, 1.0
         for _ in range(BISECTIONS):
             width = (small + large) / 2
@@ -193,22 +194,23 @@ class PointToPointFamily:
         return np.concatenate([points.ravel(), times.ravel() / self.unit])
 
     def _fastest_times(self, points: Array) -> Array:
-        ways = np.abs(np.roll(points, -1, axis=0) - points) * self.half
+        ways = np.abs(np.diff(points, axis=0)) * self.half
         limits = np.min(self.limits[:, None, :] / np.maximum(ways, TINY), axis=2)
         return np.array([fastest_profile(1.0, *limits[:, k])[1:] for k in range(self.moves)])
 
     def motion(self, unknowns: Array) -> Joined:
-        """The motion of unknowns of shape (9 * moves,)."""
+        """The motion of unknowns of shape (9 * moves + 6,)."""
         points, times = self.split(unknowns)
         poses = self.middle + points * self.half
         moves = []
-        for start, end, (tj, th, tc) in zip(poses, np.roll(poses, -1, axis=0), times * self.unit, strict=True):
+        for start, end, (tj, th, tc) in zip(poses[:-1], poses[1:], times * self.unit, strict=True):
             moves.append(StraightMove(start, end, unit_profile(float(tj), float(th), float(tc))))
         return Joined(tuple(moves))
 
     def shrunk(self, unknowns: Array, share: float) -> Array:
         """Waypoints drawn towards the middle at equal times."""
-        return np.concatenate([unknowns[: 6 * self.moves] * share, unknowns[6 * self.moves :]])
+        points, times = self.split(unknowns)
+        return np.concatenate([share * points.ravel(), times.ravel()])
 
     def refined(self, unknowns: Array) -> "PointToPointFamily":
         """Phases that are too short for the controller are left out from now on, or last three cycles."""

@@ -101,7 +101,8 @@ def _headline(plan: Plan) -> Tiles:
     if plan.d_efficiency_tight is not None and plan.tight is not None:
         kind = "certified" if plan.tight.certified else "an estimate"
         tight = Tile(
-            f"{plan.d_efficiency_tight:.3f}", f"D-efficiency against closed motions with limited jerk ({kind})"
+            f"{plan.d_efficiency_tight:.3f}",
+            f"D-efficiency against motions of limited jerk from rest to rest ({kind})",
         )
         tiles.insert(2, tight)
     return Tiles(tuple(tiles))

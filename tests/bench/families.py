@@ -36,7 +36,7 @@ def limits_of_information() -> list[list[str]]:
     rows = []
     for name, compute in (
         ("motion box", compute_bound),
-        ("closed motions with limited jerk", partial(tight_bound, renew=True)),
+        ("from rest to rest with limited jerk", partial(tight_bound, renew=True)),
     ):
         began = perf_counter()
         found = compute(case, model)

@@ -1,4 +1,4 @@
-"""The tighter bound: its proof encloses every state, and no closed motion inside the limits passes it."""
+"""The tighter bound: its proof encloses every state, and no motion inside the limits passes it."""
 
 import time
 from pathlib import Path
@@ -62,7 +62,7 @@ def test_it_is_far_below_the_bound_of_the_box(found: TightDesign, box: float):
 
 @given(seed=st.integers(0, 2**32 - 1), make=st.sampled_from(FAMILIES))
 @settings(max_examples=12, derandomize=True, deadline=None)
-def test_no_closed_motion_inside_the_limits_passes_it(seed: int, make, found: TightDesign):
+def test_no_motion_inside_the_limits_passes_it(seed: int, make, found: TightDesign):
     motion = make(seed)
     states = np.hstack([motion.pose, motion.rates, motion.accelerations])
     matrices = FEATURES.matrices((states - FEATURES.middle) / FEATURES.half)

@@ -43,12 +43,14 @@ def test_a_random_start_takes_the_duration_and_keeps_the_limits_of_the_coordinat
     assert float(zeros) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_it_is_closed_at_rest_and_stops_between_its_moves(start: np.ndarray, family: PointToPointFamily):
+def test_it_is_at_rest_at_both_ends_and_between_its_moves(start: np.ndarray, family: PointToPointFamily):
     motion = family.motion(start)
     corners = motion.at(motion.starts)
     assert np.abs(corners.rates).max() < 1e-12
     assert np.abs(corners.accelerations).max() < 1e-10
-    assert corners.pose[0] == pytest.approx(corners.pose[-1], abs=1e-15)
+    points = family.split(start)[0]
+    assert corners.pose == pytest.approx(family.middle + points * family.half, abs=1e-15)
+    assert len(points) == MOVES + 1
     assert len(motion.parts) == MOVES
 
 

@@ -8,7 +8,8 @@ from identification.limits import prove
 from identification.model import Model
 from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily
-from planner.search.annealing import EqualMoves, Walk, annealed_start
+from planner.search.annealing import EXCESS, Walk, annealed_start
+from planner.search.equal_moves import EqualMoves
 from planner.search.problem import build_problem, mean_information
 from planner.search.solving import random_start
 
@@ -26,16 +27,21 @@ def moves(hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointTo
     return EqualMoves.of(hexapod_case, model, scaling, family)
 
 
+def standing(moves: EqualMoves) -> Walk:
+    draw = np.random.default_rng(5)
+    return Walk(moves, np.tile(draw.uniform(-0.5, 0.5, 6), (MOVES + 1, 1)), draw)
+
+
 @pytest.fixture(scope="module")
 def walk(moves: EqualMoves) -> Walk:
-    some = Walk(moves, MOVES, 20, np.random.default_rng(5))
+    some = standing(moves)
     for temperature in (0.1, 0.03, 0.01):
         some.anneal(temperature, 1000)
     return some
 
 
 def unknowns_of(points: np.ndarray, moves: EqualMoves, family: PointToPointFamily) -> np.ndarray:
-    return np.concatenate([points.ravel(), np.tile(moves.times / family.unit, len(points))])
+    return np.concatenate([points.ravel(), np.tile(moves.times / family.unit, MOVES)])
 
 
 def test_a_full_step_takes_the_duration_and_one_limit_of_each_coordinate(moves: EqualMoves, family: PointToPointFamily):
@@ -50,7 +56,7 @@ def test_a_full_step_takes_the_duration_and_one_limit_of_each_coordinate(moves: 
 
 def test_a_walk_stays_in_the_box_and_no_move_is_longer_than_a_step(walk: Walk, moves: EqualMoves):
     assert np.abs(walk.best_points).max() <= 1.0
-    ways = np.abs(np.roll(walk.best_points, -1, axis=0) - walk.best_points)
+    ways = np.abs(np.diff(walk.best_points, axis=0))
     assert (ways <= moves.steps + 1e-8).all()
     assert ways.max() > 0.5 * moves.steps.min()
 
@@ -64,13 +70,45 @@ def test_its_motion_keeps_the_limits_of_the_coordinates_and_nearly_the_others(
 
 
 def test_what_was_added_up_move_by_move_is_the_information_of_the_walk(walk: Walk, moves: EqualMoves):
-    anew = Walk(moves, MOVES, 20, np.random.default_rng(5))
-    parts = anew.rate(walk.points, np.roll(walk.points, -1, axis=0))
+    anew = standing(moves)
+    parts = anew.rate(walk.points[:-1], walk.points[1:])
     assert walk.total == pytest.approx(parts.mean(axis=0), rel=1e-9, abs=1e-12)
     assert walk.value == pytest.approx(anew.worth(parts.mean(axis=0)), abs=1e-6)
 
 
-def test_three_instants_a_move_rate_a_walk_well_enough_for_a_choice(
+def test_the_value_of_a_walk_is_log_det_less_what_it_passes(walk: Walk):
+    information = walk.total[:-1].reshape(20, 20)
+    logdet = np.linalg.slogdet(information)[1]
+    assert walk.value == pytest.approx(logdet - EXCESS * MOVES * walk.total[-1], abs=1e-5)
+    assert walk.worth(walk.total + np.r_[np.zeros(400), 0.1]) == pytest.approx(walk.value - EXCESS * MOVES * 0.1)
+    assert walk.worth(np.r_[-information.ravel(), 0.0]) == -np.inf
+
+
+@pytest.mark.parametrize("kind", ["_shifted", "_with_new_waypoint", "_with_moved_excursion"])
+def test_every_proposal_is_a_walk_that_is_new_only_where_it_says(kind: str, walk: Walk, moves: EqualMoves):
+    proposals = [p for _ in range(2000) if (p := getattr(walk, kind)()) is not None]
+    assert len(proposals) > 100
+    before = np.hstack([walk.points[:-1], walk.points[1:]])
+    for points, first, after in proposals:
+        assert points.shape == walk.points.shape
+        assert np.abs(points).max() <= 1.0
+        assert (np.abs(np.diff(points, axis=0)) <= moves.steps + 1e-8).all()
+        now = np.hstack([points[:-1], points[1:]])
+        assert np.array_equal(now[:first], before[:first])
+        assert np.array_equal(now[after:], before[after:])
+
+
+def test_a_moved_excursion_goes_there_and_back(walk: Walk):
+    """Two waypoints less, two more: elsewhere the walk goes out by a move and returns to where it was."""
+    for _ in range(200):
+        if (proposal := walk._with_moved_excursion()) is None:
+            continue
+        points = proposal.points
+        returns = np.abs(points[2:] - points[:-2]).max(axis=1) < 1e-12
+        assert returns[max(proposal.first - 1, 0) : proposal.after].any()
+
+
+def test_two_instants_a_move_rate_a_walk_well_enough_for_a_choice(
     walk: Walk, moves: EqualMoves, family: PointToPointFamily, model: Model, scaling: np.ndarray
 ):
     motion = family.motion(unknowns_of(walk.best_points, moves, family))
