@@ -32,7 +32,7 @@ from planner.search.solving import AT_HAND, Failed, Stage, Start, Task, keep_lim
 
 Array = NDArray[np.float64]
 
-AT_REST = 1e-9  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
+AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
 KEPT = 3  # of several orders and periods, the best are looked at from all starts
 

@@ -3,8 +3,8 @@
 Coordinates are cubic splines over equal intervals h. Their jerk is constant and their acceleration linear in each, so
 that limits of both hold for all t if they hold at the knots. Positions and rates are limited at four instants an
 interval: between two of them they slip by at most a h^2/128 and j h^2/128 (a, j the limits of acceleration and jerk),
-which the rows leave free. The motion is closed and at rest at its ends: the first three and the last three
-coefficients of each coordinate are one and the same.
+which the rows leave free. The motion is at rest at its ends: the first three coefficients of each coordinate are one
+and the same, and so are the last three. It need not end where it begins.
 """
 
 from collections.abc import Callable
@@ -57,7 +57,7 @@ def _spline(knots: Array, coefficients: Array) -> "BSpline":
 
 @dataclass(frozen=True, slots=True)
 class SplineFamily:
-    """Closed cubic splines over equal intervals.
+    """Cubic splines from rest to rest over equal intervals.
 
     Args:
         intervals: 20 to 150.
@@ -95,7 +95,7 @@ class SplineFamily:
     @property
     def unknowns(self) -> int:
         """Unknowns of each coordinate."""
-        return self.intervals + DEGREE - 5
+        return self.intervals + DEGREE - 4
 
     def _basis(self) -> "BSpline":
         """All basis functions, as one spline with matrix coefficients from unknowns."""
@@ -103,8 +103,8 @@ class SplineFamily:
         inner = np.arange(self.intervals + 1) * step
         knots = np.r_[[0.0] * DEGREE, inner, [self.duration] * DEGREE]
         spread = np.zeros((self.intervals + DEGREE, self.unknowns))
-        spread[:3, 0] = spread[-3:, 0] = 1.0
-        spread[3:-3, 1:] = np.eye(self.unknowns - 1)
+        spread[:3, 0] = spread[-3:, -1] = 1.0
+        spread[3:-3, 1:-1] = np.eye(self.unknowns - 2)
         return _spline(knots, spread)
 
     def _at(self, shares: tuple[float, ...]) -> Array:

@@ -3,8 +3,7 @@
 The D-optimal approximate design over all straight moves inside the limits (start, end and times free, struts' lengths,
 velocities and accelerations held at seven instants of each). A motion of moves is such a design: its information is
 the mean over its moves, weighted with their times. So no point-to-point motion of any number of moves or duration
-carries more than the best design. Nor does a motion carry less for being closed: a move and its reverse carry the same,
-and both are in the design.
+carries more than the best design. A move and its reverse carry the same.
 
 What it leaves out is that moves must follow each other: a real motion of 12 s spends moves on the way from one corner
 of the box to the next. How much that costs is told of an optimised plan. With D the design's information,
@@ -123,7 +122,7 @@ def single_moves_rows() -> list[list[str]]:
     moves = Moves.of(case, model, scaling)
     plan = run_start(Task(case, 9, moves.family, "D", "ipopt", STAGES["ptp"][0], seeds_of(0, 1)[0]))
     points, times = moves.family.split(plan.unknowns)
-    walked = known = np.hstack([points, np.roll(points, -1, axis=0), times])
+    walked = known = np.hstack([points[:-1], points[1:], times])
     weights = np.full(len(known), 1.0 / len(known))
     upper = np.inf
     for _ in range(ROUNDS):

@@ -33,11 +33,11 @@ def start(family: SplineFamily, problem: Problem) -> np.ndarray:
     return random_start(2, family, problem)
 
 
-def test_it_is_closed_and_at_rest_at_both_ends(start: np.ndarray, family: SplineFamily):
+def test_it_is_at_rest_at_both_ends_which_differ(start: np.ndarray, family: SplineFamily):
     ends = family.motion(start).at([0.0, 4.0])
     assert np.abs(ends.rates).max() < 1e-9
     assert np.abs(ends.accelerations).max() < 1e-7
-    assert ends.pose[0] == pytest.approx(ends.pose[1], abs=1e-12)
+    assert np.abs(ends.pose[1] - ends.pose[0]).max() > 1e-3
 
 
 def test_its_derivatives_are_those_of_its_poses(start: np.ndarray, family: SplineFamily):
