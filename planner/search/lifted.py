@@ -118,20 +118,26 @@ def lifted(problem: Problem, active: NDArray[np.bool_], letter: str, halvings: i
         weights = ca.MX.sym("weights", rows.shape[0])
         bent = ca.Function("rows", [sampling.unknowns, weights], [_curvature(ca.dot(weights, rows), sampling.unknowns)])
         curvature += bent(sampling.unknowns, of_rows[: rows.shape[0]])
-    parts = [held.rows, held.jacobian, problem.information, ca.densify(slopes), curvature]
+    # Functions that are called, not written out: three short graphs instead of one that is copied.
+    motion_alone = [sampling.unknowns]
+    rows_of = ca.Function("rows", motion_alone, [held.rows, problem.information])
+    gradients_of = ca.Function("gradients", motion_alone, [held.jacobian.T, ca.densify(slopes.T)])
+    curvature_of = ca.Function("curvature", [sampling.unknowns, multipliers], [curvature])
     everything, factor = ca.MX.sym("everything", n + size), ca.MX.sym("factor")
     motion, triangle = everything[:n], everything[n:]
-    function = ca.Function("parts", [sampling.unknowns, multipliers], parts)
-    rows, jacobian, information, slope, curvature = function.call([motion, multipliers], True, False)
+    rows, information = rows_of(motion)
+    gradients, slopes = gradients_of(motion)
     zeros, free = np.zeros(size), np.full(size, np.inf)
+    tall = gradients.sparsity()
+    tall.resize(n + size, tall.size2())  # rows do not depend on the information
     constraints = Constraints(
         ca.vertcat(rows, triangle - information),
-        ca.vertcat(ca.horzcat(jacobian, ca.MX(rows.shape[0], size)), ca.horzcat(-slope, ca.DM.eye(size))),
+        ca.horzcat(ca.sparsity_cast(gradients, tall), ca.vertcat(-slopes, ca.DM.eye(size))).T,
         np.r_[held.lower, zeros],
         np.r_[held.upper, zeros],
     )
     of_criterion = curvature_function(letter, problem.size, halvings)
-    hessian = ca.triu(ca.diagcat(curvature, factor * of_criterion(triangle)))
+    hessian = ca.triu(ca.diagcat(curvature_of(motion, multipliers), factor * of_criterion(triangle)))
     program = Program(
         everything,
         objective(letter, problem.size, halvings)(triangle),

@@ -96,23 +96,24 @@ class Problem:
         """All linear rows, and the non-linear limits where `active`, shape (limits, K), is set.
 
         CasADi's own Jacobian of the same rows takes ten times as long: it does not see that a limit depends on one
-        state only. Here it is the block-diagonal derivative by the states times that of the states.
+        state only. Here it is the block-diagonal derivative by the states times that of the states. Matrices are stored
+        by columns: its transpose is put together, which only appends.
         """
         zeros, rows = self.sampling.zeros, self.sampling.rows
         lower = np.r_[np.zeros(zeros.shape[0]), -np.ones(rows.shape[0])]
-        values, jacobians = [zeros, rows], [ca.jacobian(zeros, self.unknowns), ca.jacobian(rows, self.unknowns)]
+        values, gradients = [zeros, rows], [ca.jacobian(part, self.unknowns).T for part in (zeros, rows)]
         columns = np.flatnonzero(active.any(axis=0))
         if len(columns):
             some = [m[:, columns.tolist()] for m in self.sampling.critical.each]
             count, height = len(columns), self.state_limits.shares.size1_out(0)
             chosen = np.flatnonzero(active[:, columns].T).tolist()
-            blocks = ca.diagcat(*[ca.Sparsity.dense(height, 18)] * count)
-            by_states = ca.MX(blocks, ca.vec(self.state_limits.jacobian.map(count)(*some)))
+            blocks = ca.diagcat(*[ca.Sparsity.dense(18, height)] * count)
+            by_states = ca.MX(blocks, ca.vec(self.state_limits.gradients.map(count)(*some)))
             states = ca.jacobian(ca.vec(ca.vertcat(*some)), self.unknowns)
             values.append(ca.vec(self.state_limits.shares.map(count)(*some))[chosen])
-            jacobians.append(by_states[chosen, :] @ states)
+            gradients.append(states.T @ by_states[:, chosen])
             lower = np.r_[lower, -np.ones(len(chosen))]
-        return Constraints(ca.vertcat(*values), ca.vertcat(*jacobians), lower, -lower)
+        return Constraints(ca.vertcat(*values), ca.horzcat(*gradients).T, lower, -lower)
 
     def worst(self) -> Callable[[Array], float]:
         """The largest share of any limit that unknowns use."""

@@ -28,11 +28,11 @@ class StateLimits(NamedTuple):
     Args:
         shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 25 of each keep-out box, 6 of each
             load on the sensors.
-        jacobian: their derivatives by all 18 components of the state.
+        gradients: their derivatives by all 18 components of the state, a column each.
     """
 
     shares: ca.Function
-    jacobian: ca.Function
+    gradients: ca.Function
 
 
 def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
@@ -70,10 +70,10 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
     )
     state = [pose, rates, accelerations]
     shares = ca.cse(shares)  # before, not only after its derivative is taken: a third of the time
-    jacobian = ca.densify(ca.jacobian(shares, ca.vertcat(*state)))
+    gradients = ca.densify(ca.jacobian(shares, ca.vertcat(*state)).T)
     return StateLimits(
         ca.Function("state_limits", state, [shares]),
-        ca.Function("state_limits_jacobian", state, [jacobian], {"cse": True}),
+        ca.Function("state_limits_gradients", state, [gradients], {"cse": True}),
     )
 
 
