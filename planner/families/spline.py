@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 DEGREE = 3
 FEWEST, MOST = 20, 150  # intervals
 FINE = 4  # instants an interval at which positions and rates are limited
+CRITICAL = 6  # at which struts and joints may be: with four, strut velocities slip by 1 %, which shrinking takes
 START_SHARE = 0.8
 ROUNDING = 1e-6  # of a number of intervals
 GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
@@ -141,12 +142,13 @@ class SplineFamily:
 
         Accelerations have their peaks at the knots, velocities between them: at knots alone they slip by 7 %.
         """
-        each = [[True, False, True, False], [True, False, False, False]]
-        return np.tile(np.array(each), self.intervals)
+        velocity, acceleration = np.zeros((2, CRITICAL), dtype=bool)
+        velocity[:: CRITICAL // 2] = acceleration[0] = True
+        return np.tile([velocity, acceleration], self.intervals)
 
     def critical_maps(self) -> tuple[Array, Array, Array]:
-        """At four instants an interval."""
-        basis, t = self._basis(), self._at(tuple(np.arange(FINE) / FINE))
+        """At six instants an interval."""
+        basis, t = self._basis(), self._at(tuple(np.arange(CRITICAL) / CRITICAL))
         value, rate, acceleration = (np.asarray(basis(t, nu=order)) for order in range(3))
         return value, rate, acceleration
 

@@ -10,7 +10,7 @@ from identification.model import identification_model
 from identification.motion import sample
 from identification.reference import reference_scaling
 from planner.families.ptp import PointToPointFamily
-from planner.families.spline import SplineFamily
+from planner.families.spline import CRITICAL, SplineFamily
 from planner.search.problem import Problem, build_problem, mean_information
 from planner.search.solving import Stage, Task, random_start, run_start
 from planner.search.state_limits import STRUT_VELOCITY
@@ -77,7 +77,7 @@ def test_strut_velocities_peak_near_the_instants_at_which_they_are_held(
     lengths = Hexapod.of(hexapod_case).strut_lengths(motion.pose)
     peak = np.abs(np.gradient(lengths, motion.t, axis=0)).max() / hexapod_case.limits.motion.strut_velocity_m_s
     assert shares[:, held].max() > 0.9 * peak
-    assert shares[:, ::4].max() < shares[:, held].max()
+    assert shares[:, ::CRITICAL].max() < shares[:, held].max()
 
 
 def test_the_optimisers_information_is_the_time_average_of_the_motion(
