@@ -91,7 +91,7 @@ class Machine(Part):
 
 
 class KeepOut(Part):
-    """A box in {B} that neither the platform's origin, nor its joints, nor a strut may enter: a table, a neighbour."""
+    """A box in {B} that neither platform nor struts nor tools may enter: a table, a clamped workpiece, a neighbour."""
 
     name: str
     x_mm: Range
@@ -104,6 +104,21 @@ class KeepOut(Part):
         return frozen(np.array([self.x_mm, self.y_mm, self.z_mm]).T * MM)
 
 
+class Tool(Part):
+    """A round body on the platform, a tool or a workpiece, which must not enter the boxes of `keep_out` either."""
+
+    name: str
+    from_mm: Vector = (0.0, 0.0, 0.0)
+    """In {P}, one end of its axis, like `to_mm`."""
+    to_mm: Vector
+    radius_mm: NonNegative = 0.0
+
+    @cached_property
+    def axis(self) -> Array:
+        """Both ends of its axis in {P}, shape (2, 3) [m]."""
+        return frozen(np.array([self.from_mm, self.to_mm]) * MM)
+
+
 class Workspace(Part):
     """What the machine can reach: the paper's is_valid."""
 
@@ -114,6 +129,7 @@ class Workspace(Part):
     base_joint_angle_deg: Positive
     platform_joint_angle_deg: Positive
     keep_out: tuple[KeepOut, ...] = ()
+    tool: tuple[Tool, ...] = ()
     strut_radius_mm: NonNegative = 0.0
     """Of the struts where they pass the boxes of `keep_out`; 0 takes them for lines from joint to joint."""
 

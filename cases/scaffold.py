@@ -22,7 +22,10 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*")
 _ADVICE = {
     "machine": "From the drawing: centres of the joints, base joints in {B}, platform joints in {P}, in strut order.\n"
     "# points_mm = [[x, y, z], ...] lists them one by one. home is where programs begin and end.",
-    "workspace": "What the machine can reach at all: its manual. Joint angles count from the joints' normals.",
+    "workspace": "What the machine can reach at all: its manual. Joint angles count from the joints' normals.\n"
+    '# keep_out = [{ name = "table", x_mm = [a, b], y_mm = [a, b], z_mm = [a, b] }] are boxes in {B} that nothing may\n'
+    '# enter; tool = [{ name = "spindle", to_mm = [0.0, 0.0, 250.0], radius_mm = 40.0 }] is what the platform\n'
+    "# carries, from its origin or from_mm to there.",
     "limits.motion": "What an excitation may use, each coordinate relative to home: the manual's values or less.",
     "poses": "For measuring at standstills (hexcite poses): candidate poses in tilt-and-torsion angles.",
     "sensor_frame.bars": "From the drawing of the frame: both ends of each bar in {P}, in the order of the channels.",

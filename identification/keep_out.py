@@ -1,9 +1,12 @@
-"""Distances of points and struts from boxes that nothing may enter."""
+"""Distances of platform, struts and tools from boxes that nothing may enter."""
 
 from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cases.machine import KeepOut, Workspace
+from cases.units import MM
 
 Array = NDArray[np.float64]
 
@@ -25,7 +28,7 @@ def distance_of_segments(start: Array, way: Array, corners: Array) -> Array:
     or where two of them meet.
 
     Args:
-        start: shape (k, 3) [m].
+        start: shape (k, 3) or (n, k, 3) [m].
         way: shape (n, k, 3) [m].
         corners: lower and upper corner of the box, shape (2, 3) [m].
     """
@@ -38,11 +41,40 @@ def distance_of_segments(start: Array, way: Array, corners: Array) -> Array:
     least = np.minimum(at(np.zeros(way.shape[:2])), at(np.ones(way.shape[:2])))
     pairs = [(i, j, a, b) for i, j in combinations(range(3), 2) for a, b in product((1.0, -1.0), repeat=2)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        meetings = [-offset[:, i] / way[:, :, i] for i in range(3)]  # of the two sides of one axis
+        meetings = [-offset[..., i] / way[..., i] for i in range(3)]  # of the two sides of one axis
         meetings += [
-            (half[i] - half[j] - a * offset[:, i] + b * offset[:, j]) / (a * way[:, :, i] - b * way[:, :, j])
+            (half[i] - half[j] - a * offset[..., i] + b * offset[..., j]) / (a * way[..., i] - b * way[..., j])
             for i, j, a, b in pairs
         ]
     for share in meetings:  # parallel ones meet nowhere: an end of the segment instead
         least = np.minimum(least, at(np.clip(np.nan_to_num(share, nan=0.0), 0.0, 1.0)))
     return np.where(np.isfinite(way).all(axis=2), least, np.nan)
+
+
+def guarded(workspace: Workspace) -> tuple[str, ...]:
+    """Names of what must stay out of a box: the columns of `distances`."""
+    numbered = (f"{what} {k}" for what in ("joint", "strut") for k in range(1, 7))
+    return ("origin", *numbered, *(tool.name for tool in workspace.tool))
+
+
+def distances(box: KeepOut, workspace: Workspace, origin: Array, turn: Array, base: Array, strut: Array) -> Array:
+    """Distances of the platform's origin and joints, of struts and tools from a box, shape (n, 13 and more) [m].
+
+    Below 0 inside; in the order of `guarded`.
+
+    Args:
+        box: which.
+        workspace: gives the tools and the radius of the struts.
+        origin: of {P}, shape (n, 3) [m].
+        turn: R, shape (n, 3, 3).
+        base: joints of the base, shape (6, 3) [m].
+        strut: vectors from these to the joints of the platform, shape (n, 6, 3) [m].
+    """
+    points = distance_of_points(np.concatenate([origin[:, None], strut + base], axis=1), box.corners)
+    struts = distance_of_segments(base, strut, box.corners) - workspace.strut_radius_mm * MM
+    if not workspace.tool:
+        return np.hstack([points, struts])
+    low, high = (np.array([tool.axis[end] for tool in workspace.tool]) @ turn.transpose(0, 2, 1) for end in (0, 1))
+    radii = np.array([tool.radius_mm for tool in workspace.tool]) * MM
+    tools = distance_of_segments(origin[:, None] + low, high - low, box.corners) - radii
+    return np.hstack([points, struts, tools])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cases.machine import Machine, MotionLimits, Workspace
 from cases.units import DEG, MM
-from identification.keep_out import distance_of_points, distance_of_segments
+from identification.keep_out import distances, guarded
 from identification.motion import Motion
 
 Array = NDArray[np.float64]
@@ -179,7 +179,7 @@ def limited_struts(
         limits: of moving excitations.
     """
     strut, velocity, acceleration, normal = _strut_vectors(motion, rotation, machine)
-    yield from _keep_out(motion, machine.base.points, strut, workspace)
+    yield from _keep_out(motion, rotation[0], machine.base.points, strut, workspace)
     length, along, second = _along(strut, velocity, acceleration)
     six = np.ones(6)
     low = max(limits.strut_length[0], workspace.strut_length[0])
@@ -193,19 +193,17 @@ def limited_struts(
     yield _singularity(motion, strut, direction, machine)
 
 
-def _keep_out(motion: Motion, base: Array, strut: Array, workspace: Workspace) -> Iterable[Quantity]:
-    """Distance of the platform's origin, its joints and the struts from each box, along the axis that separates most.
+def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace: Workspace) -> Iterable[Quantity]:
+    """Distance of platform, struts and tools from each box, along the axis that separates them most.
 
     The share is 1 at the surface, above 1 inside, and falls to 0 at a distance of half the box's diagonal. Struts are
-    lines from joint to joint, with the radius that the case says around them. What moves at 1 m/s is between two
-    instants of 10 kHz nearer by at most 0.05 mm.
+    lines from joint to joint, with the radius that the case says around them, tools likewise. What moves at 1 m/s is
+    between two instants of 10 kHz nearer by at most 0.05 mm.
     """
-    points = np.concatenate([motion.pose[:, None, :3], strut + base], axis=1)
-    labels = ("origin", *(f"joint {k}" for k in range(1, 7)), *_STRUTS)
+    labels = guarded(workspace)
     for box in workspace.keep_out:
         low, high = box.corners
-        lines = distance_of_segments(base, strut, box.corners) - workspace.strut_radius_mm * MM
-        distance = np.hstack([distance_of_points(points, box.corners), lines])
+        distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
         ratio = np.maximum(0.0, 1.0 - distance / (float(np.linalg.norm(high - low)) / 2))
         ratio = np.nan_to_num(ratio, nan=np.inf)
         surface = np.zeros((2, len(labels)))

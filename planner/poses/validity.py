@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from cases.schema import Case
-from cases.units import DEG, MM
+from cases.units import DEG
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
-from identification.keep_out import distance_of_points, distance_of_segments
+from identification.keep_out import distances
 from identification.pose import rotation
 
 Array = NDArray[np.float64]
@@ -67,21 +67,16 @@ def margins_of(case: Case, poses: Array) -> Array:
 
 
 def keep_out_distances(case: Case, poses: Array) -> Array:
-    """Distance of the platform's origin, joints and struts from the nearest keep-out box, shape (n,) [m].
+    """Distance of platform, struts and tools from the nearest keep-out box, shape (n,) [m].
 
-    Below 0 inside one; along the axis that separates point and box most; infinite where the case has no such box.
+    Below 0 inside one; along the axis that separates them most; infinite where the case has no such box.
     """
     machine, workspace, _ = case.need_machine("the validity of poses")
-    if not workspace.keep_out:
-        return np.full(len(poses), np.inf)
-    arms = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix() @ machine.platform.points.T
-    points = poses[:, None, :3] + np.concatenate([np.zeros((len(poses), 3, 1)), arms], axis=2).transpose(0, 2, 1)
-    base = machine.base.points
+    turn, origin, base = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix(), poses[:, :3], machine.base.points
+    strut = origin[:, None] + machine.platform.points @ turn.transpose(0, 2, 1) - base
     nearest = np.full(len(poses), np.inf)
     for box in workspace.keep_out:
-        struts = distance_of_segments(base, points[:, 1:] - base, box.corners) - workspace.strut_radius_mm * MM
-        distances = np.hstack([distance_of_points(points, box.corners), struts])
-        nearest = np.minimum(nearest, distances.min(axis=1))
+        nearest = np.minimum(nearest, distances(box, workspace, origin, turn, base, strut).min(axis=1))
     return nearest
 
 

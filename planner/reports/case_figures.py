@@ -72,5 +72,5 @@ def _reach(case: Case, file: str) -> dict[str, Any]:
     return {
         "home_struts_mm": (Hexapod.of(case).strut_lengths(poses[:1])[0] * 1e3).tolist(),
         "poses": len(poses),
-        "limits_in_box": {k: v for k, v in report.to_json().items() if k in STATIC},
+        "limits_in_box": {k: v for k, v in report.to_json().items() if k in STATIC or k.startswith("distance from")},
     }

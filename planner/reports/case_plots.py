@@ -13,6 +13,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limits import prove
 from planner.reports.case_figures import STATIC, StandingPoses
+from planner.reports.outlines import box_outlines, room, tool_outlines
 
 Array = NDArray[np.float64]
 
@@ -24,7 +25,8 @@ MOST = 1.5  # share of a limit from which the colour stays the same
 def reach(case: Case, poses: Array) -> Array:
     """Largest share of any limit of position that each pose uses, above 1 out of reach, shape (n,).
 
-    Counted are strut lengths, joint angles and the way from home to a singularity, not the box of moving excitations.
+    Counted are strut lengths, joint angles, the way from home to a singularity and boxes that are kept out of, not the
+    box of moving excitations.
 
     Args:
         case: with machine, workspace and limits.
@@ -34,7 +36,8 @@ def reach(case: Case, poses: Array) -> Array:
     shares = []
     for pose in poses:
         report = prove(StandingPoses(np.stack([pose, pose])), case, 1.0)
-        shares.append(max(check.ratio for check in report.checks if check.name.split(" (")[0] in counted))
+        kinds = ((check, check.name.split(" (")[0]) for check in report.checks)
+        shares.append(max(check.ratio for check, kind in kinds if kind in counted or kind.startswith("distance from")))
     return np.array(shares)
 
 
@@ -108,7 +111,21 @@ def _draw_machine(axes: Axes3D, case: Case, machine: Machine) -> None:
                 *zip(low, high, strict=True), color="tab:red", linewidth=1.5, label=None if k else "sensors 1 to 6"
             )
             axes.text(*high, f"{k + 1}", color="tab:red", fontsize="small", va="bottom")
+    _draw_around(axes, case, np.vstack([base, platform]))
     axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"{case.name} at home, in {{B}}")
     axes.text2D(0.98, 0.92, "z [mm]", transform=axes.transAxes, ha="right")
     axes.set_aspect("equal")
     axes.legend(loc="upper left")
+
+
+def _draw_around(axes: Axes3D, case: Case, points: Array) -> None:
+    """Tools at home, and boxes that are kept out of, as far as they stand beside points of the machine, in mm."""
+    machine, workspace, _ = case.need_machine("the picture of the machine")
+    home = machine.home.vector
+    turn = Rotation.from_euler("xyz", home[3:]).as_matrix()
+    tools = [home[:3] / MM + line @ turn.T for line in tool_outlines(workspace.tool)]
+    shown = np.vstack([points, *tools])
+    boxes = box_outlines(workspace.keep_out, *room(shown.min(axis=0), shown.max(axis=0), workspace.keep_out))
+    for lines, colour, label in ((tools, "tab:purple", "tools"), (boxes, "tab:orange", "kept out")):
+        for k, line in enumerate(lines):
+            axes.plot(*line.T, color=colour, linewidth=1.0, label=None if k else label)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.units import MM
 from identification.motion import Trajectory, sample
+from planner.reports.outlines import box_outlines, room, tool_outlines
 from planner.reports.page import Machine
 
 Array = NDArray[np.float64]
@@ -43,16 +44,19 @@ def posing_machine(case: Case, poses: Array, note: str) -> Machine:
 
 
 def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:
-    """Lengths in mm, angles in rad; points of the platform and the sensors in {P}, of the base in {B}."""
-    machine, _, _ = case.need_machine("the picture of the machine")
+    """Lengths in mm, angles in rad; points of platform, sensors and tools in {P}, of base and boxes in {B}."""
+    machine, workspace, _ = case.need_machine("the picture of the machine")
     bars = case.sensor_frame.bars
     base, platform = machine.base.points / MM, machine.platform.points / MM
     unit = np.r_[np.full(3, 1 / MM), np.ones(3)]
     reach = float(np.linalg.norm(platform, axis=1).max())
     tall = 0.0 if bars is None else float(np.linalg.norm(bars.upper.points, axis=1).max()) / MM
+    tools = tool_outlines(workspace.tool)
+    tall = max([tall, *(float(np.linalg.norm(line, axis=1).max()) for line in tools)])
     centres = poses[:, :3] / MM
     low = np.minimum(base.min(axis=0), centres.min(axis=0) - np.array([reach, reach, 0.0]))
     high = np.maximum(base.max(axis=0), centres.max(axis=0) + np.array([reach, reach, tall]))
+    low, high = room(low, high, workspace.keep_out)
     return {
         "steps": steps,
         "t": _packed(t),
@@ -61,6 +65,8 @@ def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:
         "platform": np.round(platform, 3).tolist(),
         "lower": [] if bars is None else np.round(bars.lower.points / MM, 3).tolist(),
         "upper": [] if bars is None else np.round(bars.upper.points / MM, 3).tolist(),
+        "tools": [np.round(line, 2).tolist() for line in tools],
+        "boxes": [np.round(line, 2).tolist() for line in box_outlines(workspace.keep_out, low, high)],
         "range": np.column_stack([low, high]).round(1).tolist(),
     }
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.limits import TOLERANCE, LimitCheck, LimitReport, prove
+from identification.limits import TOLERANCE, LimitCheck, LimitReport, of_mechanics, prove, prove_at
 from identification.model import Model, identification_model
 from identification.motion import Standstill, Trajectory
 from identification.overload import load_shares
@@ -82,8 +82,8 @@ class Start:
         seconds: time spent.
         unknowns: the motion.
         family: what the unknowns mean.
-        begin: where another stage goes on: the motion, or what it was before it was drawn back for its sensor forces,
-            which are no rows of a coarse stage: shrinking takes most of the information away.
+        begin: where another stage goes on: the motion, or what it was before it was drawn back for its sensor forces or
+            out of boxes, which are no rows of a coarse stage: shrinking takes most of the information away.
     """
 
     seed: int
@@ -258,11 +258,12 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
         )
-    overloaded = not fine and len(closest_load(task.case, family.motion(reached.unknowns)))
+    free = family.motion(reached.unknowns)
+    undone = not fine and (len(closest_load(task.case, free)) > 0 or enters_a_box(task.case, free))
     seconds = time.perf_counter() - began
     return Start(
         task.seed, task.stage.name, before.logdet, rating.logdet, score, reached.status, reached.converged,
-        iterations, seconds, found, family, reached.unknowns if overloaded else found,
+        iterations, seconds, found, family, reached.unknowns if undone else found,
     )  # fmt: skip
 
 
@@ -274,6 +275,13 @@ def closest_load(case: Case, motion: Trajectory) -> tuple[int, ...]:
     count = max(2, int(np.ceil(motion.duration * QUICK_RATE)))
     shares = load_shares(motion.at(np.linspace(0.0, motion.duration, count)), case)
     return (int(shares.argmax()),) if len(shares) and shares.max() > NEAR else ()
+
+
+def enters_a_box(case: Case, motion: Trajectory) -> bool:
+    """Whether platform, struts or tools enter a box that they are kept out of."""
+    instants = np.linspace(0.0, motion.duration, max(2, int(np.ceil(motion.duration * QUICK_RATE))))
+    checks = prove_at(motion, case, instants, limited=of_mechanics).checks
+    return any(check.name.startswith("distance from") and not check.kept for check in checks)
 
 
 def _optimise(

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -17,6 +18,9 @@ from identification.model import identification_model
 from identification.overload import SHARE
 from identification.parameters import body_parameters
 from identification.pose import rotation
+from planner.families.family import box_middle
+
+Array = NDArray[np.float64]
 
 RIGID_BODY = 6  # the smallest model with mass, first moments and inertia
 STRUT_VELOCITY, STRUT_ACCELERATION = slice(6, 12), slice(12, 18)  # components of the shares
@@ -26,8 +30,8 @@ class StateLimits(NamedTuple):
     """Functions of (pose, rates, accelerations) of one state.
 
     Args:
-        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 25 of each keep-out box, 6 of each
-            load on the sensors.
+        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 25 of each keep-out box and 3
+            of each tool, 6 of each load on the sensors.
         gradients: their derivatives by all 18 components of the state, a column each.
     """
 
@@ -42,10 +46,8 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
         case: machine, limits and sensors.
         loads: numbers of payloads with which predicted sensor forces are limited, in this order.
 
-    Boxes that are kept out of enter with the platform's origin, its joints and points of the struts (all that is
-    between these is left to the proof and to drawing back): a p-norm of the way from the middle of the
-    box in half widths, divided by its excess at a corner, is at most the largest component, so that the rounded box
-    holds the true one.
+    Boxes that are kept out of enter with the platform's origin, its joints and points of struts and tools, with a
+    clearance for what is between these; what it does not hold back is left to the proof and to drawing back.
 
     Joint angles enter by their cosine, which is smooth at zero: (1 - cos angle) / (1 - cos limit).
     """
@@ -78,27 +80,40 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
 
 
 ALONG_STRUTS = (0.25, 0.5, 0.75)  # shares of a strut's length from the base
-SHARPNESS = 12  # exponent of the norm that stands for the largest of three components
+ALONG_TOOLS = (0.0, 0.5, 1.0)  # of a tool's
+ROUNDING = 0.003  # [m] by about which corners of boxes are rounded
+CLEARANCE = 0.02  # [m] from boxes, for what comes near them between two points or instants; less where home is nearer
+VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the ways of motions
 
 
 def _keep_out(case: Case, hexapod: Hexapod, pose: ca.SX) -> list[ca.SX]:
-    """Shares: 1 on the rounded surface of a box, 0 far away."""
+    """Shares: 1 where the clearance of a box begins, 0 far away."""
     _, workspace, _ = case.need_machine("planning")
-    arms = rotation(pose[3:]) @ ca.DM(hexapod.platform.T)
+    if not workspace.keep_out:
+        return []
+    turn = rotation(pose[3:])
+    arms = turn @ ca.DM(hexapod.platform.T)
     joints = [pose[:3] + arms[:, k] for k in range(6)]
     base = ca.DM(hexapod.base.T)
     along = [base[:, k] + share * (joint - base[:, k]) for k, joint in enumerate(joints) for share in ALONG_STRUTS]
     around = workspace.strut_radius_mm * MM
     points = [(pose[:3], 0.0), *((joint, 0.0) for joint in joints), *((point, around) for point in along)]
-    shares = []
-    for box in workspace.keep_out:
-        middle, size = ca.DM(box.corners.mean(axis=0)), ca.DM(np.ptp(box.corners, axis=0) / 2)
-        for point, radius in points:
-            half = size + radius
-            # The p-norm exceeds the largest component by 3^(1/p) at a corner: divided by that it never does.
-            norm = ca.sum1(((point - middle) / half) ** SHARPNESS) ** (1 / SHARPNESS) / 3 ** (1 / SHARPNESS)
-            shares.append(1 / norm)
-    return shares
+    for tool in workspace.tool:
+        low, high = tool.axis
+        places = (pose[:3] + turn @ ca.DM(low + share * (high - low)) for share in ALONG_TOOLS)
+        points += [(place, tool.radius_mm * MM) for place in places]
+    distances = ca.vertcat(
+        *(_distance(point, box.corners) - radius for box in workspace.keep_out for point, radius in points)
+    )
+    at_rest = ca.Function("distances", [pose], [distances])(box_middle(case)[0]).full()
+    return [ca.exp((np.clip(at_rest / 2, 0.0, CLEARANCE) - distances) / VICINITY)]
+
+
+def _distance(point: ca.SX, corners: Array) -> ca.SX:
+    """Distance along the axis that separates point and box most, at edges a little less, so that it is smooth [m]."""
+    apart = ca.fabs(point - ca.DM(corners.mean(axis=0))) - ca.DM(np.ptp(corners, axis=0) / 2)
+    most = ca.mmax(apart)
+    return most + ROUNDING * ca.log(ca.sum1(ca.exp((apart - most) / ROUNDING)) / 3)
 
 
 def _sensor_forces(case: Case, loads: tuple[int, ...], pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[ca.SX]:

@@ -1,20 +1,24 @@
-"""Distances of struts from boxes: the definition sampled, a linear program, and a motion whose strut enters a box."""
+"""Distances of struts and tools from boxes: the definition sampled, a linear program, motions that enter a box."""
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
+from cases.loading import load_case
 from cases.schema import Case
-from identification.keep_out import distance_of_points, distance_of_segments
+from identification.keep_out import distance_of_points, distance_of_segments, distances, guarded
 from identification.limits import prove
 from identification.trajectories.profile import StraightMove
 from planner.poses.validity import valid_poses
+from planner.search.solving import enters_a_box
+from planner.search.state_limits import CLEARANCE, ROUNDING, VICINITY, state_limits
 from tests.helpers import HOME
 from tests.postprocessors.changed_case import changed
 
+CASE = load_case("hexapod")
 CORNERS = np.array([[-0.1, 0.2, 0.3], [0.2, 0.3, 0.7]])
 numbers = st.floats(-1.0, 1.0)
 points = st.tuples(numbers, numbers, numbers).map(np.array)
@@ -87,3 +91,71 @@ def test_a_strut_has_the_radius_that_the_case_says(hexapod_case: Case):
         thick = changed(hexapod_case, workspace__keep_out=[box], workspace__strut_radius_mm=radius)
         assert prove(still, thick, 1000.0).kept == kept
         assert valid_poses(thick, HOME[None])[0] == kept
+
+
+SPINDLE = {"name": "spindle", "from_mm": [30.0, 0.0, 0.0], "to_mm": [30.0, -20.0, 250.0], "radius_mm": 40.0}
+
+
+def above_the_tool(gap: float) -> dict:
+    """A plate over the whole machine; at home, level, it is `gap` above the ball at the end of the spindle."""
+    low = 1e3 * HOME[2] + 250.0 + 40.0 + gap
+    return {"name": "plate", "x_mm": [-900.0, 900.0], "y_mm": [-900.0, 900.0], "z_mm": [low, low + 50.0]}
+
+
+@pytest.mark.parametrize("rise", [0.01, 0.03])
+def test_a_tool_that_enters_a_box_is_named(rise: float, hexapod_case: Case):
+    """Twenty millimetres above the tool, far above everything else."""
+    case = changed(hexapod_case, workspace__keep_out=[above_the_tool(20.0)], workspace__tool=[SPINDLE])
+    move = StraightMove.fastest(HOME, HOME + np.r_[0.0, 0.0, rise, 0.0, 0.0, 0.3], *rate_limits(case))
+    (check,) = [c for c in prove(move, case, 1000.0).checks if c.name.startswith("distance from plate")]
+    assert check.name == "distance from plate (spindle)"
+    assert check.worst == pytest.approx(20.0 - 1e3 * rise, abs=1e-6)
+    assert check.kept == (rise < 0.02)
+    assert valid_poses(case, move.end[None])[0] == (rise < 0.02)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_a_tool_is_as_far_as_the_nearest_point_of_its_axis_less_its_radius(seed: int):
+    """Poses by SciPy, points along the axis; the box stands anywhere near the tool."""
+    draw = np.random.default_rng(seed)
+    corner = HOME[:3] + draw.uniform(-0.4, 0.4, 3)
+    ranges = {f"{axis}_mm": [1e3 * corner[k], 1e3 * corner[k] + 150.0] for k, axis in enumerate("xyz")}
+    case = changed(CASE, workspace__keep_out=[{"name": "post", **ranges}], workspace__tool=[SPINDLE])
+    poses = HOME + draw.uniform(-1.0, 1.0, (5, 6)) * np.r_[0.2, 0.2, 0.1, 0.3, 0.3, 0.3]
+    turns = Rotation.from_euler("xyz", poses[:, 3:]).as_matrix()
+    axis = np.linspace([0.03, 0.0, 0.0], [0.03, -0.02, 0.25], 2001)
+    box, workspace = case.workspace.keep_out[0], case.workspace
+    joints = poses[:, None, :3] + case.machine.platform.points @ turns.transpose(0, 2, 1)
+    found = distances(box, workspace, poses[:, :3], turns, case.machine.base.points, joints - case.machine.base.points)
+    nearest = distance_of_points(poses[:, None, :3] + axis @ turns.transpose(0, 2, 1), box.corners).min(axis=1) - 0.04
+    assert found[:, -1] == pytest.approx(nearest, abs=2e-4)
+    assert len(guarded(workspace)) == found.shape[1] == 14
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=8)
+def test_what_the_optimiser_takes_for_outside_is_outside(seed: int):
+    """At origin, joints and the ends of tools: its smooth distance is never more than the true one."""
+    draw = np.random.default_rng(seed)
+    corner = HOME[:3] + draw.uniform(0.2, 0.5, 3)  # away from home, so that the clearance is whole
+    ranges = {f"{axis}_mm": [1e3 * corner[k], 1e3 * corner[k] + 150.0] for k, axis in enumerate("xyz")}
+    case = changed(CASE, workspace__keep_out=[{"name": "post", **ranges}], workspace__tool=[SPINDLE])
+    pose = HOME + draw.uniform(-1.0, 1.0, 6) * np.r_[0.4, 0.4, 0.3, 0.3, 0.3, 0.3]
+    shares = state_limits(case).shares(pose, np.zeros(6), np.zeros(6)).full()[:, 0][31:]
+    turn = Rotation.from_euler("xyz", pose[3:]).as_matrix()
+    ends = np.array([[0.03, 0.0, 0.0], [0.03, -0.02, 0.25]]) @ turn.T
+    places = pose[:3] + np.vstack([np.zeros(3), case.machine.platform.points @ turn.T, ends])
+    gaps = distance_of_points(places, case.workspace.keep_out[0].corners) - np.r_[np.zeros(7), 0.04, 0.04]
+    bounds = np.exp(-gaps / VICINITY)
+    of_these = np.r_[0:7, 25, 27]
+    assert len(shares) == 28
+    assert np.all(shares[of_these] >= bounds * (1.0 - 1e-12))
+    assert np.all(shares[of_these] <= bounds * np.exp((CLEARANCE + ROUNDING * np.log(3.0)) / VICINITY) * (1.0 + 1e-12))
+
+
+@pytest.mark.parametrize(("gap", "enters"), [(20.0, True), (40.0, False)])
+def test_a_search_knows_what_was_drawn_back_out_of_a_box(gap: float, enters: bool):
+    case = changed(CASE, workspace__keep_out=[above_the_tool(gap)], workspace__tool=[SPINDLE])
+    move = StraightMove.fastest(HOME, HOME + np.r_[0.0, 0.0, 0.03, 0.0, 0.0, 0.0], *rate_limits(case))
+    assert enters_a_box(case, move) == enters
+    assert not enters_a_box(CASE, move)

@@ -21,6 +21,7 @@ from planner.reports.page import Note, Page, Section, Table, plain, render, thin
 from tests.helpers import Harmonic
 from tests.planner.browser import Opened, opened
 from tests.planner.command_line import call
+from tests.postprocessors.changed_case import changed
 
 HOSTILE = "<img src=x onerror=\"document.title='taken over'\"><b>column</b></script>"
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"
@@ -178,13 +179,20 @@ def test_figures_for_papers_lie_beside_the_page(result_page: Path):
 
 
 def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, motion: Harmonic, tmp_path: Path):
+    """Beside a box, with a tool on the platform."""
+    box = {"name": "wall", "x_mm": [600.0, 5000.0], "y_mm": [-5000.0, 5000.0], "z_mm": [0.0, 3000.0]}
+    tool = {"name": "spindle", "to_mm": [0.0, 0.0, 200.0], "radius_mm": 30.0}
+    case = changed(hexapod_case, workspace__keep_out=[box], workspace__tool=[tool])
     poses = motion.at(np.linspace(0.0, 4.0, 7)).pose
-    page = Page("poses", "", (), (), (Section("machine", (posing_machine(hexapod_case, poses, ""),)),))
+    page = Page("poses", "", (), (), (Section("machine", (posing_machine(case, poses, ""),)),))
     file = tmp_path / "report.html"
     file.write_text(render(page), encoding="utf-8")
     with opened(browser, file) as tab:
         scrub(tab.page, 4)
         assert tab.page.locator("#instant").inner_text() == "pose 5 of 7"
+        names = tab.page.evaluate("document.getElementById('machine').data.map(d => d.name)")
+        assert {"kept out", "tools", "sensors", "platform"} <= set(names)
+        assert (tab.errors, tab.requests) == ([], [])
 
 
 def test_twenty_seconds_are_at_most_three_megabytes_beside_plotly(hexapod_case: Case):

@@ -54,6 +54,7 @@ function placed(points, pose) {
 
 const closed = (points) => [...points, points[0]];
 const segments = (from, to) => from.flatMap((p, k) => [p, to[k], [null, null, null]]);
+const apart = (lines) => lines.flatMap((line) => [...line, [null, null, null]]);
 const columns = (points) => [0, 1, 2].map((k) => points.map((p) => p[k]));
 
 function machine(div, scene) {
@@ -66,6 +67,7 @@ function machine(div, scene) {
       const lower = placed(scene.lower, pose(k)), upper = placed(scene.upper, pose(k));
       shapes.push(segments(lower, upper), closed(upper));
     }
+    if (scene.tools.length) shapes.push(apart(scene.tools.map((line) => placed(line, pose(k)))));
     shapes.push([Array.from(pose(k).subarray(0, 3))]);
     return shapes.map(columns);
   };
@@ -79,13 +81,15 @@ function machine(div, scene) {
     ["frame", { line: { width: 5, color: PALETTE[4] }, showlegend: false }],
   ];
   const tip = ["origin of {P}", { mode: "markers", marker: { size: 4, color: PALETTE[2] }, showlegend: false }];
-  const named = [...styles.slice(0, scene.lower.length ? 4 : 2), tip];
+  const tools = ["tools", { line: { width: 4, color: PALETTE[5] } }];
+  const named = [...styles.slice(0, scene.lower.length ? 4 : 2), ...(scene.tools.length ? [tools] : []), tip];
   const path = columns(Array.from(t, (_, k) => Array.from(pose(k).subarray(0, 3))));
   const still = [
     trace(columns(closed(scene.base)), "base", { line: { width: 6, color: PALETTE[3] } }),
     trace(path, scene.steps ? "poses" : "path", scene.steps
       ? { mode: "markers", marker: { size: 2, color: PALETTE[2] } } : { line: { width: 2, color: PALETTE[2] } }),
   ];
+  if (scene.boxes.length) still.push(trace(columns(apart(scene.boxes)), "kept out", { line: { width: 3, color: "#888888" } }));
   const data = [...still, ...moving(0).map((xyz, k) => trace(xyz, ...named[k]))];
   const axis = (title, range) => ({ title: { text: title }, range, autorange: false });
   const layout = {
