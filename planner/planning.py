@@ -20,6 +20,7 @@ from planner.families.fourier import COARSE, FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
+from planner.infeasible import remedy
 from planner.interruption import Interrupted
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.plan import Plan
@@ -28,7 +29,7 @@ from planner.request import LONGEST, Request
 from planner.search.choices import choices
 from planner.search.parallel import Listener, Outcome, Runner, run_all
 from planner.search.problem import mean_information
-from planner.search.solving import AT_HAND, Failed, Stage, Start, Task, keep_limits, remedy, seeds_of
+from planner.search.solving import AT_HAND, Failed, Stage, Start, Task, keep_limits, seeds_of
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from cases.schema import Case
 from identification.model import identification_model
 from planner.families.manual import sequence_file
 from planner.families.ptp import FEWEST, SHORTEST_PHASE
+from planner.infeasible import require_rest
 from planner.request import Request
 from planner.search.choices import choices
-from planner.search.solving import require_rest
 from planner.target import parse_targets
 
 HALF = 0.5  # of the limit of acceleration

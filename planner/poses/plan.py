@@ -20,6 +20,7 @@ from identification.motion import Joined, Measurement, Trajectory
 from identification.parameters import body_parameters, physical_form
 from planner.deviations import SAMPLES_PER_SECOND
 from planner.families.saved import motion_entries
+from planner.infeasible import remedy
 from planner.noise import sensor_noise
 from planner.poses.approximate import approximate_design
 from planner.poses.choosing import Choice, choose, criterion_value, smallest_set
@@ -226,7 +227,8 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
         here = pose
     report = worst_of(reports)
     if not report.kept:
-        raise InfeasiblePlan(f"a move between poses fails: {report.violations[0].sentence()}; widen that limit")
+        worst = report.violations[0]
+        raise InfeasiblePlan(f"a move between poses fails: {worst.sentence()}; {remedy(worst)}")
     return Joined(tuple(parts)), report
 
 

@@ -11,6 +11,7 @@ from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.limits import prove
 from identification.motion import Motion
+from planner.infeasible import remedy
 
 GRID = (-1.0, 0.0, 1.0)
 STATIC = ("strut length", "base joint angle", "platform joint angle", "singularity", "position", "angle")
@@ -65,8 +66,7 @@ def _reach(case: Case, file: str) -> dict[str, Any]:
         raise CaseError(
             file,
             "machine.home",
-            f"is out of reach: {broken.name} is {broken.worst:.4g} {broken.unit}, limit {broken.limit:.4g}; move "
-            "home or widen that limit",
+            f"is out of reach: {broken.sentence(timed=False)}; move home or {remedy(broken)}",
         )
     report = prove(StandingPoses(poses), case, 1.0)
     return {

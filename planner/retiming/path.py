@@ -17,9 +17,10 @@ from cases.schema import Case
 from identification.limits import TOLERANCE, kinetic_shares, prove
 from identification.motion import TimedPoints, Trajectory
 from identification.trajectories.polynomial import PolynomialMotion
+from planner.infeasible import remedy
 from planner.retiming.pacing import POINTS, Course, PacedMotion, paced
 from planner.retiming.spline_fit import fitted_spline
-from planner.search.solving import MARGIN, remedy
+from planner.search.solving import MARGIN
 
 Array = NDArray[np.float64]
 

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.limits import TOLERANCE, LimitCheck, LimitReport, of_mechanics, prove, prove_at
+from identification.limits import TOLERANCE, LimitReport, of_mechanics, prove, prove_at
 from identification.model import Model, identification_model
-from identification.motion import Standstill, Trajectory
+from identification.motion import Trajectory
 from identification.overload import load_shares
 from identification.reference import reference_scaling
-from planner.families.family import Family, box_middle
+from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
+from planner.infeasible import remedy, require_rest
 from planner.noise import expected_noise, seen_through
 from planner.search.annealing import annealed_start
 from planner.search.lifted import lifted
@@ -162,27 +163,6 @@ def rate(model: Model, scaling: Array, family: Family, unknowns: Array, criterio
     except IdentificationError:
         return Rating(-np.inf, -np.inf)
     return Rating(CRITERIA["D"].of(mu), CRITERIA[criterion].of(mu))
-
-
-def require_rest(case: Case) -> None:
-    """Standing still in the middle of the box must be possible: every family can shrink to that.
-
-    Raises:
-        InfeasiblePlan: it is not; the message names the limit.
-    """
-    report = prove(Standstill(box_middle(case)[0], 0.01), case, 100.0)
-    if not report.kept:
-        worst = report.violations[0]
-        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)} or move home")
-
-
-def remedy(check: LimitCheck) -> str:
-    """What to change where a limit lets nothing move."""
-    if check.name.startswith("distance from"):
-        return "make that box of workspace.keep_out smaller"
-    if check.name.startswith("sensor force"):
-        return "take weights out of [payloads], correct sensors.range_N"
-    return "widen that limit"
 
 
 def random_start(seed: int, family: Family, problem: Problem) -> Array:

@@ -1,5 +1,6 @@
 """What cannot be planned is refused before anybody is told that planning begins, and nothing is written."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,10 @@ from hypothesis import strategies as st
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limits import prove
+from identification.motion import Standstill
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
+from planner.infeasible import remedy
 from planner.readiness import require_plannable
 from planner.request import Request
 from planner.search.solving import keep_limits
@@ -86,7 +89,10 @@ def test_a_sequence_that_is_none_is_refused_before_planning_begins(
         (
             "strut_length_mm = [720.0, 1460.0]",
             "strut_length_mm = [1100.0, 1460.0]",
-            ("strut length", "reaches 1039 mm", "limit 1100", "widen that limit or move home"),
+            (
+                "reaches 1039 mm, limit 1100",
+                "widen limits.motion.strut_length_mm and workspace.strut_length_mm or move",
+            ),
         ),
         ("z_mm = 900.0", "z_mm = 2900.0", ("strut length", "reaches 2946 mm", "limit 1460", "move home")),
         ("range_N = 5000.0", "range_N = 100.0", ("sensor force", "5 payloads", "limit 80", "sensors.range_N")),
@@ -113,6 +119,20 @@ def test_a_box_around_the_start_is_to_be_made_smaller(hexapod_case: Case):
     with pytest.raises(InfeasiblePlan, match=r"distance from vice \(origin\) .* workspace.keep_out smaller") as caught:
         require_plannable(Request("hexapod"), case)
     one_line(caught.value)
+
+
+def test_every_limit_has_a_remedy_that_names_keys_of_the_case(hexapod_case: Case):
+    case = changed(hexapod_case, workspace__keep_out=[BEHIND_HOME])
+    checks = prove(Standstill(case.machine.home.vector, 1.0), case, 1.0).checks
+    assert len(checks) == 17
+    for check in checks:
+        for key in re.findall(r"[a-z_.]*[a-z]_[a-zA-Z0-9_]+|limits\.motion", remedy(check)):
+            *tables, last = key.split(".")
+            place: object = case
+            for table in tables:
+                place = getattr(place, table)
+            assert not tables or hasattr(place, last), key
+        assert re.search(r"workspace\.|limits\.motion|sensors\.", remedy(check))
 
 
 def test_moves_need_their_controller_cycles(hexapod_case: Case):
