@@ -54,11 +54,6 @@ class Identifiability:
     groups: tuple[Group, ...]
 
     @property
-    def unidentifiable(self) -> tuple[str, ...]:
-        """All parameters that are not determined alone."""
-        return tuple(name for group in self.groups for name in group.parameters)
-
-    @property
     def condition(self) -> float:
         """mu_1 / mu_u, infinite where the rank is not full."""
         full = self.rank == len(self.names)

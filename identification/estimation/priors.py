@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from cases.sensors import RigidBody
 from identification.estimation.selection import require_names
 from identification.model import Model
 from identification.parameters import PhysicalForm, physical_form
@@ -22,26 +21,6 @@ class Prior(NamedTuple):
     name: str
     value: float
     std: float
-
-
-def nominal_priors(
-    model: Model, body: RigidBody, mass_std: float, centre_std: float, inertia_std: float
-) -> tuple[Prior, ...]:
-    """Priors from a design (Table 3, column CAD; `nominal` of a case) on those of its parameters that the model has.
-
-    Args:
-        model: of the identification.
-        body: as designed.
-        mass_std: of m [kg].
-        centre_std: of xC, yC, zC [m].
-        inertia_std: of each central moment and product of inertia [kg m^2].
-    """
-    priors = [Prior("m", body.mass_kg, mass_std)]
-    priors += [Prior(f"{c}C", float(v), centre_std) for c, v in zip("xyz", body.centre_of_gravity, strict=True)]
-    names = ("IC11", "IC12", "IC13", "IC22", "IC23", "IC33")
-    priors += [Prior(n, v, inertia_std) for n, v in zip(names, body.inertia_kg_m2, strict=True)]
-    present = {p.name for p in physical_form(model).parameters}
-    return tuple(p for p in priors if p.name in present)
 
 
 @dataclass(frozen=True, slots=True)

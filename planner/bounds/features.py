@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # products of three components, as the features list them
 GIBBS = slice(3, 6)
 PRODUCTS = slice(15, 21)
-COUNT = 21
 CORNER_COORDINATES = (0, 1, *range(12, 18))  # of a state (pose, rates, accelerations): x, y and the accelerations
 CORNERS = len(CORNER_COORDINATES)
 

@@ -8,7 +8,6 @@ import plotly.graph_objects as go
 from planner.reports.page import plain
 
 SPREAD = 0.7  # of the distance between two parameters, over which the markers of one stand side by side
-LINES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
 class Series(NamedTuple):

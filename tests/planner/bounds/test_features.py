@@ -8,7 +8,7 @@ from identification.evaluate import over_samples
 from identification.model import MODELS, identification_model
 from identification.reference import reference_scaling
 from planner.bounds.enclosure import NODES, enclose
-from planner.bounds.features import COUNT, GIBBS, PAIRS, PRODUCTS, Features, box_features
+from planner.bounds.features import GIBBS, PAIRS, PRODUCTS, Features, box_features
 
 CASE = load_case("hexapod")
 
@@ -64,14 +64,14 @@ def test_every_direction_is_largest_at_a_control_point(seed: int):
     control = enclose(features, low, high)
     corner = draw.choice([-1.0, 1.0], 8)
     fixed = np.concatenate([np.ones((27, 1)), np.tile(corner, (27, 1)), control.products[0]], axis=1)
-    points = np.einsum("aij,rj->ari", control.tables[0], fixed).reshape(-1, COUNT)
+    points = np.einsum("aij,rj->ari", control.tables[0], fixed).reshape(-1, PRODUCTS.stop)
     inside = draw.uniform(low, high, (400, 6))
     inside[:100] = np.where(draw.random((100, 6)) < 0.5, low, high)
     products = np.column_stack([inside[:, 3 + i] * inside[:, 3 + j] for i, j in PAIRS])
     s = np.column_stack([np.ones(400), np.tile(corner, (400, 1)), products])
     states = np.einsum("nij,nj->ni", features.tables(inside[:, :3]), s)
     for _ in range(60):
-        direction = draw.normal(size=COUNT) / np.abs(points).max(axis=0)
+        direction = draw.normal(size=PRODUCTS.stop) / np.abs(points).max(axis=0)
         missed = control.gibbs_error[0] * np.linalg.norm(direction[GIBBS])
         missed += control.product_error[0] * np.abs(direction[PRODUCTS]).sum()
         assert (states @ direction).max() <= (points @ direction).max() + missed + 1e-9
