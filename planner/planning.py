@@ -119,7 +119,7 @@ def _explored(request: Request, case: Case, listener: Listener, run: Runner) -> 
     if len(among) == 1:
         return run([_explore(among[0], case, seed) for seed in seeds], listener)
     look = run([_explore(choice, case, seeds[0]) for choice in among], listener)
-    best = sorted((r for r in look.results if isinstance(r, Start)), key=lambda s: -s.score)[:KEPT]
+    best = sorted((r for r in look.results if isinstance(r, Start)), key=lambda s: -s.promise)[:KEPT]
     kept = [start.family.settings for start in best]
     more = [
         _explore(choice, case, seed)
@@ -142,7 +142,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner = run_a
     """
     first = _explored(request, case, listener, run)
     results, interrupted = list(first.results), first.interrupted
-    best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)[:REFINED]
+    best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)[:REFINED]
     if best and not interrupted:
         second = run([_refine(request, case, start) for start in best], listener)
         results, interrupted = results + second.results, second.interrupted

@@ -85,6 +85,7 @@ class Start:
         family: what the unknowns mean.
         begin: where another stage goes on: the motion, or what it was before it was drawn back for its sensor forces or
             out of boxes, which are no rows of a coarse stage: shrinking takes most of the information away.
+        promise: the criterion there, by which it is chosen for another stage.
     """
 
     seed: int
@@ -99,6 +100,7 @@ class Start:
     unknowns: Array
     family: Family
     begin: Array
+    promise: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,10 +242,13 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         )
     free = family.motion(reached.unknowns)
     undone = not fine and (len(closest_load(task.case, free)) > 0 or enters_a_box(task.case, free))
+    begin, promise = found, score
+    if undone:
+        begin, promise = reached.unknowns, rate(model, scaling, family, reached.unknowns, task.criterion).score
     seconds = time.perf_counter() - began
     return Start(
         task.seed, task.stage.name, before.logdet, rating.logdet, score, reached.status, reached.converged,
-        iterations, seconds, found, family, reached.unknowns if undone else found,
+        iterations, seconds, found, family, begin, promise,
     )  # fmt: skip
 
 
