@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 
 AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
 REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
+# By A, K and N, for which D-optimal starts are no measure. Fourier series are refined in seconds; others take a minute.
+REFINED_ANEW = {"fourier": 4, "ptp": REFINED, "spline": REFINED}
 KEPT = 3  # of several orders and periods, the best are looked at from all starts
 
 ANNEALING = 300  # proposals for each pair of moves: half a minute for 40 moves, worth more than as many more starts
@@ -109,7 +111,11 @@ def rounds(request: Request, case: Case) -> int:
     """How many starts a search goes through at most, both stages."""
     count = len(choices(request, case))
     explored = request.starts if count == 1 else count + min(count, KEPT) * (request.starts - 1)
-    return explored + min(REFINED, explored)
+    return explored + min(_refined(request), explored)
+
+
+def _refined(request: Request) -> int:
+    return REFINED if request.criterion == "D" else REFINED_ANEW[request.family]
 
 
 def _explored(request: Request, case: Case, listener: Listener, run: Runner) -> Outcome:
@@ -142,7 +148,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner = run_a
     """
     first = _explored(request, case, listener, run)
     results, interrupted = list(first.results), first.interrupted
-    best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)[:REFINED]
+    best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)[: _refined(request)]
     if best and not interrupted:
         second = run([_refine(request, case, start) for start in best], listener)
         results, interrupted = results + second.results, second.interrupted

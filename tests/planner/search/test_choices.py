@@ -8,7 +8,7 @@ import pytest
 from cases.errors import HexciteError
 from cases.schema import Case
 from planner.cli.plan import refuse_foreign
-from planner.planning import KEPT, REFINED, rounds, search
+from planner.planning import KEPT, REFINED, REFINED_ANEW, rounds, search
 from planner.request import Request
 from planner.search.choices import choices
 from planner.search.parallel import Listener, Outcome
@@ -73,16 +73,17 @@ def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
         refuse_foreign([f"free_{what}"], "ptp")
 
 
-def test_each_choice_is_looked_at_and_the_best_get_all_starts(hexapod_case: Case):
+@pytest.mark.parametrize(("criterion", "refinements"), [("D", REFINED), ("K", REFINED_ANEW["fourier"])])
+def test_each_choice_is_looked_at_and_the_best_get_all_starts(criterion: str, refinements: int, hexapod_case: Case):
     """With results made up: the shorter the period the better, and later seeds and the second stage better still."""
-    request = Request("hexapod", order=2, duration=3.0, free_period=True, starts=2)
+    request = Request("hexapod", criterion=criterion, order=2, duration=3.0, free_period=True, starts=2)
     first, second = seeds_of(0, 2)
     tried: list[Task] = []
 
     def start_of(task: Task) -> Start:
         period = float(task.family.settings["period_s"])
-        promise = -period + (task.seed == second)
-        score = promise if task.stage.name == "refine" else -10.0  # drawn back, a motion is worth as little as any
+        promise = -period + 10 * (task.seed == second)
+        score = promise if task.stage.name == "refine" else -100.0  # drawn back, a motion is worth as little as any
         unknowns = np.full(task.family.sampling(hexapod_case).lower.shape, 0.01)
         return Start(
             task.seed, task.stage.name, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, unknowns, promise
@@ -98,7 +99,8 @@ def test_each_choice_is_looked_at_and_the_best_get_all_starts(hexapod_case: Case
     seen = [(task.stage.name, task.seed, task.family.settings["period_s"]) for task in tried]
     looks = [("explore", first, period) for period in periods]
     more = [("explore", second, period) for period in sorted(periods)[:KEPT]]
-    refined = [("refine", second, period) for period in sorted(periods)[:REFINED]]
+    best = [(second, period) for period in sorted(periods)[:KEPT]] + [(first, min(periods))]
+    refined = [("refine", *choice) for choice in best[:refinements]]
     assert sorted(seen) == sorted([*looks, *more, *refined])
     assert len(tried) == rounds(request, hexapod_case)
     assert found.settings["period_s"] == min(periods)
