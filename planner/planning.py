@@ -1,5 +1,8 @@
 """Plans an excitation from start to proof."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+from threading import Event
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -21,7 +24,7 @@ from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.infeasible import remedy
-from planner.interruption import Interrupted
+from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.plan import Plan
 from planner.readiness import require_plannable
@@ -197,6 +200,20 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
         worst = found.limits.violations[0]
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)}")
     return rated(request, case, case_file, found, seconds)
+
+
+def make_until_ctrl_c(request: Request, case: Case, case_file: str, listener: Listener) -> Plan:
+    """`make`, in the main thread; the first Ctrl-C keeps what a search has found, be it in its proof or its rating."""
+    if request.family == "manual":
+        return make(request, case, case_file, listener)
+    pressed = Event()
+
+    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
+        return Outcome([], True) if pressed.is_set() else run_all(tasks, listener)
+
+    with first_ctrl_c_calls(pressed.set):
+        plan = make(request, case, case_file, listener, run)
+    return replace(plan, interrupted=True) if pressed.is_set() else plan
 
 
 def rated(request: Request, case: Case, case_file: str, found: Found, seconds: float) -> Plan:

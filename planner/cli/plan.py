@@ -121,7 +121,8 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     from cases.files import PLAN, check_folder
     from cases.loading import find_case, load_case
     from planner import planning
-    from planner.plan import save_plan
+    from planner.interruption import first_ctrl_c_calls
+    from planner.plan import Plan, save_plan
     from planner.readiness import require_plannable
     from planner.search.parallel import Listener, News
     from planner.search.solving import Failed, Start
@@ -155,11 +156,12 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
             count(f"best {request.criterion} {best:.4g}, iteration {word.iterations} at {word.objective:.4g}", 0)
 
         listener = Listener(done, news)
-        if request.targets:
-            result = shortest_plan(request, loaded, lambda r: planning.make(r, loaded, case_file, listener))
-        else:
-            result = planning.make(request, loaded, case_file, listener)
-    with status("writing", quiet):
+
+        def make(wanted: "Request") -> Plan:
+            return planning.make_until_ctrl_c(wanted, loaded, case_file, listener)
+
+        result = shortest_plan(request, loaded, make) if request.targets else make(request)
+    with status("writing", quiet), first_ctrl_c_calls(lambda: None):  # it is soon done
         save_plan(result, folder)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | result.to_json()
     if not quiet:

@@ -1,0 +1,93 @@
+"""Ctrl-C at any moment of planning: what was found is kept, and where nothing was, one line says so."""
+
+import signal
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from cases.schema import Case
+from planner import planning
+from planner.interruption import Interrupted, ctrl_c_raises
+from planner.plan import Plan
+from planner.request import Request
+from planner.search.parallel import Listener, Outcome
+from tests.planner.command_line import call
+
+SILENT = Listener(lambda start: None, lambda news: None)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A stand-in for a plan."""
+
+    interrupted: bool = False
+
+
+def ctrl_c() -> None:
+    signal.raise_signal(signal.SIGINT)
+
+
+def planned(make: Callable, family: str, case: Case, monkeypatch: pytest.MonkeyPatch) -> Plan:
+    """What comes of a plan that is made by a stand-in, as under the command line."""
+    monkeypatch.setattr(planning, "make", make)
+    with ctrl_c_raises():
+        return planning.make_until_ctrl_c(Request("hexapod", family=family), case, "hexapod", SILENT)
+
+
+def test_ctrl_c_after_the_search_loses_nothing(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    """While a motion is proven and rated, which is no search that could be stopped."""
+
+    def make(*_: object) -> Found:
+        ctrl_c()
+        return Found()
+
+    assert planned(make, "ptp", hexapod_case, monkeypatch).interrupted
+
+
+def test_ctrl_c_before_a_search_keeps_it_from_beginning(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    told: list[Outcome] = []
+
+    def make(request: Request, case: Case, file: str, listener: Listener, run: Callable) -> Found:
+        ctrl_c()
+        told.append(run([object()], listener))  # no task: it would fail
+        return Found()
+
+    planned(make, "fourier", hexapod_case, monkeypatch)
+    assert told == [Outcome([], True)]
+
+
+def test_without_ctrl_c_a_plan_is_what_it_is(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
+    assert not planned(lambda *_: Found(), "spline", hexapod_case, monkeypatch).interrupted
+    assert planned(lambda *_: Found(True), "spline", hexapod_case, monkeypatch).interrupted
+
+
+@pytest.mark.parametrize(("family", "times"), [("manual", 1), ("ptp", 2)])
+def test_a_second_ctrl_c_gives_up_and_where_nothing_is_searched_the_first(
+    family: str, times: int, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
+):
+    def make(*_: object) -> Found:
+        for _ in range(times):
+            ctrl_c()
+        return Found()
+
+    with pytest.raises(Interrupted):
+        planned(make, family, hexapod_case, monkeypatch)
+
+
+def test_ctrl_c_while_a_plan_is_written_lets_it_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from planner import plan
+
+    write = plan.motion_csv
+
+    def interrupted(motion: object) -> str:
+        ctrl_c()
+        return write(motion)
+
+    monkeypatch.setattr(plan, "motion_csv", interrupted)
+    steps = tmp_path / "steps.toml"
+    steps.write_text('title = "t"\nsteps = [{x_mm = 50.0}, {circle = "YZ", radius_mm = 40.0}, {a_deg = 10.0}]')
+    words = ("plan", "hexapod", "--family", "manual", "--sequence", steps, "--model", 0, "-o", tmp_path / "p", "--json")
+    assert call(*words).json()["plan"] == str(tmp_path / "p")
+    assert (tmp_path / "p" / "report.html").is_file()
