@@ -42,7 +42,7 @@ REFINED = 2  # of the starts, the best are refined: one a core of the smallest m
 REFINED_ANEW = {"fourier": 4, "ptp": REFINED, "spline": REFINED}
 KEPT = 3  # of several orders and periods, the best are looked at from all starts
 
-ANNEALING = 300  # proposals for each pair of moves: half a minute for 40 moves, worth more than as many more starts
+ANNEALING = 500  # proposals for each pair of moves: worth more than as many more starts
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
 # last iterations bring.
 STAGES = {

@@ -35,12 +35,14 @@ INWARD = 0.9  # share of its steps out of the box that go the other way instead
 SLACK = 1e-9  # [half widths] for rounding
 
 
-class _Changed(NamedTuple):
-    """A walk and which of its moves, from `first` up to but not including `after`, are new."""
+NEW = -1
+
+
+class Proposal(NamedTuple):
+    """A walk, and for each of its moves which one of the present walk that is; `NEW` where none."""
 
     points: Array
-    first: int
-    after: int
+    origins: NDArray[np.intp]
 
 
 class Walk:
@@ -57,6 +59,7 @@ class Walk:
 
         self.moves, self.count, self.draw, self.factorised = moves, len(points) - 1, draw, dpotrf
         self.ways = moves.steps + SLACK
+        self.own = np.arange(self.count)
         self.rate = Rater(moves)
         self.ridge = RIDGE * np.eye(moves.size)
         self.points = points
@@ -78,23 +81,33 @@ class Walk:
         kinds = (self._shifted, self._with_new_waypoint, self._with_moved_excursion)
         luck = temperature * np.log1p(-self.draw.random(proposals))
         for kind, chance in zip(self.draw.choice(len(kinds), proposals, p=KINDS), luck, strict=True):
-            changed = kinds[kind]()
-            if changed is None or changed.first == changed.after:
+            proposal = kinds[kind]()
+            if proposal is None:
                 continue
-            points, some = changed.points, slice(changed.first, changed.after)
-            parts = self.rate(points[some], points[changed.first + 1 : changed.after + 1])
-            total = self.total + (parts.sum(axis=0) - self.parts[some].sum(axis=0)) / self.count
+            points, origins = proposal
+            new = np.flatnonzero(origins == NEW)
+            left_out = np.ones(self.count, dtype=bool)
+            left_out[origins[origins != NEW]] = False
+            parts = self.rate(points[new], points[new + 1])
+            total = self.total + (parts.sum(axis=0) - self.parts[left_out].sum(axis=0)) / self.count
             value = self.worth(total)
             if value - self.value >= chance:
                 self.points, self.total, self.value = points, total, value
-                self.parts[some] = parts
+                self.parts = self.parts[origins]
+                self.parts[new] = parts
                 if value > self.best:
                     self.best, self.best_points = value, points
+
+    def _origins(self, first: int, after: int) -> NDArray[np.intp]:
+        """Of a walk whose moves from `first` up to but not including `after` are new."""
+        origins = self.own.copy()
+        origins[first:after] = NEW
+        return origins
 
     def _too_long(self, ways: Array) -> bool:
         return bool((np.abs(ways) > self.ways).any())
 
-    def _shifted(self) -> _Changed | None:
+    def _shifted(self) -> Proposal | None:
         """A run of waypoints shifted in one or two coordinates; None where a move becomes too long."""
         draw, last, points = self.draw, self.count, self.points
         length = int(draw.integers(1, last + 1)) if draw.random() < FAR else min(int(draw.geometric(FEW)), last)
@@ -115,7 +128,7 @@ class Walk:
         first, after = max(begin - 1, 0), min(end, last)
         if self._too_long(np.diff(trial[first : after + 1], axis=0)):
             return None
-        return _Changed(trial, first, after)
+        return Proposal(trial, self._origins(first, after))
 
     def _next_to(self, place: Array) -> Array:
         """A place a move away: most coordinates go a full step, into the box rather than out of it."""
@@ -126,7 +139,7 @@ class Walk:
         sign[outside & (draw.random(6) < INWARD)] *= -1.0
         return np.clip(place + sign * steps, -1.0, 1.0)
 
-    def _with_new_waypoint(self) -> _Changed | None:
+    def _with_new_waypoint(self) -> Proposal | None:
         """One waypoint chosen anew; None where the move out of it becomes too long."""
         place, last = int(self.draw.integers(self.count + 1)), self.count
         new = self._next_to(self.points[place - 1 if place else 1])
@@ -134,22 +147,25 @@ class Walk:
             return None
         trial = self.points.copy()
         trial[place] = new
-        return _Changed(trial, max(place - 1, 0), min(place + 1, last))
+        return Proposal(trial, self._origins(max(place - 1, 0), min(place + 1, last)))
 
-    def _with_moved_excursion(self) -> _Changed | None:
+    def _with_moved_excursion(self) -> Proposal | None:
         """Two waypoints left out and, elsewhere, a new place visited and left again; None where a gap is too wide."""
         points, draw = self.points, self.draw
         out = int(draw.integers(self.count))
         if 0 < out < self.count - 1 and self._too_long(points[out + 2] - points[out - 1]):
             return None
-        kept = np.delete(points, (out, out + 1), axis=0)
+        kept = np.concatenate([points[:out], points[out + 2 :]])
+        if out == 0:
+            origins = self.own[2:]
+        elif out == self.count - 1:
+            origins = self.own[:-2]
+        else:
+            origins = np.concatenate([self.own[: out - 1], [NEW], self.own[out + 2 :]])
         place = int(draw.integers(len(kept)))
         here = kept[place]
-        trial = np.insert(kept, place + 1, (self._next_to(here), here), axis=0)
-        moved = np.flatnonzero((trial != points).any(axis=1))
-        if len(moved) == 0:
-            return None
-        return _Changed(trial, max(int(moved[0]) - 1, 0), min(int(moved[-1]) + 1, self.count))
+        trial = np.concatenate([kept[: place + 1], [self._next_to(here), here], kept[place + 1 :]])
+        return Proposal(trial, np.concatenate([origins[:place], [NEW, NEW], origins[place:]]))
 
 
 def annealed_start(

@@ -8,7 +8,7 @@ from identification.limits import prove
 from identification.model import Model
 from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily
-from planner.search.annealing import EXCESS, Walk, annealed_start
+from planner.search.annealing import EXCESS, NEW, Walk, annealed_start
 from planner.search.equal_moves import EqualMoves
 from planner.search.problem import build_problem, mean_information
 from planner.search.solving import random_start
@@ -85,17 +85,19 @@ def test_the_value_of_a_walk_is_log_det_less_what_it_passes(walk: Walk):
 
 
 @pytest.mark.parametrize("kind", ["_shifted", "_with_new_waypoint", "_with_moved_excursion"])
-def test_every_proposal_is_a_walk_that_is_new_only_where_it_says(kind: str, walk: Walk, moves: EqualMoves):
+def test_every_proposal_is_a_walk_whose_moves_are_new_or_those_of_before(kind: str, walk: Walk, moves: EqualMoves):
     proposals = [p for _ in range(2000) if (p := getattr(walk, kind)()) is not None]
     assert len(proposals) > 100
     before = np.hstack([walk.points[:-1], walk.points[1:]])
-    for points, first, after in proposals:
+    for points, origins in proposals:
         assert points.shape == walk.points.shape
         assert np.abs(points).max() <= 1.0
         assert (np.abs(np.diff(points, axis=0)) <= moves.steps + 1e-8).all()
         now = np.hstack([points[:-1], points[1:]])
-        assert np.array_equal(now[:first], before[:first])
-        assert np.array_equal(now[after:], before[after:])
+        old = origins != NEW
+        assert 0 < (~old).sum() < MOVES + 1
+        assert len(set(origins[old])) == old.sum()
+        assert np.array_equal(now[old], before[origins[old]])
 
 
 def test_a_moved_excursion_goes_there_and_back(walk: Walk):
@@ -103,9 +105,9 @@ def test_a_moved_excursion_goes_there_and_back(walk: Walk):
     for _ in range(200):
         if (proposal := walk._with_moved_excursion()) is None:
             continue
-        points = proposal.points
-        returns = np.abs(points[2:] - points[:-2]).max(axis=1) < 1e-12
-        assert returns[max(proposal.first - 1, 0) : proposal.after].any()
+        points, origins = proposal
+        out = np.flatnonzero((origins[:-1] == NEW) & (origins[1:] == NEW))
+        assert any(np.array_equal(points[k], points[k + 2]) for k in out)
 
 
 def test_two_instants_a_move_rate_a_walk_well_enough_for_a_choice(
