@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from cases.units import MM
+from cases.units import MM, pose_words
 from identification.evaluate import over_samples
 from identification.identifiability import analyse
 from identification.limited import rotation_motion, strut_motion
@@ -61,7 +61,7 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
     return Page(
         title=f"Plan: {case.title}",
         lead=f"A {plan.family} excitation of {plan.motion.duration:.2f} s, {made}, to identify model {request.model} "
-        f"with {request.mounted} mounted; every limit is proven at 10 kHz.",
+        f"with {request.mounted} mounted; every limit is proven at 10 kHz. It moves from rest {_ends(plan)}.",
         inputs=tuple(inputs),
         warnings=_warnings(plan),
         sections=(
@@ -88,6 +88,11 @@ def _warnings(plan: Plan) -> tuple[str, ...]:
 
 def _dashed() -> Note:
     return Note("Dashed: the limit of the axis in its colour, grey where axes share it.")
+
+
+def _ends(plan: Plan) -> str:
+    first, last = (pose_words(pose) for pose in plan.motion.at([0.0, plan.motion.duration]).pose)
+    return f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
 
 
 def _headline(plan: Plan) -> Tiles:
