@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import InfeasiblePlan
+from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
 from identification.limits import PROOF_RATE, LimitReport, prove
@@ -199,7 +199,11 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
     if not found.limits.kept:
         worst = found.limits.violations[0]
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)}")
-    return rated(request, case, case_file, found, seconds)
+    try:
+        return rated(request, case, case_file, found, seconds)
+    except IdentificationError as error:
+        place = found.settings.get("sequence", f"no plan for model {request.model}")
+        raise IdentificationError(f"{place}: {error}") from error
 
 
 def make_until_ctrl_c(request: Request, case: Case, case_file: str, listener: Listener) -> Plan:

@@ -30,7 +30,13 @@ def plan(
     context: typer.Context,
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "fourier",
-    criterion: Annotated[str, typer.Option(help="What to optimise, Table 4: A, D, K, N.")] = "D",
+    criterion: Annotated[
+        str,
+        typer.Option(
+            help="What to optimise, Table 4: A average variance, D volume of the confidence ellipsoid, K condition, N "
+            "noise amplification."
+        ),
+    ] = "D",
     solver: Annotated[str, typer.Option(help="ipopt, sqp (active set) or slsqp.")] = "ipopt",
     duration: Annotated[float, typer.Option(help="Whole duration in s; for fourier a multiple of the period.")] = 12.0,
     order: Annotated[int, typer.Option(help="fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,

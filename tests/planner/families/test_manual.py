@@ -137,5 +137,6 @@ def test_a_motion_that_does_not_excite_the_model_is_refused_and_nothing_is_writt
     file = written(tmp_path, 'title = "t"\nsteps = [{x_mm = 50.0}, {y_mm = 50.0}]')
     plan = ("plan", "hexapod", "--family", "manual", "--sequence", file, "-o", tmp_path / "plan", "--json")
     line = refused(*plan)
+    assert f"{file}: rank " in line
     assert "I11" in line
     assert not (tmp_path / "plan").exists()
