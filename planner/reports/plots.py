@@ -53,10 +53,14 @@ def trajectory_figure(motion: Motion, case: Case) -> Figure:
                     ax.axhline(float(bound), color=colour, dashes=(4, 3), linewidth=0.9)
             ax.set_ylabel(f"{name} [{unit}]")
             ax.grid(alpha=0.25)
-    axes[0, 0].set_title("translations")
-    axes[0, 1].set_title("rotations (dashed: limits, of one axis in its colour)")
-    for ax in axes[0]:
-        ax.legend(loc="upper right", ncols=3, fontsize="small")
+    for ax, title in zip(
+        axes[0], ("translations", "rotations; dashed: limits, of one axis in its colour"), strict=True
+    ):
+        ax.set_title(title, loc="left", fontsize="small")
+        ax.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=3, handlelength=1.2,
+            fontsize="small", frameon=False,
+        )  # fmt: skip
     for ax in axes[-1]:
         ax.set_xlabel("time [s]")
     return figure

@@ -264,6 +264,8 @@ def closest_load(case: Case, motion: Trajectory) -> tuple[int, ...]:
 
 def enters_a_box(case: Case, motion: Trajectory) -> bool:
     """Whether platform, struts or tools enter a box that they are kept out of."""
+    if not case.need_machine("planning")[1].keep_out:
+        return False
     instants = np.linspace(0.0, motion.duration, max(2, int(np.ceil(motion.duration * QUICK_RATE))))
     checks = prove_at(motion, case, instants, limited=of_mechanics).checks
     return any(check.name.startswith("distance from") and not check.kept for check in checks)
