@@ -100,7 +100,8 @@ class Plan:
         if isinstance(self.motion, FourierMotion) and (needless := needless_harmonics(self.motion)):
             order = max(2, self.motion.order - needless)
             if order < self.motion.order:
-                notes.append(f"the highest {needless} harmonics are negligible: --order {order} would do")
+                which = "highest harmonic is" if needless == 1 else f"{needless} highest harmonics are"
+                notes.append(f"the {which} negligible: --order {order} would do")
         tried = {(s.family.order, s.family.period) for s in self.starts if isinstance(s.family, FourierFamily)}
         if len(tried) > 1:
             own = f"order {self.settings['order']} with period {self.settings['period_s']:g} s"

@@ -135,6 +135,24 @@ def notes_of(stages: list[tuple[str, bool]], family: str, interrupted: bool) -> 
     return vars(Plan)["notes"].fget(found)
 
 
+@pytest.mark.parametrize(
+    ("used", "notes"),
+    [
+        (5, []),
+        (4, ["the highest harmonic is negligible: --order 4 would do"]),
+        (2, ["the 3 highest harmonics are negligible: --order 2 would do"]),
+        (1, ["the 4 highest harmonics are negligible: --order 2 would do"]),  # 1 would need a run-in
+    ],
+)
+def test_a_series_whose_highest_harmonics_do_next_to_nothing_says_which_order_would_do(used: int, notes: list[str]):
+    share = np.where(np.arange(1, 6) <= used, 1.0, 0.01)[:, None] * np.full(6, 0.1)
+    found = SimpleNamespace(
+        motion=FourierMotion(np.zeros(6), share, 0.5 * share, 3.0, 4), starts=(), family="fourier",
+        settings={"order": 5}, noise_note=(), request=Request("hexapod"), limits=LimitReport(()),
+    )  # fmt: skip
+    assert vars(Plan)["notes"].fget(found) == notes
+
+
 def test_a_spline_that_lost_against_the_moves_it_began_from_is_told():
     """The best motion found is kept, whatever its family; nobody should take it for a spline."""
     (note,) = notes_of([("ptp", True), ("spline", True)], "ptp", interrupted=False)
