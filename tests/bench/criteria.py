@@ -32,7 +32,9 @@ def criteria_table() -> None:
     """Prints all criteria of the motions that are optimal by each of them, and the gains that are wanted.
 
     Both motions of a gain are what `hexcite plan` finds with the same settings. The last row tells how small a
-    condition number the moments of motions from rest to rest allow: a design of states that meets them.
+    condition number the moments of motions from rest to rest allow: a design of states that meets them. Fourier series
+    of order 5 and 3 s end at 3.79 to 4.2 by K, from any of 32 starts, D-optimal or random, with exact and with
+    approximated second derivatives: that is their limit, and 1.4 times less than the D-optimal one has.
     """
     case = load_case("hexapod")
     model = identification_model(case, MODEL)
