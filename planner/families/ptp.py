@@ -208,9 +208,10 @@ class PointToPointFamily:
         return Joined(tuple(moves))
 
     def shrunk(self, unknowns: Array, share: float) -> Array:
-        """Waypoints drawn towards the middle at equal times."""
+        """Waypoints drawn towards the middle at equal times, which add up: those of a stopped search need not."""
         points, times = self.split(unknowns)
-        return np.concatenate([share * points.ravel(), times.ravel()])
+        longer = float((times @ [4.0, 2.0, 1.0]).sum()) / self.moves
+        return np.concatenate([share * points.ravel(), times.ravel() / longer])
 
     def refined(self, unknowns: Array) -> "PointToPointFamily":
         """Phases that are too short for the controller are left out from now on, or last three cycles."""

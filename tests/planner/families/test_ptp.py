@@ -54,6 +54,15 @@ def test_it_is_at_rest_at_both_ends_and_between_its_moves(start: np.ndarray, fam
     assert len(motion.parts) == MOVES
 
 
+def test_a_search_that_was_stopped_early_still_takes_the_duration(start: np.ndarray, family: PointToPointFamily):
+    """Times of an unfinished iterate do not add up yet; drawn back to the limits they do."""
+    points, times = family.split(start)
+    unfinished = np.concatenate([points.ravel(), 1.01 * times.ravel()])
+    assert family.motion(unfinished).duration > 4.03
+    assert family.motion(family.shrunk(unfinished, 0.9)).duration == pytest.approx(4.0, abs=1e-12)
+    assert family.shrunk(start, 1.0) == pytest.approx(start, abs=1e-12)
+
+
 def test_its_derivatives_are_those_of_its_poses(start: np.ndarray, family: PointToPointFamily):
     motion, h = family.motion(start), 1e-5
     t = np.linspace(0.1, 3.9, 400)
