@@ -13,6 +13,13 @@ EDGES, GAP = 2, 3  # characters around a table, and between its columns
 WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Criterion = Annotated[
+    str,
+    typer.Option(
+        help="What to optimise, Table 4: A average variance, D volume of the confidence ellipsoid, K condition, N "
+        "noise amplification."
+    ),
+]
 
 
 def print_json(value: dict[str, Any]) -> None:

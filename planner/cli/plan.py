@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, progress, status
+from planner.cli.console import LIMIT_COLUMNS, Criterion, Json, limit_rows, print_json, print_table, progress, status
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -30,13 +30,7 @@ def plan(
     context: typer.Context,
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "fourier",
-    criterion: Annotated[
-        str,
-        typer.Option(
-            help="What to optimise, Table 4: A average variance, D volume of the confidence ellipsoid, K condition, N "
-            "noise amplification."
-        ),
-    ] = "D",
+    criterion: Criterion = "D",
     solver: Annotated[str, typer.Option(help="ipopt, sqp (active set) or slsqp.")] = "ipopt",
     duration: Annotated[float, typer.Option(help="Whole duration in s; for fourier a multiple of the period.")] = 12.0,
     order: Annotated[int, typer.Option(help="fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,

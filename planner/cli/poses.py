@@ -5,18 +5,12 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, print_table, progress, status
+from planner.cli.console import Criterion, Json, print_json, print_table, progress, status
 
 
 def poses(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    criterion: Annotated[
-        str,
-        typer.Option(
-            help="What to optimise, Table 4: A average variance, D volume of the confidence ellipsoid, K condition, N "
-            "noise amplification."
-        ),
-    ] = "D",
+    criterion: Criterion = "D",
     count: Annotated[
         int | None, typer.Option(help="Poses; by default 30, or with forward until one more gains too little.")
     ] = None,
