@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.pose import rotation, rpy, skew, twist, twist_rate
+from identification.pose import rotation, rpy, skew, twist
 
 Array = NDArray[np.float64]
 
@@ -277,21 +277,3 @@ def _between(index: NDArray[np.int_], known: NDArray[np.int_], poses: Array) -> 
     cubic = np.asarray(CubicSpline(known, poses)(np.clip(index, known[0], known[-1])))
     trusted = np.abs(cubic - linear).max(axis=1) < CLOSE
     return np.where(trusted[:, None], cubic, linear)
-
-
-def kinematics_of_coordinates(pose: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:
-    """Kinematics from coordinates and their time derivatives, (37) and (38); shapes (n, 6)."""
-    twist_, rate = over_samples(_COORDINATES_TO_TWIST, pose, rates, accelerations)
-    return Kinematics(np.array(pose, dtype=float), twist_, rate)
-
-
-def _coordinates_to_twist() -> ca.Function:
-    pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
-    return ca.Function(
-        "coordinates_to_twist",
-        [pose, rates, accelerations],
-        [twist(pose, rates), twist_rate(pose, rates, accelerations)],
-    )
-
-
-_COORDINATES_TO_TWIST = _coordinates_to_twist()

@@ -10,10 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.disturbances import Disturbances
 from cases.schema import Case
 from cases.sensors import Simulation
-from identification.hexapod import Hexapod, Kinematics
+from identification.hexapod import Kinematics
 from identification.loaded import (
     UNDISTURBED,
     Circumstances,
@@ -71,24 +70,8 @@ class Moved(NamedTuple):
     fields: PoseFields | None
 
 
-def true_forces(case: Case, execution: Execution, t: Array, around: Circumstances = UNDISTURBED) -> Array:
-    """Sensor forces (18) of the simulated machine at times t, shape (n, 6) [N].
-
-    Args:
-        case: with a simulated machine.
-        execution: the motion that was really executed.
-        t: times, evenly spaced where a structural mode vibrates [s].
-        around: what is mounted and what disturbs.
-
-    Raises:
-        CaseError: the case describes no simulated machine.
-    """
-    step = float(t[-1] - t[0]) / max(len(t) - 1, 1)
-    return force_parts(case, execution.kinematics(np.clip(t, 0.0, execution.duration)), step, around).total
-
-
 def force_parts(
-    case: Case, motion: Kinematics, step: float, around: Circumstances, fields: PoseFields | None = None
+    case: Case, motion: Kinematics, step: float, around: Circumstances, fields: PoseFields | None
 ) -> ForceParts:
     """The true forces of a motion, taken apart.
 
@@ -97,7 +80,7 @@ def force_parts(
         motion: of the drives, at n instants.
         step: between them [s].
         around: what is mounted and what disturbs.
-        fields: force errors in these poses, where they are known already.
+        fields: force errors in these poses; None where nothing disturbs.
 
     Raises:
         CaseError: the case describes no simulated machine.
@@ -109,9 +92,11 @@ def force_parts(
     found = around.disturbances
     if found is None:
         return ForceParts(rigid, np.zeros_like(rigid), np.zeros_like(rigid))
+    assert fields is not None
     frequency = mode_frequency(simulation.parameters, around)
     shaken = Kinematics(motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, found.mode_damping))
-    return ForceParts(rigid, _forces(model, shaken, u) - rigid, _pose_error(case, motion.pose, around, fields))
+    weight = around.load * float(np.linalg.norm(case.gravity))
+    return ForceParts(rigid, _forces(model, shaken, u) - rigid, fields.of(weight))
 
 
 def _forces(model: Model, motion: Kinematics, u: Array) -> Array:
@@ -120,44 +105,6 @@ def _forces(model: Model, motion: Kinematics, u: Array) -> Array:
     return np.vstack(
         [regressors(model, Kinematics(motion.pose[b], motion.twist[b], motion.twist_rate[b])) @ u for b in blocks]
     )
-
-
-def _pose_error(case: Case, poses: Array, around: Circumstances, fields: PoseFields | None = None) -> Array:
-    assert around.disturbances is not None
-    fields = _pose_fields(case, poses, around.disturbances) if fields is None else fields
-    return fields.of(around.load * float(np.linalg.norm(case.gravity)))
-
-
-def _pose_fields(case: Case, poses: Array, disturbances: Disturbances) -> PoseFields:
-    return pose_fields(disturbances, case.need_machine("the simulation of sensor forces")[0].home.vector, poses)
-
-
-def simulate_standstills(
-    case: Case, poses: Array, samples: int, seed: int, around: Circumstances = UNDISTURBED, source: str = "simulation"
-) -> Recording:
-    """What the machine would have recorded standing still in poses, averaged in each of them.
-
-    Args:
-        case: with a simulated machine.
-        poses: shape (n, 6) [m, rad].
-        samples: of the sensors that are averaged in each pose.
-        seed: of the noise.
-        around: what is mounted and what disturbs.
-        source: name of the recording, for messages.
-
-    Raises:
-        CaseError: the case describes no simulated machine.
-    """
-    simulation = case.need_simulation("the simulation of sensor forces")
-    model = identification_model(case, TRUE_MODEL)
-    u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
-    still = np.zeros_like(poses)
-    forces = regressors(model, Kinematics(poses, still, still)) @ u
-    if around.disturbances is not None:
-        forces = forces + _pose_error(case, poses, around)
-    noise = np.random.default_rng(seed).normal(0.0, simulation.force_noise_N / np.sqrt(samples), forces.shape)
-    struts = _quantised(Hexapod.of(case).strut_lengths(poses), simulation)
-    return Recording(source, None, struts, None, forces + noise, None)
 
 
 def _quantised(struts: Array, simulation: Simulation) -> Array:
@@ -205,7 +152,10 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
     t: Array = np.arange(int(np.floor(execution.duration / step + 1e-9)) + 1) * np.float64(step)
     late = simulation.force_delay + simulation.force_sampling_offset_cycles * step
     felt = execution.kinematics(np.clip(t - late, 0.0, execution.duration))
-    fields = None if around.disturbances is None else _pose_fields(case, felt.pose, around.disturbances)
+    fields = None
+    if around.disturbances is not None:
+        home = case.need_machine("the simulation of sensor forces")[0].home.vector
+        fields = pose_fields(around.disturbances, home, felt.pose)
     return Moved(t, execution.struts(t), felt, fields)
 
 

@@ -7,13 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
-from identification.evaluate import over_samples
-from identification.hexapod import Hexapod, Kinematics, kinematics_of_coordinates
-from identification.motion import Trajectory
+from identification.hexapod import Hexapod, Kinematics
 
 Array = NDArray[np.float64]
-
-FINE = 2000.0  # [1/s]
 
 
 class Execution(Protocol):
@@ -41,41 +37,6 @@ class Execution(Protocol):
     def kinematics(self, t: ArrayLike) -> Kinematics:
         """Motion of the platform at times t, shape (n,) [s]."""
         ...
-
-
-@dataclass(frozen=True, slots=True)
-class PoseExecution:
-    """A controller that follows a trajectory of the platform exactly.
-
-    Args:
-        hexapod: kinematics.
-        trajectory: of the platform.
-    """
-
-    hexapod: Hexapod
-    trajectory: Trajectory
-
-    @property
-    def duration(self) -> float:
-        """Duration [s]."""
-        return self.trajectory.duration
-
-    @property
-    def extremes(self) -> Array:
-        """A grid of half a millisecond, shape (n,) [s]: the motion is smooth."""
-        return np.linspace(0.0, self.duration, 1 + int(np.ceil(self.duration * FINE)))
-
-    def struts(self, t: ArrayLike, order: int = 0) -> Array:
-        """Strut lengths at times t, or their first or second derivatives, shape (n, 6) [m, m/s, m/s^2]."""
-        motion = self.trajectory.at(t)
-        if order == 0:
-            return self.hexapod.strut_lengths(motion.pose)
-        return over_samples(self.hexapod.strut_motion, motion.pose, motion.rates, motion.accelerations)[order]
-
-    def kinematics(self, t: ArrayLike) -> Kinematics:
-        """Motion of the platform at times t, shape (n,) [s]."""
-        motion = self.trajectory.at(t)
-        return kinematics_of_coordinates(motion.pose, motion.rates, motion.accelerations)
 
 
 @dataclass(frozen=True, slots=True)

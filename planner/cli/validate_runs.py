@@ -15,7 +15,6 @@ from planner.interruption import Interrupted
 if TYPE_CHECKING:
     from cases.disturbances import Disturbances
     from cases.schema import Case
-    from identification.trajectories.executed import StrutExecution
     from planner.validation.experiment import Excitation
     from planner.validation.kept import Kept
     from postprocessors.execute.executed_run import ExecutedRun
@@ -208,23 +207,21 @@ def _excitation(case: "Case", method: str, settings: Settings, program: Path, ke
 
 def _executed(program: Path, case: "Case", on: str, key: str, kept: Path) -> "ExecutedRun":
     """The run of a program; it is kept, and found again."""
-    from identification.trajectories.executed import StrutExecution
     from planner.runs.running import carried_out
 
     run = _kept(key, case, on == "linuxcnc", kept)
     if run is None:
         _, _, run = carried_out(program, case, on)
-        if isinstance(run.execution, StrutExecution):
-            _keep(run, run.execution, key, kept)
+        _keep(run, key, kept)
     return run
 
 
-def _keep(run: "ExecutedRun", execution: "StrutExecution", key: str, kept: Path) -> None:
+def _keep(run: "ExecutedRun", key: str, kept: Path) -> None:
     import numpy as np
 
     from cases.files import atomic_file
 
-    spline = execution.spline
+    spline = run.execution.spline
     with atomic_file(kept) as part, part.open("wb") as file:
         np.savez(
             file, knots=spline.t, coefficients=spline.c, trigger=run.trigger, controller=run.controller,

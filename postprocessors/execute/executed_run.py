@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.trajectories.executed import Execution
+from identification.trajectories.executed import StrutExecution
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ class ExecutedRun:
     """
 
     controller: str
-    execution: Execution
+    execution: StrutExecution
     trigger: Array
     real: bool
     remark: str = ""

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from identification.hexapod import Hexapod, kinematics_of_coordinates
+from identification.hexapod import Hexapod
 from postprocessors.export.building import STRICT
 from postprocessors.export.c99 import c_sources
 from tests.helpers import Harmonic
 from tests.postprocessors.export.calibrations import calibration
+from tests.simulated_machine import kinematics_of_coordinates
 
 ROUNDS = 200
 TIMER = r"""

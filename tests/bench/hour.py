@@ -16,8 +16,8 @@ from cases.loading import load_case
 from identification.hexapod import Hexapod
 from identification.recording import Recording, write_recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
+from tests.simulated_machine import PoseExecution
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 ROWS, SHORTER, PERIOD, NOISY = 3_600_000, 1_200_000, 3000, 60_000  # both are read in blocks

@@ -16,10 +16,10 @@ from identification.identify import identify
 from identification.recording import Recording, read_recording, read_run
 from identification.saved import biases_of
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.bench.coverage import coloured_coverage
 from tests.bench.hour import hour_figures
 from tests.helpers import Harmonic
+from tests.simulated_machine import PoseExecution
 
 STATIC = Path(__file__).parents[3] / "shared/data/ft_wrist_ntnu/0-calibration_fts-accel.csv"
 Rows = list[list[str]]

@@ -8,10 +8,10 @@ from scipy import stats
 from cases.loading import load_case
 from cases.sensors import RigidBody, Truth
 from identification.estimation.estimator import Fit
-from identification.hexapod import kinematics_of_coordinates
 from identification.model import identification_model, regressors
 from identification.parameters import linear_parameters, physical_form
 from tests.helpers import Harmonic
+from tests.simulated_machine import kinematics_of_coordinates
 
 Array = np.ndarray
 

@@ -10,8 +10,8 @@ from identification.hexapod import Hexapod
 from identification.motion import Motion
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
+from tests.simulated_machine import PoseExecution
 
 LEAD = 0.4  # [s] before and after
 

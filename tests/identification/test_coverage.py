@@ -13,8 +13,8 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.runs.conditioning import Accelerated, Conditioning
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, ideal, simulated
+from tests.simulated_machine import PoseExecution
 
 # White noise, no steps of the encoder: the conditions under which (28) must hold.
 CASE = simulated(ideal(load_case("hexapod")), force_noise_N=1.0)

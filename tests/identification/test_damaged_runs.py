@@ -14,8 +14,8 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.recording import read_recording, write_recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, answer, paper_poses
+from tests.simulated_machine import PoseExecution
 
 HEXAPOD, WRIST = load_case("hexapod"), load_case("ft_wrist")
 FILES: dict[str, tuple[Case, str]] = {}

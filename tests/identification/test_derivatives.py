@@ -9,12 +9,13 @@ import pytest
 
 from cases.loading import load_case
 from identification.evaluate import over_samples
-from identification.hexapod import Hexapod, kinematics_of_coordinates
+from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import Joined, Motion, TimedPoints
 from identification.parameters import physical_form
 from identification.pose import rotation
 from tests.helpers import Harmonic, taylor_slope
+from tests.simulated_machine import kinematics_of_coordinates
 
 Array = np.ndarray
 CASE = load_case("hexapod")

@@ -19,10 +19,10 @@ from identification.identify import identify
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, one_line, simulated
 from tests.identification.leaping import moves_without_jerk_limit
 from tests.identification.moving_run import MODEL
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 TRUTH = linear_parameters(MODEL, CASE.simulation.parameters)

@@ -19,8 +19,8 @@ from identification.recording import Recording
 from identification.runs.preparation import moving_run
 from identification.saved import SavedResult, load_result, with_tare
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import HOME, Harmonic, one_line
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 HEXAPOD = Hexapod.of(CASE)

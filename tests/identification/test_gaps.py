@@ -21,8 +21,8 @@ from identification.result import Estimate
 from identification.runs.preparation import moving_run
 from identification.saved import SavedResult
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, one_line
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 MARGIN = 0.141  # [s] that the filter of this case reaches

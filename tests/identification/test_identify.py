@@ -14,8 +14,8 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import HOME, Harmonic, ideal, simulated
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 TRUTH = linear_parameters(identification_model(CASE, 9), CASE.simulation.parameters)

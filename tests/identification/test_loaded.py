@@ -22,9 +22,9 @@ from identification.loaded import (
 from identification.model import identification_model
 from identification.motion import Standstill
 from identification.parameters import body_parameters, linear_parameters
-from identification.simulate import simulate_standstills, true_forces
-from identification.trajectories.executed import PoseExecution, StrutExecution
+from identification.trajectories.executed import StrutExecution
 from tests.helpers import Harmonic, paper_poses
+from tests.simulated_machine import PoseExecution, simulate_standstills, true_forces
 
 CASE = load_case("hexapod")
 WEIGHTS = CASE.payloads.weights

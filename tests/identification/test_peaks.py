@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.hexapod import Hexapod, kinematics_of_coordinates
+from identification.hexapod import Hexapod
 from identification.limits import prove
 from identification.motion import Joined, Standstill
 from identification.peaks import coordinate_rates, executed_peaks
-from identification.trajectories.executed import PoseExecution, StrutExecution
+from identification.trajectories.executed import StrutExecution
 from identification.trajectories.profile import StraightMove
+from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
 
 
 def test_rates_and_accelerations_of_the_coordinates_are_found_back_from_twist_and_twist_rate():

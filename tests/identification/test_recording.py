@@ -11,8 +11,8 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.recording import BAR_FORCES, STRUTS, Recording, read_recording, write_recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, one_line
+from tests.simulated_machine import PoseExecution
 
 
 @pytest.fixture

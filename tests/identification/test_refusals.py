@@ -15,8 +15,8 @@ from identification.identify import identify
 from identification.motion import Standstill
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import HOME, Harmonic, one_line, paper_poses
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 WRIST = load_case("ft_wrist")

@@ -6,11 +6,11 @@ from scipy.spatial.transform import Rotation
 
 from cases.loading import load_case
 from identification.evaluate import over_samples
-from identification.hexapod import kinematics_of_coordinates
 from identification.model import identification_model, regressors
 from identification.motion import Standstill, Trajectory
 from tests.helpers import HOME, Harmonic
 from tests.identification.point_masses import PointMasses, wrench_of_bars
+from tests.simulated_machine import kinematics_of_coordinates
 
 CASE = load_case("hexapod")
 BARS = CASE.sensor_frame.bars

@@ -12,8 +12,8 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.result import Estimate, Value
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 

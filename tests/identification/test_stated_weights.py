@@ -15,9 +15,9 @@ from identification.noise.stated import StatedNoise, acceleration_to_force
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, ideal, simulated
 from tests.identification.point_masses import PointMasses, wrench_of_bars
+from tests.simulated_machine import PoseExecution
 
 BARE = ideal(load_case("hexapod"))
 MODEL = identification_model(BARE, 9)

@@ -5,8 +5,9 @@ import pytest
 
 from cases.loading import load_case
 from identification.evaluate import over_samples
-from identification.hexapod import Hexapod, kinematics_of_coordinates
+from identification.hexapod import Hexapod
 from tests.helpers import HOME, Harmonic
+from tests.simulated_machine import kinematics_of_coordinates
 
 CASE = load_case("hexapod")
 HEXAPOD = Hexapod.of(CASE)

@@ -9,11 +9,10 @@ import pytest
 from cases.loading import load_case
 from identification.hexapod import Hexapod
 from identification.recording import BAR_FORCES, STRUTS, write_recording
-from identification.simulate import true_forces
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
 from tests.identification.repeating import Repeating, recorded
 from tests.planner.command_line import call, refused
+from tests.simulated_machine import PoseExecution, true_forces
 
 CASE = load_case("hexapod")
 TRUTH = {"m": 31.83, "zC": 0.10505, "IC33": 0.91, "k3": 28.27}

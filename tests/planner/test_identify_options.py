@@ -11,9 +11,9 @@ from cases.loading import built_in_cases, load_case
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
 from tests.planner.command_line import call, refused
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 TRUTH = {"m": 31.83, "zC": 0.10505, "IC33": 0.91, "k3": 28.27}

@@ -14,7 +14,6 @@ from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from planner.reports.figures import motion_plots
 from planner.reports.machine import moving_machine, posing_machine
 from planner.reports.page import Note, Page, Section, Table, plain, render, thinned
@@ -22,6 +21,7 @@ from tests.helpers import Harmonic
 from tests.planner.browser import Opened, opened
 from tests.planner.command_line import call
 from tests.postprocessors.changed_case import changed
+from tests.simulated_machine import PoseExecution
 
 HOSTILE = "<img src=x onerror=\"document.title='taken over'\"><b>column</b></script>"
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"

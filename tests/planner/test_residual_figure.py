@@ -10,9 +10,9 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.runs.residuals import residuals_of
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from planner.reports.plots import residual_figure
 from tests.helpers import Harmonic
+from tests.simulated_machine import PoseExecution
 
 
 def test_gaussian_residuals_lie_on_the_density_whatever_the_recorded_forces_are(hexapod_case: Case) -> None:

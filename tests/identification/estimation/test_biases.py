@@ -14,9 +14,9 @@ from identification.estimation.estimators import method
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, one_line
 from tests.identification.moving_run import CASE, NAMES, U
+from tests.simulated_machine import PoseExecution
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 OFFSETS = [NAMES.index(n) for n in OFFSET_NAMES]

@@ -14,8 +14,8 @@ from identification.identify import identify
 from identification.motion import Joined, Motion, Standstill, TimedPoints, Trajectory
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import HOME, Harmonic, one_line
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 RAMP = 0.05  # [s] in which a feed changes

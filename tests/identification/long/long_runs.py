@@ -12,8 +12,8 @@ from identification.model import identification_model
 from identification.recording import Recording, write_recording
 from identification.result import Estimate
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)

@@ -11,9 +11,9 @@ from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Fit
 from identification.hexapod import Hexapod
 from identification.noise.coloured import coloured_covariance
-from identification.trajectories.executed import PoseExecution
 from tests.bench.coverage import coloured_coverage
 from tests.helpers import Harmonic
+from tests.simulated_machine import PoseExecution
 
 SAMPLES, UNKNOWNS = 300, 6
 T = np.arange(SAMPLES) / SAMPLES

@@ -17,8 +17,8 @@ from identification.recording import Recording
 from identification.runs.preparation import moving_run
 from identification.signals import Filter
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, ideal, simulated
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 Array = np.ndarray

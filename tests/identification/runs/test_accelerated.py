@@ -17,8 +17,8 @@ from identification.runs.accelerated import accelerated
 from identification.runs.conditioning import Accelerated, Conditioning
 from identification.runs.preparation import moving_run
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, ideal, one_line
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)

@@ -15,9 +15,9 @@ from identification.motion import Motion
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.conditioning import Conditioning
-from identification.simulate import simulate_recording, simulate_standstills
-from identification.trajectories.executed import PoseExecution
+from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, simulated
+from tests.simulated_machine import PoseExecution, simulate_standstills
 
 CASE = load_case("hexapod")
 

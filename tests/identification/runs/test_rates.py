@@ -15,9 +15,9 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.runs.rates import interval_means, on_one_clock
-from identification.simulate import simulate_recording, true_forces
-from identification.trajectories.executed import PoseExecution
+from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, ideal, one_line
+from tests.simulated_machine import PoseExecution, true_forces
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)

@@ -13,9 +13,9 @@ from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from tests.helpers import Harmonic, ideal, simulated
 from tests.identification.leaping import CASE, moves_without_jerk_limit
+from tests.simulated_machine import PoseExecution
 
 MODEL = identification_model(CASE, 9)
 TRUTH = physical_form(MODEL).of(linear_parameters(MODEL, CASE.simulation.parameters), np.eye(20))[0]

@@ -13,9 +13,9 @@ from identification.motion import Joined, Standstill, Trajectory
 from identification.recording import Recording
 from identification.runs.standing import average, find_standstills, match, stands_only
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from identification.trajectories.profile import StraightMove
 from tests.helpers import one_line
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])

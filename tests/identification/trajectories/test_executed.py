@@ -7,9 +7,10 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
-from identification.simulate import simulate_recording, true_forces
-from identification.trajectories.executed import PoseExecution, StrutExecution
+from identification.simulate import simulate_recording
+from identification.trajectories.executed import StrutExecution
 from tests.helpers import HOME, Harmonic, ideal, simulated
+from tests.simulated_machine import PoseExecution, true_forces
 
 CASE = load_case("hexapod")
 HEXAPOD = Hexapod.of(CASE)

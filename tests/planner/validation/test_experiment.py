@@ -23,8 +23,7 @@ from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import physical_form
 from identification.recording import STRUTS
 from identification.runs.conditioning import Conditioning
-from identification.simulate import simulate_standstills
-from identification.trajectories.executed import PoseExecution, StrutExecution
+from identification.trajectories.executed import StrutExecution
 from identification.trajectories.profile import StraightMove
 from planner.cli.validate import run_validation
 from planner.cli.validate_runs import Settings, _keep, _kept, _key, unfinished
@@ -44,6 +43,7 @@ from tests.helpers import Harmonic, ideal, paper_poses
 from tests.planner.browser import opened
 from tests.planner.command_line import call, hexcite, refused
 from tests.postprocessors.changed_case import changed
+from tests.simulated_machine import PoseExecution, simulate_standstills
 
 CASE = load_case("hexapod")
 FOUND = CASE.simulation.disturbances.model_copy(update={"strut_velocity_noise_percent": 0.8})  # slow motions
@@ -419,7 +419,7 @@ def test_a_run_is_kept_for_exactly_its_program(tmp_path: Path):
     lengths = Hexapod.of(CASE).strut_lengths(Harmonic(seed=1, duration=0.5).at(t).pose)
     execution = StrutExecution.of_log(Hexapod.of(CASE), 1e-3, lengths)
     run = ExecutedRun("LinuxCNC 2.9", execution, np.array([[0.1, 0.4]]), real=True, remark="late")
-    _keep(run, execution, "key", kept)
+    _keep(run, "key", kept)
     again = _kept("key", CASE, True, kept)
     assert again is not None
     assert (again.controller, again.remark, again.real) == ("LinuxCNC 2.9", "late", True)

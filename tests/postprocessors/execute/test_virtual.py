@@ -10,7 +10,6 @@ from identification.identify import identify
 from identification.limits import prove
 from identification.motion import Trajectory, sample
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from identification.trajectories.path import path_error
 from postprocessors.execute.block_limited import rounded
 from postprocessors.execute.executed_run import ExecutedRun, windows
@@ -22,6 +21,7 @@ from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
 from tests.postprocessors.programs import parts, small_excitation, there_and_back, timed, typed
+from tests.simulated_machine import PoseExecution
 
 
 def run(text: str, case: Case) -> ExecutedRun:

@@ -11,12 +11,12 @@ from identification.force import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from postprocessors.export.c99 import MOST_STEPS, RING, c_sources, window_of
 from tests.helpers import HOME, Harmonic, simulated
 from tests.postprocessors.export.calibrations import calibration, with_drives
 from tests.postprocessors.export.compiled import BAD_INPUT, FILLING, NOT_CLOSED, OK, Chain, Compiled
 from tests.postprocessors.export.physics import external, states
+from tests.simulated_machine import PoseExecution
 
 pytestmark = pytest.mark.usefixtures("gcc")
 CASE = load_case("hexapod")

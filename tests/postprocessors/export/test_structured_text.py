@@ -12,7 +12,6 @@ from identification.force import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import PoseExecution
 from postprocessors.export.c99 import MOST_STEPS
 from postprocessors.export.calibration import Calibration
 from postprocessors.export.structured_text import structured_text
@@ -20,6 +19,7 @@ from tests.helpers import HOME
 from tests.postprocessors.export.calibrations import calibration, with_drives
 from tests.postprocessors.export.physics import external, states
 from tests.postprocessors.export.plc import Cell, Plc, Scope
+from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
 ROUNDING = 1e-12
