@@ -1,18 +1,21 @@
 """What controllers with groups of modal words keep from block to block, whatever their language."""
 
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
 from typing import NamedTuple, NoReturn
 
 import numpy as np
 
 from cases.errors import ProgramError
-from cases.units import MINUTE, MM
+from cases.units import DEG, MINUTE, MM
 from identification.trajectories.circle import Plane
 from postprocessors.reading.arcs import Arc, PlaneProblem, arc_through
-from postprocessors.reading.words import Array, Event, Turn
+from postprocessors.reading.words import Array, Event, Move, Reading, Timing, Turn
 
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
-LARGEST_FEED = 1e9  # per minute
-STILL = 1e-7  # [mm, deg] a coordinate moves if it changes by more
+LARGEST_FEED = 1e9  # per minute; 60 over a microsecond is 6e7
+STILL = 1e-7  # [mm, deg] a coordinate moves if it changes by more (LinuxCNC's own threshold)
 PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 
 
@@ -35,28 +38,83 @@ class Word(NamedTuple):
     selector: str | None = None
 
 
-class ModalState:
+class Language(NamedTuple):
+    """How a controller writes what all of them have.
+
+    Args:
+        name: of the language, for messages.
+        groups: words of which one is active at a time, and one may stand in a block.
+        last: the word that ends a program.
+        rapid: the word of the fastest move.
+        straight: the word of a straight move at a feed.
+        block_time: F under G93, for messages.
+        inverse_time: whether that F is one over minutes; else seconds.
+        feed_group: command that names the axes whose path F counts, with {} for them; empty: X, Y, Z where they move.
+    """
+
+    name: str
+    groups: tuple[tuple[str, ...], ...]
+    last: str
+    rapid: str
+    straight: str
+    block_time: str
+    inverse_time: bool
+    feed_group: str = ""
+
+
+class ModalState(ABC):
     """State of a controller while a program is read.
 
     Args:
         file: name of the program, for messages.
-        groups: words of which one is active at a time, and one may stand in a block.
+        language: of the controller.
         axes: words of the six coordinates, in the order of a pose.
-        scale: what they count, shape (6,) [m, rad].
+        angles: names of the last three where F counts them.
+        scale: what the coordinates count, shape (6,) [m, rad].
     """
 
-    def __init__(self, file: str, groups: tuple[tuple[str, ...], ...], axes: list[str], scale: Array) -> None:
+    def __init__(self, file: str, language: Language, axes: list[str], angles: tuple[str, ...], scale: Array) -> None:
         self.file = file
-        self.groups = groups
+        self.language = language
+        self.group_of = {name: k for k, group in enumerate(language.groups) for name in group}
         self.axes = axes
+        self.angles = angles
         self.scale = scale
         self.line = 0
         self.events: list[Event] = []
         self.pose = np.full(6, np.nan)  # as written; unknown until the first move has named all six
         self.modal: dict[int, str] = {}  # the active word of each group
         self.feed: float | None = None
+        self.feed_axes: tuple[str, ...] | None = None
         self.transformed = self.ended = False
         self.flowing = False  # whether the machine need not stand at the end of the last block
+
+    @abstractmethod
+    def read(self, words: list[Word]) -> None:
+        """Takes the words of one block.
+
+        Raises:
+            ProgramError: one is not understood.
+        """
+
+    def read_program(self, lines: Iterable[str], words_of: Callable[[str, int, str], list[Word]]) -> Reading:
+        """Takes all lines, whose words are found by `words_of(text, line, file)`.
+
+        Raises:
+            ProgramError: anything that is not understood, with line and column; no end of program.
+        """
+        blocks, last = 0, self.language.last
+        for number, text in enumerate(lines, start=1):
+            if words := words_of(text, number, self.file):
+                self.line = number
+                if self.ended:
+                    self.fail(words[0], f"a word after the end of the program; {last} must be last")
+                self.read(words)
+                blocks += 1
+        if not self.ended:
+            problem = f"no {last} at the end; the file is truncated or not a {self.language.name} program"
+            raise ProgramError(self.file, 0, 0, problem)
+        return Reading(self.file, tuple(self.events), blocks)
 
     def fail(self, word: Word | None, problem: str) -> NoReturn:
         """Refuses the program, at a word or the line as a whole.
@@ -68,19 +126,29 @@ class ModalState:
 
     def activate(self, name: str) -> None:
         """Makes a word the active one of its group."""
-        self.modal[next(k for k, group in enumerate(self.groups) if name in group)] = name
+        self.modal[self.group_of[name]] = name
+        if name in ("G93", "G94"):
+            self.feed = None  # a feed of the other kind has no meaning any more
 
     def active(self, *names: str) -> bool:
         """Whether one of these words is active."""
-        return not set(names).isdisjoint(self.modal.values())
+        return any(name in self.modal.values() for name in names)
+
+    def once_each(self, words: Iterable[Word]) -> dict[str, Word]:
+        """The words of a block by their names, each of which may stand in it once."""
+        seen: dict[str, Word] = {}
+        for word in words:
+            if word.name in seen:
+                self.fail(word, f"a second {word.name.rstrip('=') or 'bare number'} word in one block; remove one")
+            seen[word.name] = word
+        return seen
 
     def require_one_of_each_group(self, seen: dict[str, Word]) -> None:
         """Two words of one group in a block are an error to the controller."""
-        for group in self.groups:
-            members = [seen[name] for name in group if name in seen]
-            if len(members) > 1:
-                names = " and ".join(w.name for w in members)
-                self.fail(max(members, key=lambda w: w.column), f"{names} in one block exclude each other; remove one")
+        first: dict[int, Word] = {}
+        for word in seen.values():
+            if word.name in self.group_of and (before := first.setdefault(self.group_of[word.name], word)) is not word:
+                self.fail(word, f"{before.name} and {word.name} in one block exclude each other; remove one")
 
     def take_feed(self, seen: dict[str, Word]) -> None:
         """Keeps the block's feed, if it has one."""
@@ -89,6 +157,12 @@ class ModalState:
             if value is None or not value > 0.0:
                 self.fail(seen["F"], f"feed F{value:g} is not positive; correct it")
             self.feed = value
+
+    def refuse_centres(self, seen: dict[str, Word], arcs: str) -> None:
+        """I, J and K belong to arcs."""
+        for name in ("I", "J", "K"):
+            if name in seen:
+                self.fail(seen[name], f"{name} without {arcs}; remove it")
 
     def end_of(self, seen: dict[str, Word], first: Word) -> Array:
         """The pose in which a block ends, as written, shape (6,)."""
@@ -105,12 +179,46 @@ class ModalState:
         """Whether X, Y or Z moves; from an unknown pose they are taken to."""
         return bool(np.isnan(self.pose).any() or np.any(np.abs(end - self.pose)[:3] > STILL))
 
-    def plane(self) -> Plane | None:
-        """The plane of arcs, if one was chosen."""
-        return next((plane for name, plane in PLANES.items() if self.active(name)), None)
+    def timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[Timing, float]:
+        """What determines how fast a straight move runs, and its value."""
+        language = self.language
+        if self.active("G0"):
+            return Timing.RAPID, math.nan
+        if self.active("G93"):
+            if "F" not in seen:
+                self.fail(first, f"{language.straight} without F under G93; add {language.block_time}")
+            value = float(seen["F"].value or math.nan)
+            return Timing.DURATION, MINUTE / value if language.inverse_time else value
+        if not self.active("G94"):
+            self.fail(first, "a feed before G93 or G94; what it means is not known, add G94")
+        if self.feed is None:
+            self.fail(first, f"{language.straight} without a feed; add F")
+        linear = self.moves_origin(end)
+        self._require_counted(first, linear)
+        return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
 
-    def turn(self, seen: dict[str, Word], first: Word, plane: Plane, feed: float) -> Turn:
-        """An arc at a feed [mm/min] that stops exactly; centre words are relative to its start."""
+    def _require_counted(self, first: Word, linear: bool) -> None:
+        counted = ("X", "Y", "Z") if linear else self.angles
+        if self.language.feed_group and self.feed_axes != counted:
+            command = self.language.feed_group.format(",".join(counted))
+            self.fail(first, f"F counts {', '.join(counted)} in this move only after {command}; add it before")
+
+    def straight(self, end: Array, timing: Timing, value: float, exact: bool, in_struts: bool = False) -> Move:
+        """A straight move to a pose, in which the machine stands then."""
+        move = Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end), in_struts)
+        self.pose = end
+        return move
+
+    def turn(self, seen: dict[str, Word], first: Word, exact: bool) -> Turn:
+        """An arc at a feed; centre words are relative to its start. Without end words it is a full circle."""
+        if np.isnan(self.pose).any():
+            self.fail(first, "an arc starts from an unknown pose; first move home at a feed (G94)")
+        plane = next((plane for name, plane in PLANES.items() if self.active(name)), None)
+        if plane is None:
+            self.fail(first, "an arc before a plane was chosen; write G17, G18 or G19")
+        if self.feed is None or not self.active("G94"):
+            self.fail(first, "an arc needs a feed per minute; write G94 and F")
+        self._require_counted(first, linear=True)
         end = self.end_of(seen, first)
         centres = {name: float(seen[name].value or 0.0) for name in "IJK" if name in seen}
         try:
@@ -118,4 +226,4 @@ class ModalState:
         except PlaneProblem as problem:
             self.fail(seen.get(problem.word, first), str(problem))
         self.pose = end
-        return Turn(self.line, end * self.scale, plane, centre * MM, angle, feed * MM / MINUTE, True)
+        return Turn(self.line, end * self.scale, plane, centre * MM, angle, self.feed * MM / MINUTE, exact)

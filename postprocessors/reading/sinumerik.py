@@ -4,31 +4,25 @@ Everything else is refused with line and column. Words: 840D sl / ONE programmin
 transformation and the trigger's output are those of the case.
 """
 
-import math
 import re
 from typing import NoReturn
 
 import numpy as np
 
 from cases.controller_sinumerik import PROGRAM_NAME, Sinumerik
-from cases.errors import ProgramError
 from cases.schema import Case
-from cases.units import DEG, MINUTE, MM
+from cases.units import DEG, MM
 from postprocessors.reading.lines import program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
-from postprocessors.reading.sinumerik_groups import (
-    COEFFICIENTS,
-    GROUPS,
-    LONGEST_LINE,
-    MODAL,
-    NEUTRAL,
-    REMEDY,
-)
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, Language, ModalState, Word
+from postprocessors.reading.sinumerik_groups import GROUPS, LONGEST_LINE, MODAL, NEUTRAL, REMEDY
+from postprocessors.reading.sinumerik_polynomials import polynomial
 from postprocessors.reading.sinumerik_words import sinumerik_words
-from postprocessors.reading.words import Array, Move, Pause, Polynomial, Reading, Switch, Timing
+from postprocessors.reading.strut_moves import strut_move
+from postprocessors.reading.words import Event, Pause, Reading, Switch, Timing
+
+LANGUAGE = Language("SINUMERIK", GROUPS, "M30", "G0", "G1", "F = 60 / seconds", True, "FGROUP({})")
 
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)$")
 
 
 class _Interpreter(ModalState):
@@ -37,25 +31,15 @@ class _Interpreter(ModalState):
     def __init__(self, file: str, settings: Sinumerik) -> None:
         numbered = any(w[-1].isdigit() for w in settings.orientation_words)
         axes = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in settings.orientation_words)]
-        super().__init__(file, GROUPS, axes, np.r_[np.full(3, MM), np.full(3, DEG)])
+        scale = np.r_[np.full(3, MM), np.full(3, DEG)]
+        super().__init__(file, LANGUAGE, axes, settings.orientation_axes, scale)
         self.settings = settings
-        self.path_axes: tuple[str, ...] | None = None
         self.trigger: Switch | None = None
         self.rpy_needed = numbered
 
-    def read(self, line: int, words: list[Word]) -> None:
-        self.line = line
-        if self.ended:
-            self.fail(words[0], "a word after the end of the program; M30 must be last")
-        seen: dict[str, Word] = {}
-        polynomials: list[Word] = []
-        for word in words:
-            if word.name == "PO":
-                polynomials.append(word)
-                continue
-            if word.name in seen:
-                self.fail(word, f"a second {word.name.rstrip('=')} word in one block; remove one")
-            seen[word.name] = word
+    def read(self, words: list[Word]) -> None:
+        polynomials = [word for word in words if word.name == "PO"]
+        seen = self.once_each(word for word in words if word.name != "PO")
         self.require_one_of_each_group(seen)
         for name, word in seen.items():
             self._modal(name, word, seen)
@@ -70,8 +54,6 @@ class _Interpreter(ModalState):
         if name in NEUTRAL or name in ("G4", "M2", "M30"):
             return
         if name in MODAL:
-            if name in ("G93", "G94"):
-                self.feed = None  # changing the kind of feed deletes it
             if name == "PTP":
                 self._into_struts(word)
             self.activate(name)
@@ -82,7 +64,7 @@ class _Interpreter(ModalState):
         elif name == "%":
             self._program_name(word)
         elif name == "FGROUP":
-            self.path_axes = word.arguments or ()
+            self.feed_axes = word.arguments or ()
         elif name in ("CTOL=", "OTOL="):
             self._tolerance(name[:-1], word)
         elif name == "DO":
@@ -175,7 +157,7 @@ class _Interpreter(ModalState):
         if self.active("PTP") and (polynomials or self.active("POLY", "G2", "G3", "COMPCAD")):
             self.fail(first, "PTP makes straight moves alone; write CP before")
         if polynomials or self.active("POLY"):
-            self._polynomial(seen, polynomials, named, first)
+            self._move(polynomial(self, self.settings, seen, polynomials, first))
         elif self.active("G2", "G3"):
             self._arc(seen, first)
         elif "PL=" in seen:
@@ -198,9 +180,7 @@ class _Interpreter(ModalState):
     def _line(self, seen: dict[str, Word], first: Word) -> None:
         if not self.active("G0", "G1"):
             self.fail(first, "coordinates without G0 or G1; add G1")
-        for name in ("I", "J", "K"):
-            if name in seen:
-                self.fail(seen[name], f"{name} without G2 or G3; remove it")
+        self.refuse_centres(seen, "G2 or G3")
         if self.active("COMPCAD"):
             allowed = _COMPRESSED | set(self.axes)
             other = next((w for name, w in seen.items() if name not in allowed), None)
@@ -208,9 +188,12 @@ class _Interpreter(ModalState):
                 self.fail(other or first, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
         end = self.end_of(seen, first)
         if self.active("PTP"):
-            self._strut_line(seen, first, end)
+            if not self.active("G60"):
+                self.fail(first, "a move under PTP is blended into the next (G64), its path is not known; write G60")
+            self._require_standing(first)
+            self._move(strut_move(self, self.settings.ptp, "PTP", seen, first, end))
             return
-        timing, value = self._timing(seen, end, first)
+        timing, value = self.timing(seen, end, first)
         exact = self.active("G60")
         if timing is Timing.DURATION and exact and not np.isnan(self.pose).any():
             self.fail(first, "a timed block under G60 stops at its end and does not keep the time; write G64")
@@ -220,114 +203,22 @@ class _Interpreter(ModalState):
             )
         if timing is not Timing.DURATION:
             self._require_standing(first)
-        self._flush_trigger(before_motion=True)
-        self.events.append(Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end)))
-        self.pose = end
+        self._move(self.straight(end, timing, value, exact))
 
-    def _strut_line(self, seen: dict[str, Word], first: Word, end: Array) -> None:
-        """F under G94 would count axes that differ from machine to machine; a time does not."""
-        if not self.active("G60"):
-            self.fail(first, "a move under PTP is blended into the next (G64), its path is not known; write G60")
-        rapid = self.active("G0")
-        if not rapid and self.settings.ptp is not None and self.settings.ptp.feed == "rapid":
-            self.fail(first, "controller.sinumerik.ptp.feed says that moves under PTP are rapids; write G0")
-        if not rapid and not (self.active("G93") and "F" in seen):
-            self.fail(first, "what F counts under PTP differs from machine to machine; write G93 and F = 60 / seconds")
-        timing, value = self._timing(seen, end, first)
-        self._require_standing(first)
+    def _move(self, event: Event) -> None:
+        """Motion takes the trigger along."""
         self._flush_trigger(before_motion=True)
-        share = math.nan if rapid else 1.0 / value
-        kind = timing if rapid else Timing.FEED
-        self.events.append(Move(self.line, end * self.scale, kind, share, True, self.moves_origin(end), in_struts=True))
-        self.pose = end
+        self.events.append(event)
 
     def _require_standing(self, first: Word) -> None:
         if self.flowing:
             self.fail(first, "the path before runs into this move (G64); let the machine stop first, write G4 F0.1")
 
-    def _timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[Timing, float]:
-        if self.active("G0"):
-            return Timing.RAPID, math.nan
-        if self.active("G93"):
-            if "F" not in seen:
-                self.fail(first, "G1 without F in inverse time (G93); add F = 60 / seconds")
-            return Timing.DURATION, MINUTE / float(seen["F"].value or math.nan)
-        if not self.active("G94"):
-            self.fail(first, "a feed before G93 or G94; what it means is not known, add G94")
-        if self.feed is None:
-            self.fail(first, "G1 without a feed; add F")
-        linear = self.moves_origin(end)
-        counted = ("X", "Y", "Z") if linear else self.settings.orientation_axes
-        if self.path_axes != counted:
-            named = ",".join(counted)
-            self.fail(first, f"F counts {', '.join(counted)} in this move only after FGROUP({named}); add it before")
-        return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
-
     def _arc(self, seen: dict[str, Word], first: Word) -> None:
-        if np.isnan(self.pose).any():
-            self.fail(first, "an arc starts from an unknown pose; first move home at a feed (G94)")
-        plane = self.plane()
-        if plane is None or self.feed is None or not self.active("G94"):
-            self.fail(first, "an arc needs a plane and a feed per minute; write G17 and G94 and F")
-        if self.path_axes != ("X", "Y", "Z"):
-            self.fail(first, "F counts X, Y, Z in this move only after FGROUP(X,Y,Z); add it before")
         if not self.active("G60"):
             self.fail(first, "a move at a feed is blended into the next (G64), its path is not known; write G60")
         self._require_standing(first)
-        turn = self.turn(seen, first, plane, self.feed)
-        self._flush_trigger(before_motion=True)
-        self.events.append(turn)
-
-    def _polynomial(self, seen: dict[str, Word], pieces: list[Word], named: list[str], first: Word) -> None:
-        """X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to pass evenly in time."""
-        if not self.active("POLY"):
-            self.fail(first, "PO without POLY; add POLY")
-        other = next((seen[name] for name in named if name != "PL="), None)
-        if other is not None:
-            self.fail(other, f"{other.name.rstrip('=')} under POLY is a straight line among polynomials; write PO[ ]")
-        if self.active("COMPCAD"):
-            self.fail(first, "POLY under the compressor; write COMPOF before")
-        if not self.active("G64"):
-            self.fail(first, "POLY under exact stop or rounding does not keep its time; write G64")
-        if not self.active("G93") or "F" not in seen:
-            self.fail(first, "POLY without a time of its own; write G93 and F = 60 / seconds in the block")
-        if np.isnan(self.pose).any():
-            self.fail(first, "a polynomial starts from an unknown pose; first move home at a feed (G94)")
-        if len(pieces) > self.settings.poly_axes:
-            self.fail(pieces[-1], f"{len(pieces)} axes in a POLY block, the controller takes {self.settings.poly_axes}")
-        length = float(seen["PL="].value or 0.0) if "PL=" in seen else 1.0
-        if not length > 0.0:
-            self.fail(seen["PL="], "PL is not positive; correct it")
-        coefficients = np.zeros((COEFFICIENTS + 2, 6))
-        coefficients[0] = self.pose
-        end = self.pose.copy()
-        axes = ("X", "Y", "Z", *self.settings.orientation_axes)
-        moved: set[str] = set()
-        for word in pieces:
-            if word.selector not in axes or word.selector in moved:
-                self.fail(
-                    word, f"PO[{word.selector}] is not one of the six axes {', '.join(axes)}, each once; correct it"
-                )
-            moved.add(word.selector)
-            k = axes.index(word.selector)
-            end[k], higher = self._piece(word)
-            coefficients[2 : 2 + len(higher), k] = [a * length**i for i, a in enumerate(higher, start=2)]
-        coefficients[1] = end - coefficients[0] - coefficients[2:].sum(axis=0)
-        self._flush_trigger(before_motion=True)
-        duration = MINUTE / float(seen["F"].value or math.nan)
-        self.events.append(Polynomial(self.line, coefficients * self.scale, duration))
-        self.pose = end
-
-    def _piece(self, word: Word) -> tuple[float, list[float]]:
-        items = word.arguments or ()
-        bad = next((item for item in items if _NUMBER.match(item) is None or abs(float(item)) > LARGEST), None)
-        if bad is not None:
-            self.fail(word, f"{bad!r} in PO[{word.selector}] is no plain number of a machine's size; correct it")
-        end, *higher = (float(item) for item in items)
-        if len(higher) > self.settings.poly_degree - 1:
-            degree = self.settings.poly_degree
-            self.fail(word, f"PO[{word.selector}] has degree {len(higher) + 1}, the controller takes {degree}")
-        return end, higher
+        self._move(self.turn(seen, first, True))
 
     def _end(self, word: Word | None) -> None:
         if self.trigger is not None:
@@ -351,12 +242,5 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
         CaseError: the case has no settings of this dialect.
     """
     settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
-    interpreter = _Interpreter(file, settings)
-    blocks = 0
-    for number, text in enumerate(program_lines(content, file, LONGEST_LINE, settings.most_blocks), start=1):
-        if words := sinumerik_words(text, number, file):
-            interpreter.read(number, words)
-            blocks += 1
-    if not interpreter.ended:
-        raise ProgramError(file, 0, 0, "no M30 at the end; the file is truncated or not a SINUMERIK program")
-    return Reading(file, tuple(interpreter.events), blocks)
+    lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
+    return _Interpreter(file, settings).read_program(lines, sinumerik_words)

@@ -1,7 +1,6 @@
 """Which words of SINUMERIK an excitation may use, what excludes what, and what to write instead of the others."""
 
 LONGEST_LINE = 512
-COEFFICIENTS = 4  # of a POLY piece beside its end: a2 to a5
 
 # Two words of one modal group in a block are an error to the controller.
 GROUPS: tuple[tuple[str, ...], ...] = (

@@ -3,6 +3,7 @@
 import re
 
 from cases.errors import ProgramError
+from postprocessors.reading.lines import each_word
 from postprocessors.reading.modal import Word
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
@@ -47,13 +48,14 @@ def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
     if action := _ACTION.match(text, position):
         column = action.start("action") + 1
         return [*words, _action(action["action"].upper(), action["condition"], line, column, file)]
-    while text[position:].strip():
-        found = _WORD.match(text, position)
-        if found is None:
-            raise _unreadable(text, position, line, file)
-        words.append(_word(found, line, file))
-        position = found.end()
-    return words
+
+    def word(match: re.Match[str], column: int) -> Word:
+        return _word(match, column, line, file)
+
+    def unreadable(column: int, bad: str) -> ProgramError:
+        return ProgramError(file, line, column, f"cannot read {bad!r}; {_remedy(bad)}")
+
+    return [*words, *each_word(text, position, _WORD, word, unreadable)]
 
 
 def _without_comment(text: str) -> str:
@@ -66,8 +68,7 @@ def _without_comment(text: str) -> str:
     return text
 
 
-def _word(match: re.Match[str], line: int, file: str) -> Word:
-    column = match.start() + len(match[0]) - len(match[0].lstrip()) + 1
+def _word(match: re.Match[str], column: int, line: int, file: str) -> Word:
     if match["list"]:
         items = match["items"] if match["items"] is not None else match["item"]
         return Word(match["list"].upper(), column, None, _items(items), match["index"].upper())
@@ -99,13 +100,9 @@ def _action(text: str, condition: str | None, line: int, column: int, file: str)
     return Word("DO", column, None, (match["name"], match["index"] or "", match["value"]), condition)
 
 
-def _unreadable(text: str, position: int, line: int, file: str) -> ProgramError:
-    rest = text[position:]
-    column = position + len(rest) - len(rest.lstrip()) + 1
-    bad = text[column - 1 : column + 11]
-    remedy = "words are a letter and a number, NAME=number, or a keyword"
+def _remedy(bad: str) -> str:
     if bad.startswith("("):
-        remedy = "parentheses are no comment here; write ; before a comment"
-    elif bad.startswith("/"):
-        remedy = "skipped blocks are not proven; remove the block or its slash"
-    return ProgramError(file, line, column, f"cannot read {bad!r}; {remedy}")
+        return "parentheses are no comment here; write ; before a comment"
+    if bad.startswith("/"):
+        return "skipped blocks are not proven; remove the block or its slash"
+    return "words are a letter and a number, NAME=number, or a keyword"

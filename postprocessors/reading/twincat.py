@@ -4,29 +4,28 @@ Everything else is refused with line and column. Words: the TF5200 programming m
 functions are those of the case.
 """
 
-import math
 import re
 
 import numpy as np
 
 from cases.controller_twincat import PROGRAM_NAME, TwinCat
-from cases.errors import ProgramError
 from cases.schema import Case
-from cases.units import DEG, MINUTE, MM
+from cases.units import DEG, MM
 from postprocessors.reading.lines import program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Word
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, Language, ModalState, Word
+from postprocessors.reading.strut_moves import strut_move
 from postprocessors.reading.twincat_groups import (
-    FEWEST_SPLINE_POINTS,
     GROUPS,
     LONGEST_LINE,
     MODAL,
     MOST_MESSAGES,
     REMEDY,
 )
+from postprocessors.reading.twincat_paths import PointPath
 from postprocessors.reading.twincat_words import twincat_words
-from postprocessors.reading.words import Array, Move, Pause, Reading, Switch, Timing
+from postprocessors.reading.words import Pause, Reading, Switch, Timing
 
-_DEVIATION = re.compile(r"(?P<name>PATH_DEV|TRACK_DEV)=(?P<value>\d+\.?\d*|\.\d+)$")
+LANGUAGE = Language("TwinCAT", GROUPS, "M30", "G00", "G01", "F, the block's time in seconds", False, "#FGROUP [{}]")
 
 
 class _Interpreter(ModalState):
@@ -34,25 +33,15 @@ class _Interpreter(ModalState):
 
     def __init__(self, file: str, settings: TwinCat) -> None:
         scale = np.r_[np.full(3, MM), np.full(3, DEG)] * [1, 1, 1, 1, settings.angle_sign_b, 1]
-        super().__init__(file, GROUPS, list("XYZABC"), scale)
+        super().__init__(file, LANGUAGE, list("XYZABC"), ("A", "B", "C"), scale)
         self.settings = settings
         self.slope = self.kinematics = False
-        self.feed_axes: tuple[str, ...] | None = None
-        self.curve = ""  # what makes a path of points: SPLINE, HSC, CONTOUR
-        self.akima = self.contour = False
-        self.points = self.messages = 0
+        self.path = PointPath(self, settings)
+        self.messages = 0
         self.in_struts = False  # #PTP ON
-        self.stopped = False  # whether an exact stop has ended the points of a curve
 
-    def read(self, line: int, words: list[Word]) -> None:
-        self.line = line
-        if self.ended:
-            self.fail(words[0], "a word after the end of the program; M30 must be last")
-        seen: dict[str, Word] = {}
-        for word in words:
-            if word.name in seen:
-                self.fail(word, f"a second {word.name or 'bare number'} word in one block; remove one")
-            seen[word.name] = word
+    def read(self, words: list[Word]) -> None:
+        seen = self.once_each(words)
         self.require_one_of_each_group(seen)
         command = next((w for name, w in seen.items() if name.startswith("#")), None)
         if command is not None:
@@ -89,27 +78,24 @@ class _Interpreter(ModalState):
             self.fail(word, f"{name} is {REMEDY.get(name, hint + '; remove it')}")
 
     def _mode(self, name: str, word: Word) -> None:
-        if name in ("G93", "G94"):
-            self.feed = None
         if name == "G261":
-            if not self.contour or self.curve:
-                self.fail(word, "G261 needs #CONTOUR MODE before it, and no other curve; correct that")
-            self._open("CONTOUR", word)
+            if self.in_struts:
+                self.fail(word, f"{name} under #PTP ON; write #PTP OFF before")
+            self.path.open("CONTOUR", word)
         elif name == "G260":
-            self._close("CONTOUR", word)
+            self.path.close("CONTOUR", word)
         self.activate(name)
 
     def _switch(self, name: str, word: Word, seen: dict[str, Word]) -> None:
         if set(seen) - {name, "N"}:
             self.fail(word, f"{name} stands in a block of its own; move the other words")
-        if self.curve or self.flowing:
+        if self.path.kind or self.flowing:
             self.fail(word, f"{name} while the machine moves on; let it stop first, write G60 in the block before")
         self.events.append(Switch(self.line, name == f"M{self.settings.trigger_on_m}", at_once=True))
 
     def _command(self, word: Word) -> None:
         name, s = word.name, self.settings
-        arguments = word.arguments or ()
-        if self.curve and name not in ("#SPLINE OFF", "#HSC OFF"):
+        if self.path.kind and name not in ("#SPLINE OFF", "#HSC OFF"):
             self.fail(word, f"{name} within a path of points; end it first")
         if self.in_struts and name not in ("#PTP OFF", "#MSG", "#MSG SYN", "#TIME"):
             self.fail(word, f"{name} under #PTP ON; write #PTP OFF before")
@@ -134,7 +120,7 @@ class _Interpreter(ModalState):
                     self.fail(word, f"#TRAFO ON before #KIN ID[{s.kinematic_id}]; add it")
                 self.transformed = name == "#TRAFO ON"
             case "#FGROUP":
-                self.feed_axes = arguments
+                self.feed_axes = word.arguments or ()
             case "#MSG" | "#MSG SYN":
                 self.messages += 1
                 if self.messages > MOST_MESSAGES:
@@ -142,41 +128,25 @@ class _Interpreter(ModalState):
             case "#TIME":
                 self._pause(word, word.value)
             case "#SPLINE TYPE AKIMA":
-                self.akima = True
+                self.path.akima = True
             case "#SPLINE ON":
-                if not self.akima:
-                    self.fail(word, "#SPLINE ON before #SPLINE TYPE AKIMA; add it")
-                self._open("SPLINE", word)
+                self.path.open("SPLINE", word)
             case "#SPLINE OFF":
-                if self.curve == "SPLINE" and self.points < FEWEST_SPLINE_POINTS:
-                    self.fail(word, f"a spline needs {FEWEST_SPLINE_POINTS} points, its start included; add some")
-                self._close("SPLINE", word)
+                self.path.close("SPLINE", word)
             case "#HSC ON":
-                self._deviations(word, "BSPLINE", arguments)
-                self._open("HSC", word)
+                self.path.require_deviations(word, "BSPLINE")
+                self.path.open("HSC", word)
             case "#HSC OFF":
-                self._close("HSC", word)
+                self.path.close("HSC", word)
             case "#CONTOUR MODE":
-                self._deviations(word, "DEV", arguments)
-                self.contour = True
+                self.path.require_deviations(word, "DEV")
+                self.path.contour = True
             case _:
                 self.fail(word, f"{name} is {REMEDY.get(name, 'not a command of an excitation; remove it')}")
 
     def _equal(self, word: Word, wanted: tuple[str, ...], written: str) -> None:
         if (word.arguments or ()) != wanted or word.value is not None:
             self.fail(word, f"{word.name} is not what the case says; write {word.name}{written.replace('alone', '')}")
-
-    def _deviations(self, word: Word, kind: str, arguments: tuple[str, ...]) -> None:
-        """The curve may leave its points by what the case allows; both must be stated, the defaults are loose."""
-        s = self.settings
-        limits = {"PATH_DEV": s.path_deviation_mm, "TRACK_DEV": s.track_deviation_deg}
-        wanted = f"[{kind} PATH_DEV={s.path_deviation_mm:g} TRACK_DEV={s.track_deviation_deg:g}]"
-        found = {m["name"]: float(m["value"]) for item in arguments[1:] if (m := _DEVIATION.match(item))}
-        if arguments[:1] != (kind,) or len(arguments) != 3 or set(found) != set(limits):
-            self.fail(word, f"{word.name} needs its deviations; write {word.name} {wanted}")
-        for name, limit in limits.items():
-            if not 0.0 < found[name] <= limit:
-                self.fail(word, f"{name}={found[name]:g} is not above 0 and at most {limit:g}, the case's; correct it")
 
     def _into_struts(self, word: Word) -> None:
         if self.settings.ptp is None:
@@ -187,26 +157,10 @@ class _Interpreter(ModalState):
             self.fail(word, "#PTP ON while the machine moves on; write G60 in the block before")
         self.in_struts = True
 
-    def _open(self, kind: str, word: Word) -> None:
-        if self.in_struts:
-            self.fail(word, f"{word.name} under #PTP ON; write #PTP OFF before")
-        if self.curve:
-            self.fail(word, f"{word.name} while another curve is open; end it first")
-        if np.isnan(self.pose).any():
-            self.fail(word, "a path of points starts from an unknown pose; first move home at a feed (G94)")
-        if self.flowing:
-            self.fail(word, "a path of points starts while the machine moves on; write G60 in the block before")
-        self.curve, self.points, self.stopped = kind, 1, False
-
-    def _close(self, kind: str, word: Word) -> None:
-        if self.curve != kind:
-            self.fail(word, f"{word.name} without its beginning; remove it")
-        self.curve = ""
-
     def _pause(self, word: Word, seconds: float | None) -> None:
         if seconds is None or not 0.0 <= seconds <= LARGEST:
             self.fail(word, f"{word.name} needs a duration in seconds that is not negative; write G04 0.3")
-        if self.curve:
+        if self.path.kind:
             self.fail(word, "a dwell within a path of points; end it first")
         self.events.append(Pause(self.line, seconds))
         self.flowing = False
@@ -252,87 +206,37 @@ class _Interpreter(ModalState):
     def _line(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
         if not self.active("G0", "G1"):
             self.fail(first, "coordinates without G00 or G01; add G01")
-        for name in ("I", "J", "K"):
-            if name in seen:
-                self.fail(seen[name], f"{name} without G02 or G03; remove it")
+        self.refuse_centres(seen, "G02 or G03")
         end = self.end_of(seen, first)
+        unsure = "whether the machine stops after this move is not known; write G60 in its block"
         if self.in_struts:
-            self._strut_line(seen, first, end, exact)
+            if not exact:
+                self.fail(first, unsure)
+            self.events.append(strut_move(self, self.settings.ptp, "#PTP ON", seen, first, end))
             return
-        timing, value = self._timing(seen, end, first)
+        timing, value = self.timing(seen, end, first)
         if timing is Timing.DURATION:
-            self._point(first, exact)
+            self.path.point(first, exact)
             exact = False  # the exact stop at the end of a whole path is no stop within it
-        elif self.curve:
+        elif self.path.kind:
             self.fail(
                 first, "a block of the controller's own timing within a path of points; write G93 and F in seconds"
             )
         elif not exact:
-            self.fail(first, "whether the machine stops after this move is not known; write G60 in its block")
-        self.events.append(Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end)))
-        self.pose = end
-
-    def _strut_line(self, seen: dict[str, Word], first: Word, end: Array, exact: bool) -> None:
-        """F under G94 would count axes that differ from machine to machine; a time does not."""
-        if not exact:
-            self.fail(first, "whether the machine stops after this move is not known; write G60 in its block")
-        rapid = self.active("G0")
-        if not rapid and self.settings.ptp is not None and self.settings.ptp.feed == "rapid":
-            self.fail(first, "controller.twincat.ptp.feed says that moves under #PTP ON are rapids; write G00")
-        if not rapid and not (self.active("G93") and "F" in seen):
-            self.fail(first, "what F counts under #PTP ON differs from machine to machine; write G93 and F in seconds")
-        timing, value = self._timing(seen, end, first)
-        share = math.nan if rapid else 1.0 / value
-        kind = timing if rapid else Timing.FEED
-        self.events.append(
-            Move(self.line, end * self.scale, kind, share, exact, self.moves_origin(end), in_struts=True)
-        )
-        self.pose = end
-
-    def _point(self, first: Word, exact: bool) -> None:
-        if not self.curve:
-            if not np.isnan(self.pose).any():
-                self.fail(first, "a timed block (G93) is a corner without a curve; write #SPLINE ON before the points")
-            return
-        if self.stopped:
-            self.fail(first, "a point after an exact stop within a path; write G60 in the last block alone")
-        self.points += 1
-        self.stopped = exact
-
-    def _timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[Timing, float]:
-        if self.active("G0"):
-            return Timing.RAPID, math.nan
-        if self.active("G93"):
-            if "F" not in seen:
-                self.fail(first, "G01 without F under G93; add F, the block's time in seconds")
-            return Timing.DURATION, float(seen["F"].value or math.nan)
-        if not self.active("G94"):
-            self.fail(first, "a feed before G93 or G94; what it means is not known, add G94")
-        if self.feed is None:
-            self.fail(first, "G01 without a feed; add F")
-        linear = self.moves_origin(end)
-        counted = ("X", "Y", "Z") if linear else ("A", "B", "C")
-        if self.feed_axes != counted:
-            named = ",".join(counted)
-            self.fail(first, f"F counts {', '.join(counted)} in this move only after #FGROUP [{named}]; add it before")
-        return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
+            self.fail(first, unsure)
+        self.events.append(self.straight(end, timing, value, exact))
 
     def _arc(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
-        if np.isnan(self.pose).any():
-            self.fail(first, "an arc starts from an unknown pose; first move home at a feed (G94)")
-        plane = self.plane()
-        if plane is None or self.feed is None or not self.active("G94") or not self.active("G162"):
-            self.fail(first, "an arc needs a plane, relative centres and a feed per minute; write G17 G162 G94 and F")
-        if self.feed_axes != ("X", "Y", "Z"):
-            self.fail(first, "F counts X, Y, Z in this move only after #FGROUP [X,Y,Z]; add it before")
+        if not self.active("G162"):
+            self.fail(first, "an arc needs relative centres; write G162")
         if self.in_struts:
             self.fail(first, "an arc under #PTP ON; write #PTP OFF before")
-        if self.curve or not exact:
+        if self.path.kind or not exact:
             self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
-        self.events.append(self.turn(seen, first, plane, self.feed))
+        self.events.append(self.turn(seen, first, exact))
 
     def _end(self, word: Word | None) -> None:
-        if self.curve:
+        if self.path.kind:
             self.fail(word, "a path of points is still open at the end; close it")
         if self.in_struts:
             self.fail(word, "#PTP ON is still on at the end; write #PTP OFF before")
@@ -354,12 +258,5 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
         CaseError: the case has no settings of this dialect.
     """
     settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
-    interpreter = _Interpreter(file, settings)
-    blocks = 0
-    for number, text in enumerate(program_lines(content, file, LONGEST_LINE, settings.most_blocks), start=1):
-        if words := twincat_words(text, number, file):
-            interpreter.read(number, words)
-            blocks += 1
-    if not interpreter.ended:
-        raise ProgramError(file, 0, 0, "no M30 at the end; the file is truncated or not a TwinCAT program")
-    return Reading(file, tuple(interpreter.events), blocks)
+    lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
+    return _Interpreter(file, settings).read_program(lines, twincat_words)

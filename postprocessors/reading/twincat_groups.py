@@ -1,7 +1,6 @@
 """Which words of TwinCAT CNC (ISG) an excitation may use, what excludes what, and what to write instead."""
 
 LONGEST_LINE = 4096  # beyond it: error 20301
-FEWEST_SPLINE_POINTS = 3  # of an AKIMA spline, its start included
 MOST_MESSAGES = 10  # unread ones stop the controller
 
 # Two words of one modal group in a block are an error to the controller.

@@ -3,6 +3,7 @@
 import re
 
 from cases.errors import ProgramError
+from postprocessors.reading.lines import each_word
 from postprocessors.reading.modal import Word
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
@@ -17,6 +18,12 @@ _REST = re.compile(rf"(?:(?P<value>{_NUMBER})|(?P<words>(?:[A-Z]{_NUMBER}\s*)+))
 _WORD = re.compile(
     rf"\s*(?:(?P<letter>[A-Z])(?P<number>{_NUMBER})(?:\s*=\s*(?P<value>{_NUMBER}))?|(?P<bare>{_NUMBER}))", re.IGNORECASE
 )
+_REMEDIES = {
+    "$": "jumps and loops are not proven; write the blocks out",
+    "[": "labels are not read; remove it",
+    "/": "skipped blocks are not proven; remove the block or its slash",
+    "\\": "continued lines are not read; write one line",
+}
 
 
 def twincat_words(text: str, line: int, file: str) -> list[Word]:
@@ -44,13 +51,15 @@ def twincat_words(text: str, line: int, file: str) -> list[Word]:
         position = number.end()
     if text[position:].lstrip().startswith("#"):
         return [*words, _command(text, position, line, file)]
-    while text[position:].strip():
-        found = _WORD.match(text, position)
-        if found is None:
-            raise _unreadable(text, position, line, file)
-        words.append(_word(found, line, file))
-        position = found.end()
-    return words
+
+    def word(match: re.Match[str], column: int) -> Word:
+        return _word(match, column, line, file)
+
+    def unreadable(column: int, bad: str) -> ProgramError:
+        remedy = _REMEDIES.get(bad[:1], "words are a letter and a plain number")
+        return ProgramError(file, line, column, f"cannot read {bad!r}; {remedy}")
+
+    return [*words, *each_word(text, position, _WORD, word, unreadable)]
 
 
 def _without_comments(text: str) -> str:
@@ -85,8 +94,7 @@ def _command(text: str, position: int, line: int, file: str) -> Word:
     return Word("#" + " ".join(match["name"].upper().split()), column, value, items)
 
 
-def _word(match: re.Match[str], line: int, file: str) -> Word:
-    column = match.start() + len(match[0]) - len(match[0].lstrip()) + 1
+def _word(match: re.Match[str], column: int, line: int, file: str) -> Word:
     if match["bare"]:
         return Word("", column, float(match["bare"]))
     letter, number = match["letter"].upper(), match["number"]
@@ -98,18 +106,3 @@ def _word(match: re.Match[str], line: int, file: str) -> Word:
     if value is not None:
         raise ProgramError(file, line, column, f"{letter}{number}= is no word here; write {letter} and its number")
     return Word(letter, column, float(number))
-
-
-def _unreadable(text: str, position: int, line: int, file: str) -> ProgramError:
-    rest = text[position:]
-    column = position + len(rest) - len(rest.lstrip()) + 1
-    bad = text[column - 1 : column + 11].rstrip()
-    remedies = {
-        "$": "jumps and loops are not proven; write the blocks out",
-        "[": "labels are not read; remove it",
-        "/": "skipped blocks are not proven; remove the block or its slash",
-        "\\": "continued lines are not read; write one line",
-    }
-    return ProgramError(
-        file, line, column, f"cannot read {bad!r}; {remedies.get(bad[:1], 'words are a letter and a plain number')}"
-    )

@@ -18,7 +18,7 @@ SINUMERIK_WRONG: dict[str, tuple[int, str]] = {
     "G1 X1 X2 F10": (7, "a second X word in one block"),
     "G1 G0 X1": (4, "G1 and G0 in one block exclude each other|G0 and G1"),
     "G64\nG1 X1 F10": (4, "blended into the next"),
-    "G93 G64\nG1 X1": (4, "G1 without F in inverse time"),
+    "G93 G64\nG1 X1": (4, "G1 without F under G93"),
     "G93\nG1 X1 F600": (4, "under G60 stops at its end"),
     "G64 G93\nG1 X1 F600\nG94 G60\nG1 X2 F60": (4, "the path before runs into this move"),
     "POLY PO[X]=(1,2) F600": (6, "exact stop or rounding does not keep its time; write G64"),

@@ -181,7 +181,7 @@ def test_a_plan_without_point_to_point_moves_has_none_to_change():
 
 WRONG = {
     TWINCAT: {
-        "#PTP ON\nG1 G60 X5 F100": "G93 and F in seconds",
+        "#PTP ON\nG1 G60 X5 F100": "G93 and F, the block's time in seconds",
         "#PTP ON\nG93\nG1 X5 F1": "write G60",
         "#PTP ON\nG93\nG2 G60 X5 I2.5 F1": "an arc",
         "#PTP ON\n#SPLINE TYPE AKIMA": "write #PTP OFF before",
