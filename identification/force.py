@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.findings.plausibility import unmeasured
-from identification.model import OFFSETS, Model
+from identification.model import Model
 from identification.recording import Recording
+from identification.regressor_blocks import OFFSETS
 from identification.runs.preparation import moving_run, standstills
 from identification.saved import SavedResult
 

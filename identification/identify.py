@@ -23,11 +23,12 @@ from identification.findings.doubts import doubts, require_scale, require_sense,
 from identification.findings.feed import about_feed, recorded_overrides
 from identification.findings.plausibility import scan
 from identification.identifiability import Identifiability, analyse
-from identification.model import MASS, Model, identification_model
+from identification.model import Model, identification_model
 from identification.noise.components import noise_components
 from identification.noise.sources import noise_sources
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
+from identification.regressor_blocks import MASS
 from identification.result import Delay, Estimate, Evaluation, estimate_of
 from identification.runs.accelerated import accelerated, compared
 from identification.runs.conditioning import USUAL, Conditioning

@@ -1,13 +1,11 @@
-"""Identification models 0 to 9 (Table 2): the regressor A of f_q = A u, equations (17) to (22).
+"""Identification models 0 to 9 (Table 2): the regressor A of f_q = A u, equations (17) and (21).
 
-The regressor is written once, as CasADi expressions, block by block; a model is a list of blocks. Planner, estimator
-and simulation share it. Units of the compensation factors: CONVENTIONS (the paper's "N/mm" must read N/m).
+A model is a list of blocks; planner, estimator and simulation share it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -18,129 +16,30 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.frame import structure_matrix
 from identification.hexapod import Kinematics
-from identification.pose import gibbs, rotation, skew, twist, twist_rate
+from identification.pose import gibbs, rotation, twist, twist_rate
+from identification.regressor_blocks import (
+    FIRST_MOMENT,
+    INERTIA,
+    K1,
+    K2,
+    K3,
+    K4,
+    K5,
+    MASS,
+    OFFSETS,
+    WRENCH_OFFSETS,
+    Block,
+    Parameter,
+    State,
+)
 
 Array = NDArray[np.float64]
-
-
-class Parameter(NamedTuple):
-    """A component of u: name and SI unit."""
-
-    name: str
-    unit: str
-
-
-class State(NamedTuple):
-    """What the regressor of one sample depends on, as expressions.
-
-    Args:
-        x: position of the platform along the x axis of {B} [m].
-        y: the same along y [m].
-        gibbs: Gibbs vector of R, shape (3,) [-].
-        gravity: gravitational acceleration in {P}, shape (3,) [m/s^2].
-        specific: acceleration of the origin of {P} less gravity, in {P}, shape (3,) [m/s^2].
-        omega: angular velocity in {P}, shape (3,) [rad/s].
-        alpha: angular acceleration in {P}, shape (3,) [rad/s^2].
-    """
-
-    x: ca.SX
-    y: ca.SX
-    gibbs: ca.SX
-    gravity: ca.SX
-    specific: ca.SX
-    omega: ca.SX
-    alpha: ca.SX
-
-
-class Block(NamedTuple):
-    """Columns of the regressor that belong together.
-
-    Args:
-        parameters: one for each column.
-        columns: state -> forces and moments on the platform (Cartesian) or at the sensors, shape (6, columns).
-        cartesian: whether `columns` still has to go through J^T to the sensors.
-    """
-
-    parameters: tuple[Parameter, ...]
-    columns: Callable[[State], ca.SX]
-    cartesian: bool
-
-
-def inertia_operator(omega: ca.SX) -> ca.SX:
-    """L of (20): I omega = L(omega) (I11, I12, I13, I22, I23, I33), shape (3, 6)."""
-    w1, w2, w3 = omega[0], omega[1], omega[2]
-    return ca.vertcat(
-        ca.horzcat(w1, w2, w3, 0, 0, 0),
-        ca.horzcat(0, w1, 0, w2, w3, 0),
-        ca.horzcat(0, 0, w1, 0, w2, w3),
-    )
-
-
-def _mass(s: State) -> ca.SX:  # first column of (19)
-    return ca.vertcat(s.specific, ca.SX.zeros(3))
-
-
-def _first_moment(s: State) -> ca.SX:  # second column of (19)
-    return ca.vertcat(skew(s.alpha) + skew(s.omega) @ skew(s.omega), skew(s.specific).T)
-
-
-def _inertia(s: State) -> ca.SX:  # third column of (19)
-    return ca.vertcat(ca.SX.zeros(3, 6), inertia_operator(s.alpha) + skew(s.omega) @ inertia_operator(s.omega))
-
-
-def _offsets(_: State) -> ca.SX:
-    return ca.SX.eye(6)
-
-
-def _k1(s: State) -> ca.SX:  # (12)
-    return ca.kron(ca.SX.eye(6), ca.horzcat(s.x, s.y))
-
-
-def _k2(s: State) -> ca.SX:  # (22); (13) has the other sign for k1
-    force = ca.vertcat(s.x, s.y, 0, 0, 0, 0)
-    moment = ca.vertcat(0, 0, 0, s.y, -s.x, 0)
-    return ca.horzcat(force, moment)
-
-
-def _k3(s: State) -> ca.SX:  # the rotation-matrix form that section 3 warns of
-    return ca.kron(ca.SX.eye(6), s.gravity.T)
-
-
-def _k4(s: State) -> ca.SX:  # (14)
-    return ca.kron(ca.SX.eye(6), s.gibbs.T)
-
-
-def _k5(s: State) -> ca.SX:  # (15)
-    force = ca.vertcat(-s.gibbs[1], s.gibbs[0], 0, 0, 0, 0)
-    moment = ca.vertcat(0, 0, 0, s.gibbs[0], s.gibbs[1], 0)
-    return ca.horzcat(force, moment)
-
-
-def _per_sensor(letter: str, columns: str, unit: str) -> tuple[Parameter, ...]:
-    return tuple(Parameter(f"{letter}_{sensor}{c}", unit) for sensor in range(1, 7) for c in columns)
-
-
-MASS = Block((Parameter("m", "kg"),), _mass, True)
-FIRST_MOMENT = Block(tuple(Parameter(f"m{c}C", "kg m") for c in "xyz"), _first_moment, True)
-INERTIA = Block(tuple(Parameter(f"I{c}", "kg m^2") for c in ("11", "12", "13", "22", "23", "33")), _inertia, True)
-OFFSETS = Block(tuple(Parameter(f"f_q0_{k}", "N") for k in range(1, 7)), _offsets, False)
-K1 = Block(_per_sensor("K1", "xy", "N/m"), _k1, False)
-K2 = Block((Parameter("k0", "N/m"), Parameter("k1", "N m/m")), _k2, True)
-K3 = Block(_per_sensor("K3", "xyz", "N s^2/m"), _k3, False)
-K4 = Block(_per_sensor("K4", "xyz", "N"), _k4, False)
-K5 = Block((Parameter("k2", "N"), Parameter("k3", "N m")), _k5, True)
-
-# A force/torque sensor's last three channels are moments.
-_WRENCH_OFFSETS = OFFSETS._replace(
-    parameters=tuple(Parameter(p.name, "N" if k < 3 else "N m") for k, p in enumerate(OFFSETS.parameters))
-)
 
 _STATIC = (MASS, FIRST_MOMENT, OFFSETS)
 _DYNAMIC = (MASS, FIRST_MOMENT, INERTIA, OFFSETS)
 
-MODELS: dict[
-    int, tuple[Block, ...]
-] = {  # Table 2; models 4 and 8 have 18 orientation factors (K4), as their counts say
+# Table 2; models 4 and 8 have 18 orientation factors (K4), as their counts say
+MODELS: dict[int, tuple[Block, ...]] = {
     0: _STATIC,
     1: (*_STATIC, K1),
     2: (*_STATIC, K2),
@@ -229,28 +128,14 @@ class Model:
         position, turn = ca.SX.sym("position", 3), ca.SX.sym("rotation", 9)
         motion, motion_rate = ca.SX.sym("twist", 6), ca.SX.sym("twist_rate", 6)
         matrix = self.expression(position, ca.reshape(turn, 3, 3), motion, motion_rate)
-        return ca.Function(
-            "regressor",
-            [position, turn, motion, motion_rate],
-            [matrix],
-            ["position", "rotation", "twist", "twist_rate"],
-            ["A"],
-            {"cse": True},
-        )
+        return ca.Function("regressor", [position, turn, motion, motion_rate], [matrix], {"cse": True})
 
     @cached_property
     def pose_regressor(self) -> ca.Function:
         """(pose, twist, twist rate) -> A."""
         pose, motion, motion_rate = (ca.SX.sym(n, 6) for n in ("pose", "twist", "twist_rate"))
         matrix = self.expression(pose[:3], rotation(pose[3:]), motion, motion_rate)
-        return ca.Function(
-            "pose_regressor",
-            [pose, motion, motion_rate],
-            [matrix],
-            ["pose", "twist", "twist_rate"],
-            ["A"],
-            {"cse": True},
-        )
+        return ca.Function("pose_regressor", [pose, motion, motion_rate], [matrix], {"cse": True})
 
     @cached_property
     def coordinate_regressor(self) -> ca.Function:
@@ -259,14 +144,7 @@ class Model:
         matrix = self.expression(
             pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations)
         )
-        return ca.Function(
-            "coordinate_regressor",
-            [pose, rates, accelerations],
-            [matrix],
-            ["pose", "rates", "accelerations"],
-            ["A"],
-            {"cse": True},
-        )
+        return ca.Function("coordinate_regressor", [pose, rates, accelerations], [matrix], {"cse": True})
 
     def matrices(self, positions: ArrayLike, rotations: ArrayLike, twists: ArrayLike, rates: ArrayLike) -> Array:
         """A for every sample, shape (n, 6, u).
@@ -308,7 +186,7 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
             )
         blocks = (OFFSETS,)
     if case.sensor_frame.transducer is not None:
-        blocks = tuple(_WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
+        blocks = tuple(WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
     model = Model(number, blocks, structure_matrix(case.sensor_frame), case.gravity)
     for name in terms:
         if name not in ERROR_TERMS:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.sensors import RigidBody, Truth
-from identification.model import FIRST_MOMENT, INERTIA, MASS, Model, Parameter
+from identification.model import Model
 from identification.pose import skew
+from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS, Parameter
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from cases.errors import IdentificationError
-from identification.model import FIRST_MOMENT, INERTIA, MASS, Block, Model
+from identification.model import Model
 from identification.parameters import physical_form
+from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.result import Value
 from identification.saved import SavedResult
 

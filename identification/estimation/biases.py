@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
-from identification.model import MASS, OFFSETS, Model
+from identification.model import Model
+from identification.regressor_blocks import MASS, OFFSETS
 
 Array = NDArray[np.float64]
 

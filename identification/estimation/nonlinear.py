@@ -17,9 +17,10 @@ from identification.estimation.compressed import compress, fit_along
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.estimation.gauss_newton import gauss_newton
 from identification.estimation.selection import require_names
-from identification.model import FIRST_MOMENT, INERTIA, MASS, Model
+from identification.model import Model
 from identification.parameters import physical_form
 from identification.pose import skew
+from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS
 
 Array = NDArray[np.float64]
 

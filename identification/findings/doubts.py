@@ -7,7 +7,8 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.findings.swapped import other_wiring
-from identification.model import MASS, Model
+from identification.model import Model
+from identification.regressor_blocks import MASS
 
 Array = NDArray[np.float64]
 

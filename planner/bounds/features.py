@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.model import Model, State
+from identification.model import Model
 from identification.pose import gibbs, rotation, twist, twist_rate
+from identification.regressor_blocks import State
 
 Array = NDArray[np.float64]
 

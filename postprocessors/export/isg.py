@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from cases.units import DEG, MM
-from identification.model import INERTIA
+from identification.regressor_blocks import INERTIA
 from postprocessors.export.calibration import Calibration
 from postprocessors.export.rendering import comment_lines
 

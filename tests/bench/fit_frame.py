@@ -18,7 +18,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests
 from cases.loading import load_case
 from cases.machine import Ring
 from cases.schema import Case
-from identification.model import OFFSETS, identification_model
+from identification.model import identification_model
+from identification.regressor_blocks import OFFSETS
 from planner.poses.regressors import pose_regressors
 from planner.poses.space import grid_candidates
 from tests.bench.table_5 import PUBLISHED, group_deviations

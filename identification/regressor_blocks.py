@@ -1,0 +1,125 @@
+"""The blocks of the regressor A of f_q = A u, equations (12) to (15), (19), (20) and (22), as CasADi expressions.
+
+Written once; a model chooses among them. Units of the compensation factors: CONVENTIONS (the paper's "N/mm" must read
+N/m).
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import casadi as ca
+
+from identification.pose import skew
+
+
+class Parameter(NamedTuple):
+    """A component of u: name and SI unit."""
+
+    name: str
+    unit: str
+
+
+class State(NamedTuple):
+    """What the regressor of one sample depends on, as expressions.
+
+    Args:
+        x: position of the platform along the x axis of {B} [m].
+        y: the same along y [m].
+        gibbs: Gibbs vector of R, shape (3,) [-].
+        gravity: gravitational acceleration in {P}, shape (3,) [m/s^2].
+        specific: acceleration of the origin of {P} less gravity, in {P}, shape (3,) [m/s^2].
+        omega: angular velocity in {P}, shape (3,) [rad/s].
+        alpha: angular acceleration in {P}, shape (3,) [rad/s^2].
+    """
+
+    x: ca.SX
+    y: ca.SX
+    gibbs: ca.SX
+    gravity: ca.SX
+    specific: ca.SX
+    omega: ca.SX
+    alpha: ca.SX
+
+
+class Block(NamedTuple):
+    """Columns of the regressor that belong together.
+
+    Args:
+        parameters: one for each column.
+        columns: state -> forces and moments on the platform (Cartesian) or at the sensors, shape (6, columns).
+        cartesian: whether `columns` still has to go through J^T to the sensors.
+    """
+
+    parameters: tuple[Parameter, ...]
+    columns: Callable[[State], ca.SX]
+    cartesian: bool
+
+
+def _inertia_operator(omega: ca.SX) -> ca.SX:
+    """L of (20): I omega = L(omega) (I11, I12, I13, I22, I23, I33), shape (3, 6)."""
+    w1, w2, w3 = omega[0], omega[1], omega[2]
+    return ca.vertcat(
+        ca.horzcat(w1, w2, w3, 0, 0, 0),
+        ca.horzcat(0, w1, 0, w2, w3, 0),
+        ca.horzcat(0, 0, w1, 0, w2, w3),
+    )
+
+
+def _mass(s: State) -> ca.SX:  # first column of (19)
+    return ca.vertcat(s.specific, ca.SX.zeros(3))
+
+
+def _first_moment(s: State) -> ca.SX:  # second column of (19)
+    return ca.vertcat(skew(s.alpha) + skew(s.omega) @ skew(s.omega), skew(s.specific).T)
+
+
+def _inertia(s: State) -> ca.SX:  # third column of (19)
+    return ca.vertcat(ca.SX.zeros(3, 6), _inertia_operator(s.alpha) + skew(s.omega) @ _inertia_operator(s.omega))
+
+
+def _offsets(_: State) -> ca.SX:
+    return ca.SX.eye(6)
+
+
+def _k1(s: State) -> ca.SX:  # (12)
+    return ca.kron(ca.SX.eye(6), ca.horzcat(s.x, s.y))
+
+
+def _k2(s: State) -> ca.SX:  # (22); (13) has the other sign for k1
+    force = ca.vertcat(s.x, s.y, 0, 0, 0, 0)
+    moment = ca.vertcat(0, 0, 0, s.y, -s.x, 0)
+    return ca.horzcat(force, moment)
+
+
+def _k3(s: State) -> ca.SX:  # the rotation-matrix form that section 3 warns of
+    return ca.kron(ca.SX.eye(6), s.gravity.T)
+
+
+def _k4(s: State) -> ca.SX:  # (14)
+    return ca.kron(ca.SX.eye(6), s.gibbs.T)
+
+
+def _k5(s: State) -> ca.SX:  # (15)
+    force = ca.vertcat(-s.gibbs[1], s.gibbs[0], 0, 0, 0, 0)
+    moment = ca.vertcat(0, 0, 0, s.gibbs[0], s.gibbs[1], 0)
+    return ca.horzcat(force, moment)
+
+
+def _per_sensor(letter: str, columns: str, unit: str) -> tuple[Parameter, ...]:
+    return tuple(Parameter(f"{letter}_{sensor}{c}", unit) for sensor in range(1, 7) for c in columns)
+
+
+MASS = Block((Parameter("m", "kg"),), _mass, True)
+FIRST_MOMENT = Block(tuple(Parameter(f"m{c}C", "kg m") for c in "xyz"), _first_moment, True)
+INERTIA = Block(tuple(Parameter(f"I{c}", "kg m^2") for c in ("11", "12", "13", "22", "23", "33")), _inertia, True)
+OFFSETS = Block(tuple(Parameter(f"f_q0_{k}", "N") for k in range(1, 7)), _offsets, False)
+K1 = Block(_per_sensor("K1", "xy", "N/m"), _k1, False)
+K2 = Block((Parameter("k0", "N/m"), Parameter("k1", "N m/m")), _k2, True)
+K3 = Block(_per_sensor("K3", "xyz", "N s^2/m"), _k3, False)
+K4 = Block(_per_sensor("K4", "xyz", "N"), _k4, False)
+K5 = Block((Parameter("k2", "N"), Parameter("k3", "N m")), _k5, True)
+
+# A force/torque sensor's last three channels are moments.
+WRENCH_OFFSETS = OFFSETS._replace(
+    parameters=tuple(Parameter(p.name, "N" if k < 3 else "N m") for k, p in enumerate(OFFSETS.parameters))
+)
