@@ -9,6 +9,7 @@ import numpy as np
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import MINUTE
+from postprocessors.composing import timed_path
 from postprocessors.execute.linuxcnc.guarantees import ARC_ACROSS, ARC_ALONG
 from postprocessors.program import (
     Arc,
@@ -23,7 +24,6 @@ from postprocessors.program import (
     TimedPath,
     ToHome,
     Trigger,
-    timed_path,
 )
 from postprocessors.wording import (
     FEED_DECIMALS,

@@ -16,13 +16,13 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
 from identification.motion import Array, Joined, Motion, TimedPoints, Trajectory
+from identification.trajectories.slowed import Slowed
 from postprocessors.program import (
     Arc,
     Comment,
     Dwell,
     PointToPoint,
     Program,
-    Slowed,
     SplinePath,
     StrutPointToPoint,
     TimedPath,

@@ -12,6 +12,7 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import TimedPoints, Trajectory
+from postprocessors.composing import moves_as_polynomials, timed_path
 from postprocessors.feeds import feed_of, strut_feed_of
 from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.program import (
@@ -27,8 +28,6 @@ from postprocessors.program import (
     TimedPath,
     ToHome,
     Trigger,
-    moves_as_polynomials,
-    timed_path,
 )
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.promises import sinumerik_guarantees

@@ -9,6 +9,7 @@ import numpy as np
 from cases.controller_twincat import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
+from postprocessors.composing import timed_path
 from postprocessors.feeds import feed_of, strut_feed_of
 from postprocessors.program import (
     Arc,
@@ -23,7 +24,6 @@ from postprocessors.program import (
     TimedPath,
     ToHome,
     Trigger,
-    timed_path,
 )
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.promises import twincat_guarantees

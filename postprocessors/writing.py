@@ -11,17 +11,9 @@ from cases.units import DEG, MM
 from identification.motion import Array, Trajectory
 from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.strut_move import NoStrutMove
+from postprocessors.composing import excitation_program, straight_in_struts
 from postprocessors.dialects import Language
-from postprocessors.program import (
-    Arc,
-    PointToPoint,
-    Program,
-    SplinePath,
-    StrutPointToPoint,
-    TimedPath,
-    excitation_program,
-    straight_in_struts,
-)
+from postprocessors.program import Arc, PointToPoint, Program, SplinePath, StrutPointToPoint, TimedPath
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.words import Event, Reading

@@ -11,9 +11,10 @@ from cases.schema import Case
 from identification.limits import prove
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
+from postprocessors.composing import timed_path
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
-from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger, timed_path
+from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Stretch, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc

@@ -18,8 +18,8 @@ from identification.limits import prove
 from identification.motion import Joined, Motion, Standstill
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
+from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
-from postprocessors.program import excitation_program
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading.setpoint_table import COLUMNS, METADATA, UNITS
 from postprocessors.setpoints import DECIMALS, write_parquet

@@ -17,8 +17,8 @@ from identification.limits import prove
 from identification.motion import Joined, Standstill
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
+from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
-from postprocessors.program import excitation_program
 from postprocessors.proving.proof import ProgramProof, prove_program
 from tests.helpers import one_line
 from tests.postprocessors.independent import strut_lengths

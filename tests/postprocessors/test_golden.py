@@ -12,7 +12,8 @@ import pytest
 from cases.loading import load_case
 from cases.units import DEG, MM
 from planner.families.fourier_motion import FourierMotion
-from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger, excitation_program
+from postprocessors.composing import excitation_program
+from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HOME, linuxcnc_text, proof
 

@@ -9,10 +9,11 @@ from identification.limits import prove
 from identification.motion import Joined, Standstill
 from identification.trajectories.profile import StraightMove, fastest_profile
 from identification.trajectories.strut_move import StrutMove
+from postprocessors.composing import excitation_program, straight_in_struts
 from postprocessors.dialects import DIALECTS
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.feeds import strut_feed_of
-from postprocessors.program import Dwell, Program, ToHome, excitation_program, straight_in_struts
+from postprocessors.program import Dwell, Program, ToHome
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Untimed, stretches
 from postprocessors.writing import proven_program

@@ -14,9 +14,10 @@ from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
 from identification.trajectories.profile import StraightMove
+from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.program import Dwell, PointToPoint, Program, ToHome, Trigger, excitation_program
+from postprocessors.program import Dwell, PointToPoint, Program, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.reading.setpoint_table import COLUMNS
