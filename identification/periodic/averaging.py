@@ -20,12 +20,13 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Filtered, Fit
-from identification.findings.plausibility import Scan, bridged, places
+from identification.findings.plausibility import Scan, bridged
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
+from identification.periodic.choosing import FEWEST, kept_periods, longest_window, telling_harmonics
 from identification.periodic.finding import Part, find_part, given_part
 from identification.periodic.fourier import FourierSeries, fit_series
-from identification.periodic.periods import PeriodScatter, each_period, strangers
+from identification.periodic.periods import PeriodScatter, each_period
 from identification.recording import Recording
 from identification.runs.conditioning import Periodic
 from identification.runs.evaluation import DELAY_STEP
@@ -35,8 +36,6 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 FINER = 6  # regressors are computed at so many times the instants that are kept: their harmonics must not fold back
-FEWEST = 2  # harmonics
-MEDIAN_POWER = float(stats.chi2.ppf(0.5, 12)) / 12.0  # over the mean, of a harmonic of six struts
 BESIDE = 15  # harmonics of the struts above those of the forces that reach the regressor, mixed with the slow ones
 MODEL_ERROR = 1.5  # times the scatter of the periods, that residuals are to be told
 UNLIKELY = 1e-3  # chance of so large a ratio by noise alone
@@ -270,7 +269,7 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic,
     recording = replace(recording, struts=struts, forces=bridged(recording.forces, bad & ~long))
     t = recording.t
     assert t is not None
-    window = _window(recording)
+    window = longest_window(recording)
     if np.ptp(struts[window], axis=0).max() < LEAST_TRAVEL:
         raise IdentificationError(f"{recording.source}: the pose is constant; record the excitation")
     part = find_part(t, struts, window) if wish.period is None else given_part(t, struts, window, wish.period)
@@ -281,7 +280,7 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic,
             f"filter_cutoff_Hz = {low_pass.cutoff:g}; give 1 to {max(most, 1)}"
         )
     periods = each_period(t, recording.forces, part, most)
-    kept, warnings = _kept(recording, periods, long)
+    kept, warnings = kept_periods(recording, periods, long)
     used = np.zeros(len(t), dtype=bool)
     for k in kept:
         used[periods.rows[k]] = True
@@ -297,69 +296,3 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic,
         model, Hexapod.of(case), recording, part, used, motion, forces.truncated(harmonics),
         scatter, wish.harmonics is None, harmonics == most, warnings,
     )  # fmt: skip
-
-
-def _kept(recording: Recording, periods: PeriodScatter, bad: Rows) -> tuple[list[int], tuple[str, ...]]:
-    """Numbers of the periods that are averaged, and what is to be said of the others."""
-    count = len(periods.rows)
-    sound = [k for k in range(count) if not bad[periods.rows[k]].any()]
-    if not sound:
-        raise RecordingError(f"{recording.source}: every one of the {count} periods has samples left out")
-    found = strangers(periods.only(sound))
-    strange = {sound[k]: size for k, size in found.items()}
-    warnings: tuple[str, ...] = ()
-    if len(strange) > len(sound) / 2:
-        most = max(strange.values())
-        warnings = (f"forces of {len(strange)} of {count} periods differ by up to {most:.3g} N; all are used",)
-        strange = {}
-    for k in range(count):
-        if k in strange or k not in sound:
-            why = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
-            rows = np.zeros(len(bad), dtype=bool)
-            rows[periods.rows[k]] = True
-            warnings += (f"{places(recording.lines, rows)}: period {k + 1} of {count} {why}; left out",)
-    return [k for k in sound if k not in strange], warnings
-
-
-def telling_harmonics(motion: FourierSeries, periods: PeriodScatter, t: Array, struts: Array) -> int:
-    """The number of harmonics whose accelerations come closest to the true ones (Mallows 1973, Technometrics 15:661).
-
-    A harmonic is worth its place if it is larger than its own noise: noise of accelerations grows with the square of
-    the frequency, and the struts' spectrum falls.
-
-    Args:
-        motion: series of all harmonics that may be used.
-        periods: the same, period by period.
-        t: time of the recording, shape (n,) [s].
-        struts: of the recording, shape (n, 6) [m].
-    """
-    count = len(periods.series)
-    floor = _floor(motion, periods, t, struts)
-    if count > 1:
-        scatter = np.diagonal(periods.smoothed(motion.harmonics, 2), axis1=1, axis2=2).real.sum(axis=1)[1:]
-        # Steps of encoders repeat with the motion; what does not repeat has been counted already.
-        noise = scatter + max(0.0, floor - count * float(np.median(scatter)))
-    else:
-        noise = np.full(motion.harmonics, floor)
-    gain = (motion.power.sum(axis=1) - 2.0 * noise) * np.arange(1, motion.harmonics + 1) ** 4.0
-    return max(FEWEST, int(np.argmax(np.cumsum(gain))) + 1)
-
-
-def _floor(motion: FourierSeries, periods: PeriodScatter, t: Array, struts: Array) -> float:
-    """Power of a harmonic of one period by white noise [m^2]: from half of the Nyquist frequency on nothing moves."""
-    power = []
-    for rows in periods.rows:
-        spectrum = 2.0 / len(rows) * rfft(struts[rows] - motion.at(t[rows]), axis=0)
-        power.append(np.median(np.sum(np.abs(spectrum[len(rows) // 4 : (len(rows) - 1) // 2]) ** 2, axis=1)))
-    return float(np.mean(power)) / MEDIAN_POWER
-
-
-def _window(recording: Recording) -> NDArray[np.int64]:
-    """Consecutive rows to look at: the longest time that the trigger is on; without a trigger all of them."""
-    if recording.trigger is None:
-        return np.arange(len(recording.forces))
-    edges = np.flatnonzero(np.diff(np.r_[False, recording.trigger, False].astype(np.int8)))
-    if not len(edges):
-        raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
-    longest = int(np.argmax(edges[1::2] - edges[::2]))
-    return np.arange(edges[2 * longest], edges[2 * longest + 1])
