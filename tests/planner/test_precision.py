@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.precision import std_text, value_text
+from planner.precision import std_text, value_text, with_deviation
 from planner.search.last_words import solver_text
 
 
@@ -27,6 +27,12 @@ from planner.search.last_words import solver_text
 )
 def test_values_end_where_their_deviation_does(value: float, std: float, shown: tuple[str, str]) -> None:
     assert (value_text(value, std), std_text(std)) == shown
+
+
+def test_values_are_rounded_to_two_digits_of_their_deviation() -> None:
+    assert with_deviation(0.77256, 0.634) == "0.77 ± 0.63"
+    assert with_deviation(31.8834, 0.0571) == "31.883 ± 0.057"
+    assert with_deviation(131.88, 12.3) == "132 ± 12"
 
 
 @given(value=st.floats(-1e4, 1e4), std=st.floats(1e-7, 1e2))

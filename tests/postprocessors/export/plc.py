@@ -1,26 +1,19 @@
 """A small PLC for tests: runs Structured Text as a third party's parser (blark) understands it.
 
 Only what the export uses is known here; all else is an error. Names are case-insensitive, types and array bounds are
-checked, constants cannot be written, nothing is initialised silently to anything but zero. blark takes 25 ms for a
-statement: long runs of single-operation statements are therefore taken out of the text before it parses, one of each
-run stays, and these lines are read by an own, strict grammar.
+checked, constants cannot be written, nothing is initialised silently to anything but zero.
 """
 
 import contextlib
 import math
-import re
 from dataclasses import dataclass, field
 from typing import Any
 
 from blark import transform as tree
 from blark.parse import parse_source_code
 
-_OPERAND = r"(?:\w+\[\d+\]|u\.\w+|\d+\.\d+(?:E[+-]?\d+)?|\(-\d+\.\d+(?:E[+-]?\d+)?\))"
-_SINGLE = re.compile(
-    rf"(\w+\[\d+\]) := (-?{_OPERAND}|{_OPERAND} [-+*/] {_OPERAND}|\w+\({_OPERAND}(?:, {_OPERAND})?\));"
-)
-_PLACEHOLDER = 99999
-_LONG = 12  # lines; shorter runs go through the parser
+from tests.postprocessors.export.plc_text import PLACEHOLDER, elements_of, is_constant, kind_of, name_of, shortened
+
 _ZERO = {"LREAL": 0.0, "INT": 0, "DINT": 0, "BOOL": False}
 _PYTHON = {"LREAL": float, "INT": int, "DINT": int, "BOOL": bool}
 _RANGE = {"INT": 2**15, "DINT": 2**31}
@@ -91,7 +84,7 @@ class Plc:
     # Loading
 
     def load(self, text: str) -> "Plc":
-        short, runs = _shortened(text)
+        short, runs = shortened(text)
         parsed = parse_source_code(short)
         if parsed.exception is not None:
             raise parsed.exception
@@ -103,14 +96,14 @@ class Plc:
         if isinstance(item, tree.DataTypeDeclaration):
             declaration = item.declaration
             fields = {
-                _name(v): (_kind(d.init.spec), self._value(d.init.value, {}))
+                name_of(v): (kind_of(d.init.spec), self._value(d.init.value, {}))
                 for d in declaration.declarations
                 for v in d.variables
             }
             assert len(fields) == len(declaration.declarations), "two names differ in case only"
             self.structures[str(declaration.name).lower()] = fields
         elif isinstance(item, tree.GlobalVariableDeclarations):
-            assert _constant(item.attrs)
+            assert is_constant(item.attrs)
             for entry in item.items:
                 (name,) = entry.spec.variables
                 cell = self._structure(str(entry.init.spec.type).lower())
@@ -119,8 +112,8 @@ class Plc:
                 self.constants[str(name).lower()] = cell
         else:
             assert isinstance(item, tree.Function | tree.FunctionBlock), type(item)
-            result = _kind(item.return_type.type) if isinstance(item, tree.Function) else None
-            sections = [(type(d).__name__, _constant(d.attrs), d.items) for d in item.declarations]
+            result = kind_of(item.return_type.type) if isinstance(item, tree.Function) else None
+            sections = [(type(d).__name__, is_constant(d.attrs), d.items) for d in item.declarations]
             name = str(item.name).lower()
             self.units[name] = Unit(name, result, sections, item.body.statements, runs.get(name, []))
 
@@ -141,7 +134,7 @@ class Plc:
                 kind = str(spec.type.type_name)
                 cell = Cell(kind + "[]", [_ZERO[kind]] * (int(span.stop.value) + 1))
                 if initial is not None:
-                    cell.value = [self._value(e, {}) for e in _elements(initial)]
+                    cell.value = [self._value(e, {}) for e in elements_of(initial)]
                     assert len(cell.value) == int(span.stop.value) + 1
             elif str(spec.type) in _ZERO:
                 cell = Cell(str(spec.type), _ZERO[str(spec.type)])
@@ -154,7 +147,7 @@ class Plc:
                     assert given.kind == cell.kind
                     for key, inner in given.value.items():
                         cell.value[key].write(inner.value)
-            cells.append((_name(variable), cell))
+            cells.append((name_of(variable), cell))
         return cells
 
     # Running
@@ -203,7 +196,7 @@ class Plc:
         unit = self.units[name]
         assert unit.result is not None
         inner: Scope = {name: Cell(unit.result, _ZERO[unit.result])}
-        named = {_name(a): a.value for a in arguments if a.name is not None}
+        named = {name_of(a): a.value for a in arguments if a.name is not None}
         plain = [a.value for a in arguments if a.name is None]
         for section, constant, items in unit.sections:
             for declaration in items:
@@ -234,7 +227,7 @@ class Plc:
         for statement in statements:
             if isinstance(statement, tree.AssignmentStatement):
                 (target,) = statement.variables
-                if str(target).endswith(f"[{_PLACEHOLDER}]"):
+                if str(target).endswith(f"[{PLACEHOLDER}]"):
                     self._straight(runs.pop(0), scope)
                     continue
                 self._assign(target, self._value(statement.expression, scope), scope)
@@ -353,55 +346,3 @@ class Plc:
             "=": lambda: left == right,
         }
         return operations[operator]()
-
-
-def _name(node: Any) -> str:
-    while not isinstance(node, str):
-        node = node.variable if hasattr(node, "variable") else node.name
-    return str(node).lower()
-
-
-def _kind(spec: Any) -> str:
-    return str(spec.type)
-
-
-def _shortened(text: str) -> tuple[str, dict[str, list[Any]]]:
-    """The text with a placeholder for each long run of single-operation statements, and the runs by unit."""
-    lines: list[str] = []
-    runs: dict[str, list[Any]] = {}
-    unit, run = "", []
-
-    def end() -> None:
-        if len(run) >= _LONG:
-            source = "\n".join(line.replace(":=", "=").rstrip(";").lower() for line in run)
-            runs.setdefault(unit, []).append(compile(source, unit, "exec"))
-            lines.append(f"{run[0].split('[')[0]}[{_PLACEHOLDER}] := 0.0;")
-        else:
-            lines.extend(run)
-        run.clear()
-
-    for line in text.splitlines():
-        if match := re.match(r"FUNCTION(?:_BLOCK)? (\w+)", line):
-            unit = match[1].lower()
-        if _SINGLE.fullmatch(line):
-            run.append(line)
-            continue
-        end()
-        lines.append(line)
-    end()
-    return "\n".join(lines) + "\n", runs
-
-
-def _constant(attributes: Any) -> bool:
-    return attributes is not None and "constant" in attributes.name
-
-
-def _elements(initial: Any) -> list[Any]:
-    """The values of `[a, b, c]`; the parser may understand b, c as a list of its own without brackets."""
-    values: list[Any] = []
-    for element in initial.elements:
-        assert element.count is None
-        nested = isinstance(element.element, tree.ArrayInitialization)
-        assert not (nested and element.element.brackets)
-        values += _elements(element.element) if nested else [element.element]
-    return values

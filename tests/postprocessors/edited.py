@@ -1,0 +1,78 @@
+"""Programs to be edited, in each dialect, and edits that make every one of them dangerous."""
+
+import re
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
+from identification.limits import prove
+from identification.motion import Joined, Standstill
+from identification.trajectories.profile import StraightMove
+from planner.families.fourier import FourierFamily
+from postprocessors.composing import excitation_program
+from postprocessors.dialects import dialect
+from postprocessors.proving.proof import ProgramProof, prove_program
+from tests.postprocessors.other_dialects import CASE, LINES_CASE
+from tests.postprocessors.programs import HOME
+
+LIMITS = CASE.limits.motion
+FAR = HOME + np.r_[0.05, -0.03, 0.02, 0.1, -0.05, 0.1]
+CASES = {"linuxcnc": CASE, "sinumerik": CASE, "sinumerik lines": LINES_CASE, "twincat": CASE}
+NAMES = [n for n in CASES if n != "sinumerik lines"]
+
+
+def proof(name: str, text: str) -> ProgramProof:
+    language, case = dialect(name.split()[0]).load(), CASES[name]
+    reading = language.read(text.encode("latin-1"), "p", case)
+    return prove_program(reading, case, language.guarantees(reading, case))
+
+
+@cache
+def moves(name: str) -> str:
+    """There and back with a pause, at 90 % of the limits."""
+    limits = [0.9 * v for v in (LIMITS.rate, LIMITS.acceleration, LIMITS.jerk)]
+    there, back = StraightMove.fastest(HOME, FAR, *limits), StraightMove.fastest(FAR, HOME, *limits)
+    program = excitation_program(Joined((there, Standstill(FAR, 0.2), back)), CASES[name], ())
+    return dialect(name.split()[0]).load().write(program, CASES[name]).decode("ascii")
+
+
+@cache
+def path(name: str) -> str:
+    """A Fourier motion of half a second that uses 85 % of its tightest limit."""
+    family = FourierFamily(2, 0.5, 1, HOME, (LIMITS.pose[1] - LIMITS.pose[0]) / 2, 12)
+    unknowns = np.random.default_rng(1).normal(size=family.unknowns * 6)
+    for _ in range(6):
+        unknowns *= 0.85 / prove(family.motion(unknowns), CASE, 2000.0).worst_ratio
+    program = excitation_program(family.motion(unknowns), CASES[name], ())
+    return dialect(name.split()[0]).load().write(program, CASES[name]).decode("ascii")
+
+
+def tenfold(match: re.Match[str]) -> str:
+    return f"F{10 * float(match[1]):.6f}"
+
+
+def changed(text: str, pattern: str, new: str | Callable[[re.Match[str]], str], which: int = 0) -> str:
+    """The text with one match replaced; it must exist."""
+    found = list(re.finditer(pattern, text, re.MULTILINE))
+    assert found, f"{pattern!r} is not in the program"
+    match = found[which]
+    return text[: match.start()] + (match.expand(new) if isinstance(new, str) else new(match)) + text[match.end() :]
+
+
+EVERY_DIALECT = {
+    "a feed ten times as high": (r"F(\d{3,}\.\d+)$", tenfold),
+    "the feed home ten times as high": (r"F3000$", "F30000"),
+    "home at a rapid": (r"^(?:G94 )?G0?1( .*)F3000$", r"G0\1"),
+    "no way home": (r"^.*F3000\n", ""),
+    "a height below ground": (r"Z920", "Z-920"),
+    "a height without its last digit": (r"Z920", "Z92"),
+    "a coordinate without its decimal point": (r"(A2?=?5)\.7", r"\g<1>7"),
+    "a position ten times as far": (r"X50 ", "X500 "),
+    "axes exchanged": (r"X50 Y-30 Z920", "Z50 Y-30 X920"),
+    "incremental coordinates": (r"\bG90\b", "G91"),
+    "no kind of coordinates": (r"\bG90\b", ""),
+    "feed per revolution": (r"\bG94\b", "G95"),
+    "a second start in the middle": (r"(?s)(.*)", r"\1\1"),
+    "no end": (r"^M(2|30)$", ""),
+}
