@@ -13,17 +13,14 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pacsv
 
-from cases.recording_columns import BAR_FORCES, ROTATION, STRUTS, WRENCH
+from cases.recording_columns import STRUTS
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.assembly import forces_of as force_columns
+from identification.formats.assembly import force_columns
 from identification.formats.run import files_of, read_batches, read_recording, read_run
-from identification.formats.stream import Recording, Stream
+from identification.formats.stream import Recording
 
-__all__ = [
-    "BAR_FORCES", "ROTATION", "STRUTS", "WRENCH", "Recording", "Stream", "files_of", "force_columns", "read_batches",
-    "read_recording", "read_run", "write_recording",
-]  # fmt: skip
+__all__ = ["Recording", "files_of", "force_columns", "read_batches", "read_recording", "read_run", "write_recording"]
 
 
 def write_recording(file: Path, recording: Recording, case: Case) -> None:

@@ -7,9 +7,7 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from identification.estimation.compressed import Compressed, compress, determined, fit_along, inverse_root
-from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, long_run_covariance
-
-__all__ = ["UNFILTERED", "Filtered", "Fit", "gauss_markov", "long_run_covariance", "per_channel", "require_alive"]
+from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit
 
 Array = NDArray[np.float64]
 

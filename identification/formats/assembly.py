@@ -46,7 +46,7 @@ _SHIFTED: dict[StreamName, tuple[str, ...]] = {
 }
 
 
-def forces_of(case: Case) -> tuple[str, ...]:
+def force_columns(case: Case) -> tuple[str, ...]:
     """Names of the force columns of a case's sensor frame."""
     return BAR_FORCES if case.sensor_frame.bars is not None else WRENCH
 
@@ -100,7 +100,7 @@ def start_of(table: Table, form: RecordingFormat) -> Fraction:
 
 def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
     table = found.table
-    forces = _group(table, form, forces_of(case))
+    forces = _group(table, form, force_columns(case))
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
     if trigger is not None:
@@ -124,7 +124,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
         missing_in=found.columns,
     )
     if not stream.channels:
-        raise RecordingError(f"{table.source}: {_nothing(table, forces_of(case), form)}")
+        raise RecordingError(f"{table.source}: {_nothing(table, force_columns(case), form)}")
     require_rotations(stream)
     if STRUTS[0] in table.values:
         require_reach(stream, case, form)

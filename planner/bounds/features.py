@@ -66,18 +66,17 @@ class Features:
         return np.asarray(np.einsum("nij,nj->ni", self.tables(states[:, 3:6]), s))
 
     def matrices(self, shares: Array) -> Array:
-        """W^1/2 A in reference scaling of states given as shares, shape (n, 6, u)."""
+        """A in reference scaling of states given as shares, shape (n, 6, u)."""
         return np.asarray(np.einsum("nk,kai->nai", self.of(shares), self.coefficients, optimize=True))
 
 
-def box_features(case: Case, model: Model, scaling: Array, weights: Array | None = None) -> Features:
+def box_features(case: Case, model: Model, scaling: Array) -> Features:
     """The features of a case and model.
 
     Args:
         case: gives the box.
         model: gives A.
         scaling: reference scaling, shape (u,).
-        weights: diagonal of W, shape (6,); its root multiplies the rows of A. W = 1 unless given.
 
     Raises:
         CaseError: the case has no machine or no limits.
@@ -86,10 +85,7 @@ def box_features(case: Case, model: Model, scaling: Array, weights: Array | None
     box = limits.motion
     middle = np.r_[machine.home.vector + box.pose.mean(axis=0), np.zeros(12)]
     half = np.r_[(box.pose[1] - box.pose[0]) / 2, box.rate, box.acceleration]
-    coefficients = _coefficients(model) * scaling
-    if weights is not None:
-        coefficients = coefficients * np.sqrt(weights)[:, None]
-    return Features(coefficients, _table(model, middle, half), middle, half)
+    return Features(_coefficients(model) * scaling, _table(model, middle, half), middle, half)
 
 
 def _coefficients(model: Model) -> Array:

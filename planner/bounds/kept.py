@@ -9,13 +9,11 @@ proof in `planner.bounds.tight_certificate`.
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from hashlib import sha256
 from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from platformdirs import user_cache_path
 
 from cases.errors import FileProblem, HexciteError
@@ -26,8 +24,6 @@ from identification.reference import reference_scaling
 from planner.bounds.design import Design, optimal_design
 from planner.bounds.features import box_features
 from planner.bounds.tight import tight_design
-
-Array = NDArray[np.float64]
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
 ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound that ran out of time, an estimate"
@@ -87,7 +83,6 @@ def box_bound(
     case: Case,
     model: Model,
     cache: Path | None = None,
-    weights: Array | None = None,
     time_limit: float = TIME_LIMIT,
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
@@ -98,7 +93,6 @@ def box_bound(
         case: gives the box.
         model: gives A.
         cache: folder of the cache; the user's cache folder unless given.
-        weights: diagonal of W, shape (6,); W = 1 unless given.
         time_limit: processor time after which the answer is an estimate [s].
         renew: compute an estimate of the cache again.
         progress: told the state of things now and then.
@@ -106,18 +100,17 @@ def box_bound(
     Raises:
         CaseError: the case has no machine or no limits.
     """
-    file = _file("box", case, model, cache, weights)
+    file = _file("box", case, model, cache)
     known = _known(file, model)
     if known is not None and (known.certified or not renew):
         return known
-    return _kept(file, compute_bound(case, model, weights, time_limit, progress))
+    return _kept(file, compute_bound(case, model, time_limit, progress))
 
 
 def tight_bound(
     case: Case,
     model: Model,
     cache: Path | None = None,
-    weights: Array | None = None,
     time_limit: float = TIME_LIMIT,
     renew: bool = False,
     progress: Callable[[str], None] = lambda _: None,
@@ -130,26 +123,24 @@ def tight_bound(
     Raises:
         HexciteError: the convex optimisation failed.
     """
-    file = _file("tight", case, model, cache, weights)
+    file = _file("tight", case, model, cache)
     known = _known(file, model)
     if known is not None and known.certified and not renew:
         return known
-    found = compute_tight_bound(case, model, weights, time_limit, progress)
+    found = compute_tight_bound(case, model, time_limit, progress)
     if known is not None and (known.certified, -known.logdet) >= (found.certified, -found.logdet):
         return known
     return _kept(file, found)
 
 
-def known_tight_bound(
-    case: Case, model: Model, cache: Path | None = None, weights: Array | None = None
-) -> Bound | None:
+def known_tight_bound(case: Case, model: Model, cache: Path | None = None) -> Bound | None:
     """What `tight_bound` has found before, or None."""
-    return _known(_file("tight", case, model, cache, weights), model)
+    return _known(_file("tight", case, model, cache), model)
 
 
-def _file(kind: str, case: Case, model: Model, cache: Path | None, weights: Array | None) -> Path:
+def _file(kind: str, case: Case, model: Model, cache: Path | None) -> Path:
     folder = cache if cache is not None else user_cache_path("hexcite") / "bounds"
-    return folder / f"{case.hash}-model{model.number}-{kind}-{_label(weights)}-v{VERSION}.json"
+    return folder / f"{case.hash}-model{model.number}-{kind}-equal-v{VERSION}.json"  # equal: W = 1
 
 
 def _known(file: Path, model: Model) -> Bound | None:
@@ -168,13 +159,6 @@ def _kept(file: Path, bound: Bound) -> Bound:
     with suppress(FileProblem):  # without a writable cache it is computed anew each time
         write_text(file, json_text(asdict(bound)))
     return bound
-
-
-def _label(weights: Array | None) -> str:
-    """The weights in a file name."""
-    if weights is None:
-        return "equal"
-    return sha256(np.ascontiguousarray(weights, dtype=float).tobytes()).hexdigest()[:12]
 
 
 def _read(file: Path, size: int) -> Bound:
@@ -199,12 +183,11 @@ def _read(file: Path, size: int) -> Bound:
 def compute_bound(
     case: Case,
     model: Model,
-    weights: Array | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
     """Computes the bound; arguments as in `box_bound`."""
-    features = box_features(case, model, reference_scaling(case, model), weights)
+    features = box_features(case, model, reference_scaling(case, model))
     design = optimal_design(features, GAP, process_time() + time_limit, progress)
     return _bound(design, len(model.parameters))
 
@@ -212,12 +195,11 @@ def compute_bound(
 def compute_tight_bound(
     case: Case,
     model: Model,
-    weights: Array | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
     """Computes the tighter bound; arguments as in `box_bound`."""
-    features = box_features(case, model, reference_scaling(case, model), weights)
+    features = box_features(case, model, reference_scaling(case, model))
     design = tight_design(case, features, TIGHT_GAP, process_time() + time_limit, progress, aim=TIGHT_AIM)
     size = len(model.parameters)
     logdet, proven = (design.logdet + size * float(np.log(value / size)) for value in (design.dmax, design.proven))

@@ -57,14 +57,12 @@ class Recommendation(NamedTuple):
 
     Args:
         best: its name; None where nothing can be compared.
-        per_second: the best per second of measuring time; None where times are unknown.
         level: what the figures are: planned, executed or identified.
         ratios: geometric mean of the standard deviations of each, over the best one's.
         sentences: why.
     """
 
     best: str | None
-    per_second: str | None
     level: str
     ratios: Mapping[str, float]
     sentences: tuple[str, ...]
@@ -82,10 +80,10 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
         level = "mixed"
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     if len(chosen) < 2:
-        return Recommendation(None, None, "", {}, ("there is nothing to choose from: name two excitations or more",))
+        return Recommendation(None, "", {}, ("there is nothing to choose from: name two excitations or more",))
     names = [n for n in chosen[0].parameters if all(n in e.parameters for e in chosen)]
     if not names:
-        return Recommendation(None, None, level, {}, ("they have no parameter in common",))
+        return Recommendation(None, level, {}, ("they have no parameter in common",))
     for entry in chosen:
         missing = sorted({n for e in chosen for n in e.parameters} - set(entry.parameters))
         if missing:
@@ -106,14 +104,13 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
         others = [chosen[k].name for k in order if not chosen[k].warnings]
         instead = f"; without warnings the best is {others[0]}" if others else ""
         sentences.insert(1, f"see to the warnings of {best.name} before you rely on it{instead}")
-    fastest = None
     if all(times):
         rates = sizes + 0.5 * np.log([float(t or 1.0) for t in times])
         fastest = chosen[int(np.argmin(rates))].name
         if fastest != best.name:
             sentences.append(f"per second of measuring time {fastest} tells most")
     ratios = {e.name: float(np.exp(s - sizes.min())) for e, s in zip(chosen, sizes, strict=True)}
-    return Recommendation(best.name, fastest, level, ratios, tuple(sentences))
+    return Recommendation(best.name, level, ratios, tuple(sentences))
 
 
 def _size(entry: Entry, names: Iterable[str]) -> float:

@@ -78,22 +78,19 @@ def add_forward(
     return Addition(np.array(chosen), np.array(values), False)
 
 
-def exchange(
-    regressors: Array, criterion: PoseCriterion, chosen: Index, done: Callable[[int], None] = lambda _: None
-) -> Index:
+def exchange(regressors: Array, criterion: PoseCriterion, chosen: Index) -> Index:
     """Replaces one chosen pose after the other by the best candidate in its place, until nothing improves.
 
     Args:
         regressors: scaled, of all candidates, shape (n, 6, u).
         criterion: what to make large.
         chosen: indices to start from; their regressors together of full rank, also without any one of them.
-        done: called with the number of exchanges after each sweep.
 
     Returns:
         Indices, ascending; never worse than `chosen`.
     """
     current = np.array(chosen)
-    value, exchanges = float(criterion.value(total_information(regressors[current]))), 0
+    value = float(criterion.value(total_information(regressors[current])))
     for _ in range(SWEEPS):
         before = value
         for place in range(len(current)):
@@ -105,8 +102,6 @@ def exchange(
             if after[best] > value + LEAST_IMPROVEMENT * abs(value):
                 current[place] = candidates[best]
                 value = float(criterion.value(total_information(regressors[current])))
-                exchanges += 1
-        done(exchanges)
         if value <= before + LEAST_IMPROVEMENT * abs(before):
             break
     return np.sort(current)

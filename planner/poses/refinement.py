@@ -30,13 +30,11 @@ class Refinement:
     Args:
         poses: shape (n, 6) [m, rad]; the start where nothing better was found.
         value: of the criterion, exact.
-        start_value: of the criterion at the start.
         status: what the solver said.
     """
 
     poses: Array
     value: float
-    start_value: float
     status: str
 
 
@@ -74,8 +72,8 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     refined = space.poses(space.project(found["x"].full().reshape(count, SIZE)), poses[:, 2])
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and valid_poses(case, refined).all()):
-        return Refinement(poses, before, before, f"{status}; nothing better found")
-    return Refinement(refined, after, before, status)
+        return Refinement(poses, before, f"{status}; nothing better found")
+    return Refinement(refined, after, status)
 
 
 def _value(model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> float:

@@ -38,11 +38,6 @@ class Reduction:
     values: Array
     kept: Index
 
-    def kept_at(self, count: int) -> Index:
-        """The poses that were left when there were `count` of them, ascending."""
-        back = len(self.removed) - (count - len(self.kept))
-        return np.sort(np.r_[self.kept, self.removed[back:]])
-
 
 def full_rank(regressors: Array) -> bool:
     """Whether poses together determine all parameters: singular values against the paper's numerical zero (Fig. 3)."""

@@ -164,17 +164,16 @@ def plain(text: str) -> str:
     return html.escape(text, quote=False)
 
 
-def thinned(x: Array, y: Array, most: int = MOST_POINTS) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """A line with at most `most` points that looks the same: of each stretch its lowest and its highest sample.
+def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """A line with at most `MOST_POINTS` points that looks the same: of each stretch its lowest and its highest sample.
 
     Args:
         x: shape (n,).
         y: shape (n,).
-        most: points that are left, at least 4.
     """
-    if len(x) <= most:
+    if len(x) <= MOST_POINTS:
         return x.astype(np.float32), y.astype(np.float32)
-    size = -(-len(x) // (most // 2))
+    size = -(-len(x) // (MOST_POINTS // 2))
     stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
     both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
     kept = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))

@@ -3,7 +3,6 @@
 `calibration.schema.json` beside this file is the JSON Schema of `Document`. SI units and radians throughout.
 """
 
-import json
 from importlib.metadata import version
 from typing import Annotated, Literal
 
@@ -136,8 +135,3 @@ def document(calibration: Calibration) -> Document:
 def json_document(calibration: Calibration) -> str:
     """The text of the file."""
     return document(calibration).model_dump_json(indent=2) + "\n"
-
-
-def json_schema() -> str:
-    """The JSON Schema of the file."""
-    return json.dumps(Document.model_json_schema(), indent=2) + "\n"

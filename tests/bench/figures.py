@@ -17,7 +17,8 @@ from identification.identify import identify
 from identification.recording import read_recording, write_recording
 from identification.simulate import simulate_recording
 from planner.cli.console import print_table
-from planner.runs.running import execute, linuxcnc_missing
+from planner.runs.running import execute
+from postprocessors.execute.linuxcnc.running import linuxcnc_missing
 from tests.bench.building import building_rows
 from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised

@@ -6,8 +6,7 @@ from pathlib import Path
 from subprocess import CalledProcessError
 
 from cases.loading import load_case
-from planner.runs.running import linuxcnc_missing
-from postprocessors.execute.linuxcnc.running import run_linuxcnc
+from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import read_program

@@ -87,7 +87,8 @@ def table_5(case: Case) -> Table5:
     reductions["Q5K'"] = reduce_smallest_change(scaled, POSE_CRITERIA["K"], 1)
     deviations = {"Q5M": group_deviations(unscaled, case, PUBLISHED["Q5M"])}
     for name, reduction in reductions.items():
-        deviations[name] = group_deviations(unscaled[reduction.kept_at(LEFT)], case, PUBLISHED[name.rstrip("'")])
+        left = np.setdiff1d(np.arange(len(unscaled)), reduction.removed[: len(unscaled) - LEFT])
+        deviations[name] = group_deviations(unscaled[left], case, PUBLISHED[name.rstrip("'")])
     return Table5(deviations, {name: len(r.kept) for name, r in reductions.items()})
 
 

@@ -7,7 +7,7 @@ from scipy import stats
 
 from cases.loading import load_case
 from cases.sensors import RigidBody, Truth
-from identification.estimation.estimator import Fit
+from identification.estimation.fit import Fit
 from identification.model import identification_model, regressors
 from identification.parameters import linear_parameters, physical_form
 from tests.helpers import Harmonic

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from identification.estimation.estimator import gauss_markov, long_run_covariance
+from identification.estimation.estimator import gauss_markov
+from identification.estimation.fit import long_run_covariance
 
 
 def auto_regressive(phi: float, count: int, seed: int, columns: int = 1) -> np.ndarray:

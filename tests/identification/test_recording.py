@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
+from cases.recording_columns import BAR_FORCES, STRUTS
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.recording import BAR_FORCES, STRUTS, Recording, read_recording, write_recording
+from identification.recording import Recording, read_recording, write_recording
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line
 from tests.simulated_machine import PoseExecution

@@ -7,8 +7,9 @@ import pytest
 
 from cases.errors import RecordingError
 from cases.loading import load_case
+from cases.recording_columns import ROTATION
 from cases.schema import Case
-from identification.recording import ROTATION, read_recording
+from identification.recording import read_recording
 from tests.helpers import one_line
 
 CASE = load_case("hexapod")

@@ -4,7 +4,6 @@ import json
 from dataclasses import asdict, replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from cases.schema import Case
@@ -104,13 +103,6 @@ def test_the_cache_lies_where_the_system_wants_it(computed: list[str], hexapod_c
     (file,) = cache.rglob(f"{hexapod_case.hash}-model1-*.json")
     assert json.loads(file.read_text())["method"] == KNOWN.method
     file.unlink()
-
-
-def test_weights_are_kept_apart(computed: list[str], hexapod_case: Case, tmp_path: Path):
-    model = identification_model(hexapod_case, 0)
-    for weights in (None, np.ones(6), np.arange(1.0, 7.0), np.arange(1.0, 7.0)):
-        box_bound(hexapod_case, model, tmp_path, weights)
-    assert len(computed) == len(list(tmp_path.iterdir())) == 3
 
 
 def test_an_estimate_is_known_as_one_and_renewed_on_request(

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
+from cases.recording_columns import BAR_FORCES, STRUTS
 from identification.hexapod import Hexapod
-from identification.recording import BAR_FORCES, STRUTS, write_recording
+from identification.recording import write_recording
 from tests.helpers import Harmonic
 from tests.identification.repeating import Repeating, recorded
 from tests.planner.command_line import call, refused

@@ -5,7 +5,8 @@ import pytest
 
 from cases.errors import IdentificationError
 from identification.estimation import full_weights as module
-from identification.estimation.estimator import Filtered, gauss_markov, per_channel
+from identification.estimation.estimator import gauss_markov, per_channel
+from identification.estimation.fit import Filtered
 from identification.estimation.full_weights import full_weights
 from tests.helpers import one_line
 from tests.identification.moving_run import NAMES, SAMPLES, A, U, coverage, forces

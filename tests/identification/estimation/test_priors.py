@@ -5,7 +5,8 @@ import pytest
 
 from cases.errors import IdentificationError
 from identification.estimation import gauss_newton
-from identification.estimation.estimator import Filtered, Fit, gauss_markov
+from identification.estimation.estimator import gauss_markov
+from identification.estimation.fit import Filtered, Fit
 from identification.estimation.prior_estimation import PriorFit, with_priors
 from identification.estimation.priors import Prior, PseudoMeasurements
 from tests.helpers import one_line, paper_poses, taylor_slope

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from identification.formats import read_tables
+from identification.formats.reading import read_tables
 from identification.recording import read_recording
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, written

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
+from cases.recording_columns import BAR_FORCES, STRUTS
 from identification.hexapod import Hexapod
 from identification.recording import read_recording
 from tests.helpers import one_line
-from tests.identification.formats.runs import BAR_FORCES, HEXAPOD, STRUTS, Truth, case_with, csv, written
+from tests.identification.formats.runs import HEXAPOD, Truth, case_with, csv, written
 
 RUN = Truth()
 ORDER, SIGN = [2, 1, 3, 6, 5, 4], [1.0, -1.0, 1.0, 1.0, -1.0, -1.0]

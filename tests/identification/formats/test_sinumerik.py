@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.recording_columns import BAR_FORCES, STRUTS
 from identification.recording import read_recording
-from tests.identification.formats.runs import BAR_FORCES, STRUTS, Truth, case_with, csv, rows, written
+from tests.identification.formats.runs import Truth, case_with, csv, rows, written
 
 RUN = Truth(step=2e-3)
 SIGNALS = [f"+/Nck/!SD/nckServoDataActPos1stEnc32 [u1; {k}]" for k in range(1, 7)]

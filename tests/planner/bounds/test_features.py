@@ -29,16 +29,6 @@ def test_the_features_give_the_regressor(number: int):
     assert np.allclose(features.matrices(shares), expected, rtol=1e-10, atol=1e-12)
 
 
-def test_weights_multiply_the_squares_of_the_rows():
-    model = identification_model(CASE, 0)
-    scaling = reference_scaling(CASE, model)
-    weights = np.arange(1.0, 7.0)
-    shares = np.random.default_rng(0).uniform(-1.0, 1.0, (5, 18))
-    plain = box_features(CASE, model, scaling).matrices(shares)
-    weighted = box_features(CASE, model, scaling, weights).matrices(shares)
-    assert np.allclose(weighted**2, plain**2 * weights[:, None], rtol=1e-12)
-
-
 def test_the_form_gives_the_directional_derivative():
     features = features_of(9)
     shares = np.random.default_rng(1).uniform(-1.0, 1.0, (30, 18))

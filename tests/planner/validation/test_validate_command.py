@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
+from cases.recording_columns import STRUTS
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.loaded import Circumstances
-from identification.recording import STRUTS
 from tests.planner.browser import opened
 from tests.planner.command_line import call, hexcite, refused
 from tests.planner.validation.excitations import CASE, poses

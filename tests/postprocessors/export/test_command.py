@@ -109,7 +109,8 @@ def test_a_tared_result_says_so(tmp_path: Path, here: Path) -> None:
 
 
 def test_a_negative_mass_is_no_machine(tmp_path: Path, here: Path) -> None:
-    from tests.postprocessors.export.calibrations import identification_model, plausible
+    from identification.model import identification_model
+    from tests.postprocessors.export.calibrations import plausible
 
     u = plausible(CASE, identification_model(CASE, 9))
     u[0] = -1.0

@@ -11,14 +11,14 @@ from scipy.spatial.transform import Rotation
 from cases.loading import load_case
 from identification.model import identification_model
 from postprocessors.export import document as module
-from postprocessors.export.document import Document, json_document, json_schema
+from postprocessors.export.document import Document, json_document
 from tests.postprocessors.export.calibrations import calibration
 from tests.postprocessors.export.physics import external, states
 
 
 def test_the_schema_beside_the_code_is_the_documents() -> None:
     file = Path(module.__file__).with_name("calibration.schema.json")
-    assert file.read_text(encoding="utf-8") == json_schema()
+    assert file.read_text(encoding="utf-8") == json.dumps(Document.model_json_schema(), indent=2) + "\n"
 
 
 @pytest.mark.parametrize(("name", "number"), [("hexapod", 9), ("hexapod", 4), ("ft_wrist", 6)])
