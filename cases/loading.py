@@ -91,20 +91,20 @@ def load_case(name: str) -> Case:
     try:
         return Case.model_validate(data)
     except ValidationError as error:
-        raise _explained(path, data, error) from error
+        raise _explained(path, error) from error
 
 
-def _explained(path: Path, data: dict[str, Any], error: ValidationError) -> CaseError:
+def _explained(path: Path, error: ValidationError) -> CaseError:
     """The first problem in words; unknown keys come first, since a misspelt key also makes its right name missing."""
     problems = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
     first = problems[0]
     key = ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in first["loc"])
     key, others = key.replace(".[", "["), len(problems) - 1
     more = f" ({others} more problem{'s' if others > 1 else ''})" if others else ""
-    return CaseError(path, key, _words(first, data) + more)
+    return CaseError(path, key, _words(first) + more)
 
 
-def _words(problem: ErrorDetails, data: dict[str, Any]) -> str:
+def _words(problem: ErrorDetails) -> str:
     kind, value = problem["type"], problem["input"]
     if kind == "extra_forbidden":
         return _unknown_key(str(problem["loc"][-1]), list(_siblings(problem["loc"])))

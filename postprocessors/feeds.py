@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from cases.machine import MotionLimits
+from cases.units import MM
 from identification.trajectories.profile import Profile, StraightMove, TimeLaw
 from postprocessors.program import Arc, Array, PointToPoint
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.predicted import strut_move
+from postprocessors.wording import LENGTH_DECIMALS, as_written, feed
 
 NO_SLOWER = 1e-9
 HALVINGS = 80  # of the interval of the feed: down to its last bit
@@ -51,6 +53,19 @@ def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarant
     if isinstance(block, Arc):
         return high * block.move.length
     return high * float(np.linalg.norm(way[:3] if linear else way[3:]))
+
+
+def written_feed(block: PointToPoint, limits: MotionLimits, guarantees: Guarantees) -> tuple[bool, str]:
+    """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it.
+
+    Args:
+        block: the move, with its planned duration.
+        limits: that the controller is set up with.
+        guarantees: give its time law.
+    """
+    written = as_written(block.move)
+    linear = bool(np.any(np.round((written.end - written.start)[:3] / MM, LENGTH_DECIMALS) != 0.0))
+    return linear, feed(feed_of(PointToPoint(written), limits, guarantees, linear), linear)
 
 
 def strut_feed_of(move: StraightMove, limits: MotionLimits, guarantees: Guarantees) -> float | None:

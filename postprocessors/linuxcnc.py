@@ -28,7 +28,7 @@ from postprocessors.program import (
 from postprocessors.wording import (
     FEED_DECIMALS,
     PLANE_WORDS,
-    centre_words,
+    arc_words,
     comment_lines,
     coordinates,
     feed,
@@ -100,11 +100,9 @@ class _Writer:
         acceleration = float(np.min(self.acceleration[moves] / way[moves]))
         turning = float(np.sqrt(ARC_ACROSS * acceleration / abs(move.angle)))
         share = min(_trapezoid_speed(move.duration, ARC_ALONG * acceleration), turning)
-        ends = coordinates(move.end)
         full = abs(abs(move.angle) - 2 * np.pi) < FULL
-        words = [f"{'XYZABC'[k]}{ends[k]}" for k in (*(() if full else sorted((first, second))), 3, 4, 5)]
-        words += centre_words(move)
-        return f"{'G3' if move.angle > 0.0 else 'G2'} {' '.join(words)} F{feed(share * move.length, linear=True)}"
+        words = arc_words(move, "XYZABC", coordinates(move.end), full)
+        return f"{'G3' if move.angle > 0.0 else 'G2'} {words} F{feed(share * move.length, linear=True)}"
 
 
 def _trapezoid_speed(duration: float, acceleration: float) -> float:

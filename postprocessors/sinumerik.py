@@ -13,7 +13,7 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import TimedPoints, Trajectory
 from postprocessors.composing import moves_as_polynomials, timed_path
-from postprocessors.feeds import feed_of, strut_feed_of
+from postprocessors.feeds import feed_of, strut_feed_of, written_feed
 from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.program import (
     Arc,
@@ -35,13 +35,12 @@ from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     FEED_DECIMALS,
     PLANE_WORDS,
+    arc_words,
     as_written,
-    centre_words,
     comments,
     coordinates,
     digits,
     feed,
-    moves_origin,
     number,
 )
 
@@ -83,10 +82,7 @@ class _Writer:
                     f"G1 {self.pose(block.pose)} F{feed(block.feed, True)}",
                 ]
             case PointToPoint():
-                # Of the way as written: where X, Y, Z hardly move, rounding is much of what F counts.
-                written = as_written(block.move)
-                linear = moves_origin(written.start, written.end)
-                value = feed(feed_of(PointToPoint(written), self.limits, self.guarantees, linear), linear)
+                linear, value = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(linear), f"G1 {self.pose(block.move.end)} F{value}"]
             case StrutPointToPoint():
                 share = strut_feed_of(as_written(block.planned), self.limits, self.guarantees)
@@ -107,14 +103,9 @@ class _Writer:
                 return self.path(block.name, block.motion, timed_path(block.name, block.motion, self.block, 1.0))
 
     def arc(self, block: Arc) -> str:
-        move = block.move
-        first, second, _ = move.plane.axes
-        words = coordinates(move.end)
-        ends = [f"{'XYZ'[k]}{words[k]}" for k in sorted((first, second))]
-        ends += [f"{self.words[k]}{words[k]}" for k in (3, 4, 5)]
-        ends += centre_words(move)
+        words = arc_words(block.move, self.words, coordinates(block.move.end))
         value = feed(feed_of(block, self.limits, self.guarantees), True)
-        return f"{'G3' if move.angle > 0.0 else 'G2'} {' '.join(ends)} F{value}"
+        return f"{'G3' if block.move.angle > 0.0 else 'G2'} {words} F{value}"
 
     def path(self, name: str, motion: Trajectory, points: TimedPath) -> list[str]:
         if self.settings.path == "lines":

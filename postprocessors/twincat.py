@@ -10,7 +10,7 @@ from cases.controller_twincat import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
 from postprocessors.composing import timed_path
-from postprocessors.feeds import feed_of, strut_feed_of
+from postprocessors.feeds import feed_of, strut_feed_of, written_feed
 from postprocessors.program import (
     Arc,
     Array,
@@ -30,13 +30,12 @@ from postprocessors.proving.promises import twincat_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     PLANE_WORDS,
+    arc_words,
     as_written,
-    centre_words,
     comments,
     coordinates,
     digits,
     feed,
-    moves_origin,
     number,
 )
 
@@ -74,10 +73,7 @@ class _Writer:
                 move = f"G01 G60 {self.pose(block.pose)} F{feed(block.feed, True)}"
                 return ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *self.group(True), move]
             case PointToPoint():
-                # Of the way as written: where X, Y, Z hardly move, rounding is much of what F counts.
-                written = as_written(block.move)
-                linear = moves_origin(written.start, written.end)
-                value = feed(feed_of(PointToPoint(written), self.limits, self.guarantees, linear), linear)
+                linear, value = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(linear), f"G01 G60 {self.pose(block.move.end)} F{value}"]
             case StrutPointToPoint():
                 feed_of_struts = strut_feed_of(as_written(block.planned), self.limits, self.guarantees)
@@ -97,13 +93,9 @@ class _Writer:
                 return self.path(timed_path(block.name, block.motion, self.block, 1.0))
 
     def arc(self, block: Arc) -> str:
-        move = block.move
-        first, second, _ = move.plane.axes
-        words = self.coordinates(move.end)
-        ends = [f"{'XYZABC'[k]}{words[k]}" for k in (*sorted((first, second)), 3, 4, 5)]
-        ends += centre_words(move)
+        words = arc_words(block.move, "XYZABC", self.coordinates(block.move.end))
         value = feed(feed_of(block, self.limits, self.guarantees), True)
-        return f"{'G03' if move.angle > 0.0 else 'G02'} G60 {' '.join(ends)} F{value}"
+        return f"{'G03' if block.move.angle > 0.0 else 'G02'} G60 {words} F{value}"
 
     def path(self, path: TimedPath) -> list[str]:
         """The last point stops exactly; before it, every point belongs to the curve."""

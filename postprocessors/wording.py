@@ -2,6 +2,7 @@
 
 import re
 import textwrap
+from collections.abc import Sequence
 from dataclasses import replace
 from math import floor, log10
 
@@ -34,11 +35,20 @@ def coordinates(pose: Array) -> list[str]:
     return lengths + [number(v / DEG, ANGLE_DECIMALS) for v in pose[3:]]
 
 
-def centre_words(move: CircularMove) -> list[str]:
-    """Two of I, J, K: the centre relative to the start, as the block before has written it."""
+def arc_words(move: CircularMove, names: Sequence[str], values: Sequence[str], full: bool = False) -> str:
+    """Coordinates of an arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it.
+
+    Args:
+        move: the arc.
+        names: of the six coordinates.
+        values: of the six coordinates at its end.
+        full: leave out where the circle ends in its plane, as LinuxCNC wants it of a full one.
+    """
     axes = move.plane.axes[:2]
+    ends = [names[k] + values[k] for k in (*(() if full else sorted(axes)), 3, 4, 5)]
     offsets = move.centre / MM - np.round(move.start[list(axes)] / MM, LENGTH_DECIMALS)
-    return ["IJK"[k] + number(offset, LENGTH_DECIMALS) for k, offset in sorted(zip(axes, offsets, strict=True))]
+    centre = ["IJK"[k] + number(offset, LENGTH_DECIMALS) for k, offset in sorted(zip(axes, offsets, strict=True))]
+    return " ".join([*ends, *centre])
 
 
 def feed(speed: float, linear: bool) -> str:
@@ -67,8 +77,3 @@ def as_written(move: StraightMove) -> StraightMove:
     units = np.repeat([MM, DEG], 3)
     start, end = (np.array([float(word) for word in coordinates(pose)]) * units for pose in (move.start, move.end))
     return replace(move, start=start, end=end) if np.any(start != end) else move
-
-
-def moves_origin(start: Array, end: Array) -> bool:
-    """Whether X, Y or Z changes as written."""
-    return bool(np.any(np.round((end - start)[:3] / MM, LENGTH_DECIMALS) != 0.0))

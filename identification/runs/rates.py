@@ -46,7 +46,7 @@ def on_one_clock(recording: Recording, case: Case) -> Recording:
         return recording
     interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
     if interval < OVERSAMPLED * step:
-        return _at_the_forces(recording, motion, case)
+        return _at_the_forces(recording, motion)
     return _at_the_motion(recording, motion, interval, step, case)
 
 
@@ -245,7 +245,7 @@ def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: 
     return means
 
 
-def _at_the_forces(recording: Recording, motion: Stream, case: Case) -> Recording:
+def _at_the_forces(recording: Recording, motion: Stream) -> Recording:
     """Struts as fast as the forces or faster, on a clock of their own."""
     if recording.struts is not None:
         return recording
