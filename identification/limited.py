@@ -44,7 +44,17 @@ class Quantity:
     def between(
         cls, name: str, unit: str, labels: tuple[str, ...], values: Array, low: Array, high: Array, scale: float
     ) -> "Quantity":
-        """Two-sided limits: the share is the distance from their middle over half their width."""
+        """Two-sided limits: the share is the distance from their middle over half their width.
+
+        Args:
+            name: of the quantity.
+            unit: in which people read it.
+            labels: of its k columns.
+            values: shape (n, k) [SI].
+            low: shape (k,) [SI].
+            high: shape (k,) [SI].
+            scale: the unit in SI.
+        """
         values = np.asfortranarray(values)  # column by column, or every operation below goes through rows of three
         ratio = values - (low + high) / 2
         np.abs(ratio, out=ratio)

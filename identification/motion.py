@@ -67,9 +67,7 @@ class TimedPoints:
     Args:
         times: shape (k,), strictly increasing from 0 [s].
         poses: shape (k, 6) [m, rad].
-
-    Raises:
-        ValueError: fewer than two points, or times that do not increase.
+        spline: through them.
     """
 
     times: Array
@@ -78,7 +76,11 @@ class TimedPoints:
 
     @classmethod
     def through(cls, times: ArrayLike, poses: ArrayLike) -> "TimedPoints":
-        """Interpolates; see the class."""
+        """Interpolates between times, shape (k,) [s], and poses, shape (k, 6) [m, rad].
+
+        Raises:
+            ValueError: fewer than two points, or times that do not increase from 0.
+        """
         from scipy.interpolate import make_interp_spline  # half a second that programs of moves can do without
 
         t, p = np.asarray(times, dtype=float), np.asarray(poses, dtype=float)

@@ -111,7 +111,12 @@ class Filter(NamedTuple):
         return np.asarray(curvature / (curvature @ t**2 / 2))
 
     def require(self, values: Array, delay: float) -> None:
-        """Raises RecordingError where there are fewer samples than the filter is long, ValueError beyond its reach."""
+        """Whether values, shape (n, ..), can be filtered at a delay [s].
+
+        Raises:
+            RecordingError: fewer samples than the filter is long.
+            ValueError: the delay is beyond the filter's reach.
+        """
         if abs(delay) > self.reach:
             raise ValueError(f"delay {delay:g} s is beyond the filter's reach of {self.reach:g} s")
         if len(values) <= 2 * self.margin + 1:

@@ -162,7 +162,19 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
 def sensed(
     case: Case, run: Moved, trigger_times: Array, seed: int, source: str, around: Circumstances
 ) -> tuple[Recording, ForceParts]:
-    """The recording of what the machine did, and what its true forces consist of; see `simulate_recording`."""
+    """The recording of what the machine did, and what its true forces consist of.
+
+    Args:
+        case: with a simulated machine.
+        run: what it did.
+        trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
+        seed: of the noise.
+        source: name of the recording, for messages.
+        around: what is mounted and what disturbs.
+
+    Raises:
+        CaseError: the case describes no simulated machine.
+    """
     simulation = case.need_simulation("the simulation of sensor forces")
     parts = force_parts(case, run.felt, 1.0 / simulation.encoder_rate_Hz, around, run.fields)
     forces = parts.total

@@ -62,6 +62,14 @@ def predicted_std_of(
 ) -> dict[str, float]:
     """Standard deviations of the physical parameters for one run of a motion at 1 kHz, by weights and noise.
 
+    Args:
+        case: gives the nominal body and the weights.
+        model: gives A.
+        scaling: of its columns, shape (u,).
+        motion: of the run.
+        noise: of the forces.
+        payload: how many weights are mounted.
+
     Raises:
         CaseError: the case has no nominal body.
     """
@@ -78,6 +86,13 @@ def worst_std(
     """Largest predicted standard deviation of each parameter over numbers of payloads, and the number that has it.
 
     Each run has the noise and weights of what is mounted; the fewest payloads count where several are alike.
+
+    Args:
+        case: gives the nominal body and the weights.
+        model: gives A.
+        scaling: of its columns, shape (u,).
+        motion: of the run.
+        payloads: numbers of weights.
 
     Raises:
         CaseError: the case has no nominal body, or fewer payloads.

@@ -56,7 +56,7 @@ class ExpectedNoise:
 
     @property
     def scatter(self) -> Array | None:
-        """R with R^T R = W C W, C the noise, in units of the sensors': A^T R^T R A is what the score scatters by.
+        """R, shape (6, 6), with R^T R = W C W, C the noise, in the sensors' units: the score scatters by A^T R^T R A.
 
         None where W is right for the noise, when that is the information itself.
         """
@@ -99,5 +99,5 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
 
 
 def seen_through(model: Model, root: Array | None) -> Model:
-    """The model whose information is A^T W A, W the square of `root`; the model itself where that is None."""
+    """The model whose information is A^T W A, W the square of `root`, shape (6, 6); the model itself where None."""
     return model if root is None else replace(model, whitening=root)

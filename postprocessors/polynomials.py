@@ -50,7 +50,7 @@ class Deviation:
 
 
 def knots(motion: Trajectory) -> Array:
-    """Instants at which a motion changes from one polynomial to the next; its ends where it is none [s]."""
+    """Instants at which a motion changes from one polynomial to the next, shape (k,) [s]; its ends where it is none."""
     if isinstance(motion, PolynomialMotion):
         return motion.times
     if isinstance(motion, StraightMove) and isinstance(motion.profile, Profile):

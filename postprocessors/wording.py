@@ -30,7 +30,7 @@ def number(value: float, decimals: int) -> str:
 
 
 def coordinates(pose: Array) -> list[str]:
-    """The six numbers of a pose in mm and degrees."""
+    """The six numbers of a pose, shape (6,) [m, rad], in mm and degrees."""
     lengths = [number(v / MM, LENGTH_DECIMALS) for v in pose[:3]]
     return lengths + [number(v / DEG, ANGLE_DECIMALS) for v in pose[3:]]
 

@@ -190,7 +190,16 @@ def widened(fit: Fit, moves: Array, covariance: Array) -> Fit:
 
 
 def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array, w: Array, biases: Biases) -> Fit:
-    """The fit with the uncertainty of offsets that it took from another result."""
+    """The fit with the uncertainty of offsets that it took from another result.
+
+    Args:
+        fit: with the offsets held.
+        model: gives the places of the offsets in u.
+        basis: of what was free, shape (u, free).
+        matrices: A, shape (n, 6, u).
+        w: W for one sample, shape (6, 6).
+        biases: the offsets and their covariance.
+    """
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
     moves[offsets] += np.eye(6)

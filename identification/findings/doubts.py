@@ -46,7 +46,7 @@ def require_sense(model: Model, fit: Fit) -> None:
 
 
 def require_scale(model: Model, values: Array, case: Case) -> None:
-    """Raises IdentificationError where the mass is a thousandth or a thousand times what the case expects."""
+    """Raises IdentificationError where the mass in u, shape (u,), is a thousandth or a thousand times the expected."""
     if MASS not in model.blocks or case.nominal is None:
         return
     mass, expected = float(values[model.names.index("m")]), case.nominal.mass_kg
@@ -60,14 +60,14 @@ def require_scale(model: Model, values: Array, case: Case) -> None:
 
 
 def require_wiring(regressors: Array, forces: Array, fit: Fit) -> None:
-    """Raises IdentificationError where the forces fit far better in other places than in those they have."""
+    """Raises IdentificationError where the forces, shape (n, 6), fit A, shape (n, 6, u), far better in other places."""
     wiring = other_wiring(regressors, forces, fit.weights)
     if wiring is not None:
         raise IdentificationError(wiring)
 
 
 def doubts(fit: Fit, forces: Array) -> list[str]:
-    """What an estimate itself says against its standard deviations, or against its model."""
+    """What an estimate of forces, shape (n, 6), itself says against its standard deviations, or against its model."""
     warnings = list(fit.doubts)
     white, robust = (np.diag(c) for c in (fit.covariance, fit.covariance_robust))
     ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))

@@ -138,7 +138,7 @@ def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
 
     Args:
         lines: where the rows stand.
-        rows: before each of the gaps, counted from 0.
+        rows: before each of the gaps, counted from 0, shape (gaps,).
         count: samples that are missing in all.
     """
     named = [lines.place(int(k)).rsplit(" ", 1)[1] for k in rows[:MOST_NAMED]]

@@ -85,7 +85,11 @@ def streams_of(
 
 
 def start_of(table: Table, form: RecordingFormat) -> Fraction:
-    """Time of the first sample [s], exact: epochs in ns leave no digits for a double to round."""
+    """Time of the first sample [s], exact: epochs in ns leave no digits for a double to round.
+
+    Raises:
+        RecordingError: columns of one clock are shifted by different times.
+    """
     assert table.stamps is not None
     shifts = {form.clock.offset_s.get(name, 0.0) for name, columns in _SHIFTED.items() if {*columns} & {*table.values}}
     if len(shifts) > 1:

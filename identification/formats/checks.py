@@ -55,7 +55,7 @@ def require_increasing(table: Table, form: RecordingFormat, before: float | int 
 
 
 def require_override(table: Table, override: Array, form: RecordingFormat) -> None:
-    """Raises RecordingError at the first feed override that no control has."""
+    """Raises RecordingError at the first feed override, shape (n,), that no control has."""
     wrong = (override < 0.0) | (override > MOST_OVERRIDE)
     if wrong.any():
         row = int(np.argmax(wrong))
@@ -67,7 +67,7 @@ def require_override(table: Table, override: Array, form: RecordingFormat) -> No
 
 
 def require_switch(table: Table, trigger: Array, form: RecordingFormat) -> None:
-    """Raises RecordingError at the first value of the trigger that is neither 0 nor 1."""
+    """Raises RecordingError at the first value of the trigger, shape (n,), that is neither 0 nor 1."""
     wrong = (trigger != 0.0) & (trigger != 1.0)
     if wrong.any():
         row = int(np.argmax(wrong))

@@ -59,7 +59,7 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
 
 
 def require_step(source: str, t: Array, lines: Lines, step: float) -> None:
-    """Raises RecordingError where a piece of a run is not sampled at the step of the run [s], gaps apart."""
+    """Raises RecordingError where a piece of a run, t of shape (n,) [s], is not sampled at its step [s], gaps apart."""
     steps = np.diff(t)
     off = np.abs(steps - step) > UNIFORMITY * step
     if not off.any():

@@ -55,7 +55,7 @@ class PeriodScatter(NamedTuple):
         return np.asarray((total[end] - total[first]) / (end - first)[:, None, None])
 
     def covariance(self, harmonics: int) -> Array:
-        """What does not repeat, up to a harmonic, as covariance of white noise of the samples, (channels, channels)."""
+        """What does not repeat, up to a harmonic, as covariance of white noise, shape (channels, channels)."""
         samples = sum(len(rows) for rows in self.rows)
         return np.asarray(self.smoothed(harmonics, 1).real.mean(axis=0) * samples)
 

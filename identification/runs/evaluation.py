@@ -99,7 +99,7 @@ class Run:
 
     @property
     def forces(self) -> Array:
-        """The same behind the filter."""
+        """The same behind the filter, shape (n, 6) [N, or N and N m]."""
         return decimated(self.filter, self.recording.forces, self.rows, [(0, 0.0)])[0]
 
     def regressors(self, delay: float) -> Array:

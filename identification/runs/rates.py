@@ -73,7 +73,7 @@ class Rhythm(NamedTuple):
 
 
 def changes_of(struts: Array) -> NDArray[np.int64]:
-    """Rows that differ from the one before."""
+    """Rows of struts, shape (n, 6), that differ from the one before, shape (changes,)."""
     return np.flatnonzero(np.any(np.diff(struts, axis=0) != 0.0, axis=1)) + 1
 
 

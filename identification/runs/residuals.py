@@ -57,7 +57,7 @@ class Residuals:
         return np.asarray(self.seen - self.predicted)
 
     def spectrum(self) -> tuple[Array, Array]:
-        """Amplitude spectral density of each channel, by Welch's method: frequencies [Hz] and [N/sqrt(Hz)], (k, 6).
+        """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)].
 
         Raises:
             ValueError: standstills have no spectrum.

@@ -102,6 +102,9 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
     Args:
         recording: with struts and a clock.
         windows: of at least ten rows each.
+
+    Raises:
+        RecordingError: a standstill has too few samples with all values.
     """
     assert recording.struts is not None
     bad = unmeasured(recording).bad

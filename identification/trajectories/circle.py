@@ -131,6 +131,9 @@ def fastest_circle(
         acceleration: limits, shape (6,).
         jerk: limits, shape (6,).
         end_angles: roll, pitch, yaw at the end, shape (3,) [rad]; those of the start where None.
+
+    Raises:
+        ValueError: it cannot be slowed into its limits.
     """
     pose = np.asarray(start, dtype=float)
     turned = pose[3:] if end_angles is None else np.asarray(end_angles, dtype=float)

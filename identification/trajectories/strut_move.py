@@ -55,7 +55,7 @@ class StrutMove:
 
     @classmethod
     def between(cls, hexapod: Hexapod, start: Array, end: Array, profile: TimeLaw) -> "StrutMove":
-        """The move between two poses, by forward kinematics (7).
+        """The move between two poses, shapes (6,) [m, rad], by forward kinematics (7).
 
         Raises:
             NoStrutMove: the struts do not close on the way, or close in another assembly.

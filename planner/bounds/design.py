@@ -92,7 +92,15 @@ def _products(matrices: Array) -> Array:
 
 
 def improved_weights(products: Array, weights: Array, size: int, gap: float, steps: int = STEPS) -> Array:
-    """w_i <- w_i d_i / u, which never lowers log det F (Titterington 1976), until max d <= u (1 + gap)."""
+    """w_i <- w_i d_i / u, which never lowers log det F (Titterington 1976), until max d <= u (1 + gap).
+
+    Args:
+        products: A_i^T A_i of each state as a row, shape (n, u * u).
+        weights: to start from, shape (n,), adding up to 1.
+        size: u.
+        gap: see above.
+        steps: at most.
+    """
     for step in range(steps):
         inverse = np.linalg.inv((weights @ products).reshape(size, size))
         derivative = products @ inverse.ravel()
@@ -102,8 +110,8 @@ def improved_weights(products: Array, weights: Array, size: int, gap: float, ste
         if step % 100 == 99:  # what has no weight left costs time only
             used = weights > NEGLIGIBLE * weights.max()
             if used.mean() < 0.8:
-                products_used = improved_weights(products[used], weights[used], size, gap, steps - step - 1)
+                left = improved_weights(products[used], weights[used], size, gap, steps - step - 1)
                 weights = np.zeros(len(weights))
-                weights[used] = products_used
+                weights[used] = left
                 break
     return np.asarray(weights / weights.sum())

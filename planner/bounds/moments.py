@@ -135,7 +135,13 @@ class Multipliers:
 
 
 def combined(moments: Moments, of_equal: Array, of_at_most: Array) -> Multipliers:
-    """One function from multipliers of each constraint; those of inequalities below 0 are rounding and become 0."""
+    """One function from multipliers of each constraint; those of inequalities below 0 are rounding and become 0.
+
+    Args:
+        moments: the constraints.
+        of_equal: multipliers of the equalities, shape (equalities,).
+        of_at_most: multipliers of the inequalities, shape (inequalities,).
+    """
     positive = np.maximum(of_at_most, 0.0)
     total = of_equal @ moments.equal + positive @ moments.at_most
     return Multipliers(

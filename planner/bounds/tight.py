@@ -159,7 +159,16 @@ def _best_weights(features: Features, moments: Moments, states: Array) -> tuple[
 
 
 def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) -> tuple[Array, Array]:
-    """Distinct local maxima of h, coordinate by coordinate from many starts; states and values."""
+    """Distinct local maxima of h, coordinate by coordinate from many starts.
+
+    Args:
+        derivative: h.
+        known: states to start from too, as shares of the box, shape (k, 18).
+        draw: of the other starts.
+
+    Returns:
+        States, shape (n, 18), and values, shape (n,).
+    """
     random = _candidates(RANDOM, draw)
     chosen = np.argsort(-derivative.at(random))[:CLIMBERS]
     states = np.vstack([random[chosen], known])

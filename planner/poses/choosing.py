@@ -96,11 +96,11 @@ def _of_full_rank(candidates: Array, regressors: Array, chosen: NDArray[np.int64
 
 
 def smallest_set(model: Model, scaling: Array, poses: Array, letter: str) -> int:
-    """Poses that Algorithm 1 keeps of a set before the regressor loses rank (Table 5, "Min. poses")."""
+    """Poses that Algorithm 1 keeps of a set, shape (n, 6), before the regressor loses rank (Table 5, "Min. poses")."""
     return len(reduce_best(pose_regressors(model, poses) * scaling, POSE_CRITERIA[letter], 1).kept)
 
 
 def criterion_value(model: Model, scaling: Array, poses: Array, letter: str) -> float:
-    """Value of a criterion of Table 4, to be maximised, of the mean information in reference scaling."""
+    """Value of a criterion of Table 4, to be maximised, of the mean information of poses, shape (n, 6), as scaled."""
     regressors = pose_regressors(model, poses) * scaling
     return float(POSE_CRITERIA[letter].value(total_information(regressors) / len(poses)))

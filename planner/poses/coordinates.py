@@ -74,7 +74,7 @@ class PoseSpace:
         return np.column_stack([(poses[:, :2] - self.home[:2]) / self.radius, tilt / self.tilt, torsion])
 
     def project(self, shares: Array) -> Array:
-        """The nearest coordinates that lie in the space: ranges first, then disc and largest tilt."""
+        """The nearest shares that lie in the space, shape (n, 5): ranges first, then disc and largest tilt."""
         low, high = self.bounds()
         inside = np.clip(shares, low, high)
         for part in (slice(0, 2), slice(2, 4)):

@@ -23,7 +23,7 @@ class Screen(Protocol):
         ...
 
     def learn(self, information: Array, rows: Index, values: Array) -> None:
-        """Takes note of exact values of some poses at this information."""
+        """Takes note of exact values, shape (rows,), of some poses at this information, shape (u, u)."""
         ...
 
 
@@ -45,7 +45,7 @@ class PoseCriterion(Protocol):
         ...
 
     def screen(self, regressors: Array, information: Array) -> Screen:
-        """A fresh screen: nearly exact for `information`, valid for whatever removals leave of it."""
+        """A fresh screen of n poses, shape (n, 6, u): nearly exact for `information`, valid for what removals leave."""
         ...
 
 

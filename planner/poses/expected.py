@@ -31,7 +31,7 @@ def poses_of_plan(folder: Path) -> Array:
 
 
 def poses_of_recording(path: Path) -> Array | None:
-    """Poses that the program of a recording folder measured; None where it measured a motion, or nobody says.
+    """Poses that the program of a recording folder measured, shape (n, 6); None where it measured a motion, or unknown.
 
     Raises:
         FileProblem: recording.json is damaged.

@@ -32,7 +32,7 @@ def shortest_order(times: Array) -> Index:
 
 
 def duration(order: Index | list[int], times: Array) -> float:
-    """Time of travel in an order [s]."""
+    """Time of travel in an order [s], by the times between places, shape (n, n) [s]."""
     way = np.asarray(order)
     return float(times[way[:-1], way[1:]].sum())
 

@@ -240,7 +240,18 @@ def _noise(case: Case) -> float:
 
 
 def predicted_std(case: Case, model: Model, scaling: Array, information: Array, noise: float) -> dict[str, float]:
-    """Standard deviations of the physical parameters from the total information of averaged standstills."""
+    """Standard deviations of the physical parameters from the total information of averaged standstills.
+
+    Args:
+        case: gives the nominal body.
+        model: of the parameters.
+        scaling: of its columns, shape (u,).
+        information: total, scaled, shape (u, u).
+        noise: standard deviation of an averaged force [N].
+
+    Raises:
+        CaseError: the case has no nominal body.
+    """
     if case.nominal is None:
         case.missing("nominal", "predicted standard deviations")
     covariance = noise**2 * np.linalg.inv(information) * np.outer(scaling, scaling)

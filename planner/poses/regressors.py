@@ -46,7 +46,7 @@ def total_information(regressors: Array) -> Array:
 
 
 def require_full_rank(regressors: Array, model: Model) -> None:
-    """Raises IdentificationError, naming the parameters, where poses together do not determine the model."""
+    """Raises IdentificationError, naming the parameters, where poses, shape (n, 6, u), do not determine the model."""
     rows = regressors.reshape(-1, regressors.shape[2])
     singular, directions = (
         np.linalg.svd(rows, full_matrices=True)[1:]

@@ -40,7 +40,7 @@ class Reduction:
 
 
 def full_rank(regressors: Array) -> bool:
-    """Whether poses together determine all parameters: singular values against the paper's numerical zero (Fig. 3)."""
+    """Whether poses, shape (n, 6, u), determine all parameters: singular values against the paper's zero (Fig. 3)."""
     rows = regressors.reshape(-1, regressors.shape[2])
     if len(rows) < rows.shape[1]:
         return False

@@ -72,7 +72,7 @@ def travel_times(case: Case, poses: Array) -> Array:
 
 
 def require_ways(times: Array, order: NDArray[np.int64]) -> None:
-    """Raises InfeasiblePlan, naming the poses, where an order passes a place at which the machine cannot stand."""
+    """Raises InfeasiblePlan, naming the poses, where a way is none: infinite in times, shape (n, n) [s]."""
     for a, b in pairwise(order):
         if not np.isfinite(times[a, b]):
             raise InfeasiblePlan(

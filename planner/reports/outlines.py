@@ -16,7 +16,7 @@ _BOTTOM = ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))
 
 
 def room(low: Array, high: Array, boxes: Iterable[KeepOut]) -> tuple[Array, Array]:
-    """The corners of a picture that shows boxes too, as far as they stand beside a machine between two corners [mm]."""
+    """Corners, shape (3,) [mm], of a picture that shows boxes too, as far as they stand beside a machine."""
     beside = BESIDE * (high - low)
     first, last = low, high
     for box in boxes:

@@ -38,7 +38,12 @@ UNSAID = Still()
 
 
 def case_of(path: Path, case: str | None) -> Case:
-    """The case that was named, or the one that a recording folder was made for and that has not changed since."""
+    """The case that was named, or the one that a recording folder was made for and that has not changed since.
+
+    Raises:
+        RecordingError: no recording, nothing says which machine it is from, or its case has changed.
+        CaseError: the case cannot be read.
+    """
     recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
     if not recorded and (other := another_kind(path, "recording.json")):
         raise RecordingError(f"{path}: {other}; here a recording is wanted, such as hexcite run writes")

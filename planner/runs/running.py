@@ -159,7 +159,11 @@ def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[
 
 
 def planned_excitation(read: ProgramFile, case: Case) -> Trajectory:
-    """The motion that the program asks for while its trigger is on."""
+    """The motion that the program asks for while its trigger is on.
+
+    Raises:
+        ExecutionError: nothing moves then.
+    """
     limits = case.need_machine("a run")[2].motion
     excited: list[Trajectory] = []
     for part in stretches(read.reading):

@@ -46,7 +46,7 @@ def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Tr
 
 
 def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
-    """How long it took from home to home, and how far the machine stood from the poses of the program.
+    """How long it took from home to home, and how far the machine stood from the program's poses, shape (n, 6).
 
     An accelerated LinuxCNC session times dwells by the wall clock: there they take longer than in the machine.
 

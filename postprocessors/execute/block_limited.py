@@ -47,7 +47,7 @@ def block_durations(times: Array, poses: Array, acceleration: Array) -> Array:
 
 
 def largest_cut(times: Array, poses: Array) -> float:
-    """How far the origin passes from the corners between blocks, at most [m]."""
+    """How far the origin passes from the corners between blocks, at most [m]; shapes (k,) [s] and (k, 6) [m, rad]."""
     steps = np.diff(times)
     turns = np.diff(np.diff(poses[:, :3], axis=0) / steps[:, None], axis=0)
     return float(np.max(ROUNDED * np.linalg.norm(turns, axis=1) * np.minimum(steps[:-1], steps[1:]), initial=0.0))

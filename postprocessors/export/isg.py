@@ -30,7 +30,7 @@ class PrincipalAxes(NamedTuple):
 
 
 def principal_axes(inertia: Array) -> PrincipalAxes:
-    """Principal axes of an inertia tensor, in the order and sense that turns them least from the axes of {P}."""
+    """Principal axes of a tensor, shape (3, 3) [kg m^2], in the order and sense that turn them least from {P}'s."""
     moments, axes = np.linalg.eigh(inertia)
     best = PrincipalAxes(moments, axes)
     largest = -np.inf

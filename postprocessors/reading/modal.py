@@ -176,11 +176,11 @@ class ModalState(ABC):
         return end
 
     def moves_origin(self, end: Array) -> bool:
-        """Whether X, Y or Z moves; from an unknown pose they are taken to."""
+        """Whether X, Y or Z moves on the way to a pose, shape (6,) as written; from an unknown one they do."""
         return bool(np.isnan(self.pose).any() or np.any(np.abs(end - self.pose)[:3] > STILL))
 
     def timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[Timing, float]:
-        """What determines how fast a straight move runs, and its value."""
+        """What determines how fast a straight move to a pose, shape (6,) as written, runs, and its value."""
         language = self.language
         if self.active("G0"):
             return Timing.RAPID, math.nan
@@ -204,7 +204,7 @@ class ModalState(ABC):
             self.fail(first, f"F counts {', '.join(counted)} in this move only after {command}; add it before")
 
     def straight(self, end: Array, timing: Timing, value: float, exact: bool, in_struts: bool = False) -> Move:
-        """A straight move to a pose, in which the machine stands then."""
+        """A straight move to a pose, shape (6,) as written, in which the machine stands then."""
         move = Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end), in_struts)
         self.pose = end
         return move
