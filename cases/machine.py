@@ -7,6 +7,7 @@ from pydantic import model_validator
 
 from cases.geometry import WORST_CONDITION, condition_of_lines
 from cases.parts import Array, NonNegative, Number, Part, Positive, PositiveVector, Range, SixPoints, Vector, frozen
+from cases.recording_columns import POSE
 from cases.units import DEG, MM
 
 
@@ -165,7 +166,7 @@ class MotionLimits(Part):
 
     @model_validator(mode="after")
     def _home_inside(self) -> "MotionLimits":
-        for name in ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"):
+        for name in POSE:
             low, high = getattr(self, name)
             if not low < 0.0 < high:
                 raise ValueError(

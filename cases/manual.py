@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
 from cases.parts import Array, Number, Part, Positive, frozen
+from cases.recording_columns import POSE
 from cases.units import DEG, MM
 
 MOST_STEPS = 1000
@@ -34,7 +35,7 @@ class Step(Part):
     @model_validator(mode="after")
     def _one_kind(self) -> "Step":
         named = self.model_fields_set
-        pose = named & {"x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"}
+        pose = named & set(POSE)
         if (self.circle is None) != (self.radius_mm is None):
             raise ValueError("a circle needs circle and radius_mm, a move neither")
         if sum((bool(pose), self.circle is not None, self.pause_s is not None)) > 1:
@@ -53,9 +54,6 @@ class Sequence(Part):
 
     title: str
     steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=MOST_STEPS)]
-
-
-POSE_COLUMNS = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
 
 
 def load_sequence(file: Path) -> Sequence:
@@ -94,15 +92,15 @@ def load_poses(file: Path) -> Array:
         raise FileProblem(f"{file}: cannot be read ({error}); name a TOML file of steps or a CSV of poses") from error
     rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
     header = [cell.strip() for cell in rows[0]] if rows else []
-    missing = [c for c in POSE_COLUMNS if c not in header]
+    missing = [c for c in POSE if c not in header]
     if missing:
-        raise FileProblem(f"{file}: column {missing[0]} is missing; the first line must name {', '.join(POSE_COLUMNS)}")
+        raise FileProblem(f"{file}: column {missing[0]} is missing; the first line must name {', '.join(POSE)}")
     if not 1 <= len(rows) - 1 <= MOST_STEPS:
         raise FileProblem(f"{file}: holds {len(rows) - 1} poses; 1 to {MOST_STEPS} make an excitation")
     poses = []
     for number, row in enumerate(rows[1:], start=1):
         try:
-            values = [float(row[header.index(c)]) for c in POSE_COLUMNS]
+            values = [float(row[header.index(c)]) for c in POSE]
         except (ValueError, IndexError):
             values = [float("nan")]
         if not np.isfinite(values).all():

@@ -1,4 +1,4 @@
-"""Names of recording columns, each with its unit, and the units that files may use instead."""
+"""Names of columns of recordings and motions, each with its unit, and the units that recordings may use instead."""
 
 from collections.abc import Iterable, Mapping
 
@@ -18,6 +18,9 @@ COLUMNS = (
     CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
     *WRENCH, TRIGGER, OVERRIDE,
 )  # fmt: skip
+
+MOTION = (CLOCK, *POSE, *(f"v_{c}_s" for c in POSE), *(f"acc_{c}_s2" for c in POSE))
+"""Columns of `motion.csv` and of tables of set points: poses, rates and accelerations over time."""
 
 _LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}
 _VELOCITY = {"mm/s": MM, "m/s": 1.0, "mm/min": MM / 60.0, "m/min": 1.0 / 60.0}

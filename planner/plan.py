@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.files import PLAN, atomic_folder, json_text
+from cases.recording_columns import MOTION
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limits import LimitReport
@@ -28,11 +29,6 @@ SCHEMA_VERSION = 1
 BINDING = 0.99  # share of a limit from which it shapes the motion
 FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
-
-_AXES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
-_RATES = ("v_x_mm_s", "v_y_mm_s", "v_z_mm_s", "v_a_deg_s", "v_b_deg_s", "v_c_deg_s")
-_ACCELERATIONS = ("acc_x_mm_s2", "acc_y_mm_s2", "acc_z_mm_s2", "acc_a_deg_s2", "acc_b_deg_s2", "acc_c_deg_s2")
-HEADER = ",".join(("t_s", *_AXES, *_RATES, *_ACCELERATIONS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,4 +216,4 @@ def motion_csv(motion: Motion) -> str:
     table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
     form = ",".join(["%.9g"] * table.shape[1])
     lines = [form % tuple(row) for row in table.tolist()]
-    return "\n".join([HEADER, *lines]) + "\n"
+    return "\n".join([",".join(MOTION), *lines]) + "\n"

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases.errors import HexciteError, ProgramError
+from cases.recording_columns import MOTION, STRUT_VELOCITIES, STRUTS, TRIGGER
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
@@ -34,10 +35,7 @@ from postprocessors.reading.words import Reading
 
 FORMAT = "hexcite setpoints 1"
 METADATA = b"hexcite"
-COORDINATES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
-COLUMNS = ["t_s", *COORDINATES, *(f"v_{c}_s" for c in COORDINATES), *(f"acc_{c}_s2" for c in COORDINATES)]
-COLUMNS += [f"l{k}_mm" for k in range(1, 7)] + [f"ld{k}_mm_s" for k in range(1, 7)]
-COLUMNS += [*(f"ldd{k}_mm_s2" for k in range(1, 7)), "trigger"]
+COLUMNS = (*MOTION, *STRUTS, *STRUT_VELOCITIES, *(f"ldd{k}_mm_s2" for k in range(1, 7)), TRIGGER)
 # Poses, rates, accelerations: so fine that jerks, the differences of accelerations, keep seven digits.
 DECIMALS = [6] + [12] * 6 + [9] * 6 + [6] * 6 + [9] * 6 + [7] * 6 + [5] * 6 + [0]
 SAME = 1e-9  # [m, rad] that a table may be off the plan: rounding
@@ -171,7 +169,7 @@ def write_parquet(program: Program, case: Case) -> bytes:
 
     values = _values(program, case)
     columns = [pa.array(np.ascontiguousarray(column)) for column in values.T]
-    table = pa.table(columns, names=COLUMNS)
+    table = pa.table(columns, names=list(COLUMNS))
     table = table.replace_schema_metadata({METADATA: "\n".join(_header(program, case)).encode("ascii")})
     sink = io.BytesIO()
     parquet.write_table(table, sink)

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
+from cases.recording_columns import WRENCH
 from planner.cli.console import Json, print_json, print_table
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -42,8 +43,8 @@ def force(
     answer: dict[str, Any] = {
         "force": str(file),
         "samples": len(found.t),
-        "rms": {f"{a}_{u.replace(' ', '')}": float(v) for a, u, v in zip(AXES, UNITS, found.rms, strict=True)},
-        "peak": {f"{a}_{u.replace(' ', '')}": float(v) for a, u, v in zip(AXES, UNITS, found.peak, strict=True)},
+        "rms": {name: float(v) for name, v in zip(WRENCH, found.rms, strict=True)},
+        "peak": {name: float(v) for name, v in zip(WRENCH, found.peak, strict=True)},
         "warnings": list(found.warnings),
     }
     if json:
@@ -63,11 +64,7 @@ def _write(file: Path, found: Any) -> None:
     import pyarrow as pa
     import pyarrow.csv as pacsv
 
-    table = {"t_s": found.t}
-    table |= {
-        f"{a}_{u.replace(' ', '')}": np.ascontiguousarray(found.wrench[:, k])
-        for k, (a, u) in enumerate(zip(AXES, UNITS, strict=True))
-    }
+    table = {"t_s": found.t} | {name: np.ascontiguousarray(found.wrench[:, k]) for k, name in enumerate(WRENCH)}
     pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
 
 

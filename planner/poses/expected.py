@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import FileProblem, HexciteError
-from cases.files import read_json
 from identification.motion import Joined, Measurement
+from planner.runs.about import about_recording
 from planner.saved_plan import load_plan
 
 Array = NDArray[np.float64]
@@ -36,16 +36,13 @@ def poses_of_recording(path: Path) -> Array | None:
     Raises:
         FileProblem: recording.json is damaged.
     """
-    file = path / "recording.json"
-    if not (path.is_dir() and file.is_file()):
-        return None
-    entry = read_json(file, "hexcite run").get("poses_m_rad")
+    entry = about_recording(path).get("poses_m_rad")
     if not entry:
         return None
     try:
         poses = np.array(entry, dtype=float)
     except (TypeError, ValueError) as error:
-        raise FileProblem(f"{file}: poses_m_rad: {error}; run the program again") from error
+        raise FileProblem(f"{path / 'recording.json'}: poses_m_rad: {error}; run the program again") from error
     if poses.ndim != 2 or poses.shape[1] != 6 or not np.isfinite(poses).all():
-        raise FileProblem(f"{file}: poses_m_rad: are no poses of six numbers; run the program again")
+        raise FileProblem(f"{path / 'recording.json'}: poses_m_rad: are no poses of six numbers; run the program again")
     return poses

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.files import PLAN, atomic_folder, json_text
+from cases.recording_columns import POSE
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.identifiability import analyse
@@ -36,7 +37,6 @@ Array = NDArray[np.float64]
 SCHEMA_VERSION = 1
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
 SEEDS = 2000  # poses from which the design over the space starts
-HEADER = "pose,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg"
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +128,7 @@ class PosePlan:
             "limits": self.limits.to_json(),
             "select_s": self.select_seconds,
             "solve_s": self.solve_seconds,
-            "poses": [dict(zip(HEADER.split(",")[1:], row, strict=True)) for row in _in_units(self.poses).tolist()],
+            "poses": [dict(zip(POSE, row, strict=True)) for row in _in_units(self.poses).tolist()],
             **motion_entries(self.motion),
         }
 
@@ -276,7 +276,7 @@ def save_pose_plan(plan: PosePlan, folder: Path) -> None:
     rows = [f"{k}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(_in_units(plan.poses), 1)]
     with atomic_folder(folder, PLAN) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
-        (part / "poses.csv").write_text("\n".join([HEADER, *rows]) + "\n", encoding="utf-8")
+        (part / "poses.csv").write_text("\n".join([",".join(("pose", *POSE)), *rows]) + "\n", encoding="utf-8")
         plots = part / "plots"
         save_figure(pose_figure(plan.case, plan.candidates.poses, plan.poses), plots, "poses")
         save_figure(density_figure(plan.case, model, plan.predicted_std, plan.std_of_all), plots, "densities")

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.files import read_json
 from cases.schema import Case
 from identification.identifiability import Identifiability
 from identification.recording import force_columns
@@ -20,6 +19,7 @@ from planner.reports.figures import (
     spectrum_plot,
 )
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.runs.about import about_recording
 
 PARAMETER_COLUMNS = ("parameter", "value", "std (28)", "std robust", "95 % from", "to", "unit")
 
@@ -133,10 +133,10 @@ def about_inputs(recording: Path, provenance: dict[str, Any]) -> tuple[tuple[str
     """
     words = [(i["file"], f"SHA-256 {i['sha256']}") for i in provenance["inputs"]]
     words += provenance["versions"].items()
-    file = recording / "recording.json"
-    if not file.is_file():
+    about = about_recording(recording)
+    if not about:
         return (("origin", "recorded on a machine: nothing says that it was simulated"), *words)
-    return (*run_inputs(read_json(file, "hexcite run")), *words)
+    return (*run_inputs(about), *words)
 
 
 def run_inputs(about: dict[str, Any]) -> tuple[tuple[str, str], ...]:

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import FileProblem
+from cases.recording_columns import POSE
 from cases.units import DEG, MM
 from identification.motion import TimedPoints
 
-POSE_COLUMNS = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
 MOST_POINTS = 1_000_000
 
 
@@ -23,12 +23,12 @@ def read_motion(file: Path) -> TimedPoints:
         with file.open(newline="", encoding="utf-8") as stream:
             rows = csv.reader(stream)
             header = [name.strip() for name in next(rows, [])]
-            missing = [name for name in ("t_s", *POSE_COLUMNS) if name not in header]
+            missing = [name for name in ("t_s", *POSE) if name not in header]
             if missing:
                 raise FileProblem(
                     f"{file}, line 1: column {missing[0]} is missing; head the columns as motion.csv does"
                 )
-            places = [header.index(name) for name in ("t_s", *POSE_COLUMNS)]
+            places = [header.index(name) for name in ("t_s", *POSE)]
             values = [_numbers(file, line, row, places, header) for line, row in enumerate(rows, start=2) if row]
     except FileProblem:
         raise

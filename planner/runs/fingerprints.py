@@ -7,8 +7,8 @@ import hashlib
 import re
 from pathlib import Path
 
-from cases.files import read_json
 from cases.schema import Case
+from planner.runs.about import about_recording
 
 DIGITS = 16
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)
@@ -58,8 +58,5 @@ def plan_of_recording(path: Path) -> str | None:
     Raises:
         FileProblem: recording.json is damaged.
     """
-    file = path / "recording.json"
-    if not (path.is_dir() and file.is_file()):
-        return None
-    found = read_json(file, "hexcite run").get("plan_hash")
+    found = about_recording(path).get("plan_hash")
     return None if found is None else str(found)

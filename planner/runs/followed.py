@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cases.errors import HexciteError, ProgramError
-from cases.files import read_json
 from cases.schema import Case
 from identification.motion import Trajectory
+from planner.runs.about import about_recording
 from planner.runs.running import planned_excitation
 from planner.saved_plan import load_plan
 from postprocessors.files import read_program
@@ -46,10 +46,7 @@ def followed_plan(path: Path, case: Case) -> Followed:
 
 def followed_by_recording(path: Path, case: Case) -> Followed | None:
     """The excitation of the program that a recording folder names; None where it is gone, changed, or of poses."""
-    file = path / "recording.json"
-    if not (path.is_dir() and file.is_file()):
-        return None
-    about = read_json(file, "hexcite run")
+    about = about_recording(path)
     program = Path(str(about.get("program", "")))
     if about.get("poses_m_rad") or not program.is_file():
         return None

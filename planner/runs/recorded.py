@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.files import another_kind, read_json
+from cases.files import another_kind
 from cases.loading import lasting_name, load_case
 from cases.schema import Case
 from identification.findings.feed import about_feed, against_plan
@@ -16,6 +16,7 @@ from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.standing import average, find_standstills, match, stands_only
 from planner.poses.expected import poses_of_plan, poses_of_recording
+from planner.runs.about import about_recording
 from planner.runs.fingerprints import plan_of_recording
 from planner.runs.followed import followed_by_recording, followed_plan
 
@@ -49,9 +50,9 @@ def case_of(path: Path, case: str | None) -> Case:
         raise RecordingError(f"{path}: {other}; here a recording is wanted, such as hexcite run writes")
     if case is not None:
         return load_case(case)
-    if not (path.is_dir() and (path / "recording.json").is_file()):
+    about = about_recording(path)
+    if not about:
         raise RecordingError(f"{path}: does not say which machine it is from; name it with --case")
-    about = read_json(path / "recording.json", "hexcite run")
     loaded = load_case(str(about.get("case_file")))
     if about.get("case_hash") != loaded.hash:
         raise RecordingError(
@@ -69,8 +70,7 @@ def about_run(path: Path, case: str | None, recording: Recording, estimate: Esti
         recording: as it was identified.
         estimate: of it.
     """
-    file = path / "recording.json"
-    about = read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
+    about = about_recording(path)
     taken = about.get("executed_s")
     if taken is None and recording.t is not None:
         taken = estimate.samples * float(np.median(np.diff(recording.t)))  # stamps of a host jitter
