@@ -62,6 +62,10 @@ def _flush(path: Path) -> None:
         os.close(handle)
 
 
+def _unwritable(path: Path, error: OSError) -> FileProblem:
+    return FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o")
+
+
 def _reason(error: OSError) -> str:
     return error.strerror or str(error)
 
@@ -83,7 +87,7 @@ def atomic_file(path: Path) -> Iterator[Path]:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
     except OSError as error:
-        raise FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o") from error
+        raise _unwritable(path, error) from error
     os.close(handle)
     part = Path(name)
     try:
@@ -94,7 +98,7 @@ def atomic_file(path: Path) -> Iterator[Path]:
     except FileProblem:  # of something else that the block read or wrote
         raise
     except OSError as error:
-        raise FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o") from error
+        raise _unwritable(path, error) from error
     finally:
         part.unlink(missing_ok=True)
 
@@ -182,7 +186,7 @@ def atomic_folder(path: Path, kind: FolderKind) -> Iterator[Path]:
         path.parent.mkdir(parents=True, exist_ok=True)
         part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
     except OSError as error:
-        raise FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o") from error
+        raise _unwritable(path, error) from error
     try:
         yield part
         part.chmod(0o777 & ~_mask())
@@ -203,7 +207,7 @@ def atomic_folder(path: Path, kind: FolderKind) -> Iterator[Path]:
     except FileProblem:
         raise
     except OSError as error:
-        raise FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o") from error
+        raise _unwritable(path, error) from error
     finally:
         shutil.rmtree(part, ignore_errors=True)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from cases.machine import MotionLimits
 from cases.units import MM
-from identification.trajectories.profile import Profile, StraightMove, TimeLaw
+from identification.trajectories.profile import Profile, StraightMove, TimeLaw, limits_along
 from postprocessors.program import Arc, Array, PointToPoint
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.predicted import strut_move
@@ -34,10 +34,7 @@ def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarant
     way = np.abs(move.end - move.start)
     if isinstance(block, Arc):
         way[list(block.move.plane.axes[:2])] = block.move.length
-    moves = way > 0.0
-    velocity, acceleration, jerk = (
-        float(np.min(limit[moves] / way[moves])) for limit in (limits.rate, limits.acceleration, limits.jerk)
-    )
+    velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
 
     def duration(speed: float) -> float:
         if isinstance(block, Arc):

@@ -9,6 +9,7 @@ import numpy as np
 from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import MINUTE
+from identification.trajectories.profile import limits_along
 from postprocessors.composing import timed_path
 from postprocessors.execute.linuxcnc.guarantees import ARC_ACROSS, ARC_ALONG
 from postprocessors.program import (
@@ -85,8 +86,7 @@ class _Writer:
     def feed_of(self, block: PointToPoint) -> str:
         """The feed that makes a trapezoid under the axis limits take as long as the planned move."""
         way = np.abs(block.move.end - block.move.start)
-        moves = way > 0.0
-        acceleration = float(np.min(self.acceleration[moves] / way[moves]))
+        (acceleration,) = limits_along(way, self.acceleration)
         share = _trapezoid_speed(block.move.duration, acceleration)
         return feed(share * block.length, linear=bool(way[:3].any()))
 
@@ -96,8 +96,7 @@ class _Writer:
         first, second, _ = move.plane.axes
         way = np.abs(move.end - move.start)
         way[[first, second]] = move.length
-        moves = way > 0.0
-        acceleration = float(np.min(self.acceleration[moves] / way[moves]))
+        (acceleration,) = limits_along(way, self.acceleration)
         turning = float(np.sqrt(ARC_ACROSS * acceleration / abs(move.angle)))
         share = min(_trapezoid_speed(move.duration, ARC_ALONG * acceleration), turning)
         full = abs(abs(move.angle) - 2 * np.pi) < FULL

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.profile import StraightMove, limits_along
 
 Array = NDArray[np.float64]
 
@@ -91,11 +91,10 @@ def online_move(
     ends = [_vector(name, value) for name, value in (("start", start), ("end", end))]
     limits = [_limit(n, v) for n, v in (("rate", rate), ("acceleration", acceleration), ("jerk", jerk))]
     way = np.abs(ends[1] - ends[0])
-    moves = way > 0.0
-    if not moves.any():
+    if not way.any():
         raise UntimedMove("a move needs two different poses")
     with np.errstate(over="ignore"):
-        velocity, peak, change = (float(np.min(limit[moves] / way[moves])) for limit in limits)
+        velocity, peak, change = limits_along(way, *limits)
     return StraightMove(ends[0], ends[1], online_profile(velocity, peak, change, cycle))
 
 

@@ -144,6 +144,17 @@ def fastest_profile(distance: float, velocity: float, acceleration: float, jerk:
     return Profile(jerk, float(jerk_time), float(hold_time), float(cruise_time))
 
 
+def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
+    """What limits of each coordinate leave of share rates on a straight way.
+
+    Args:
+        way: how far each coordinate moves, at least one of them, shape (6,) [m, rad].
+        limits: of rates, accelerations or jerks, shapes (6,).
+    """
+    moves = way > 0.0
+    return [float(np.min(np.asarray(limit)[moves] / way[moves])) for limit in limits]
+
+
 @dataclass(frozen=True, slots=True)
 class StraightMove:
     """A straight line in the pose coordinates from rest to rest, all coordinates in step.
@@ -171,9 +182,7 @@ class StraightMove:
         way = np.abs(b - a)
         if not way.any():
             raise ValueError("a move needs two different poses")
-        moves = way > 0.0
-        limits = [float(np.min(np.asarray(limit)[moves] / way[moves])) for limit in (rate, acceleration, jerk)]
-        return cls(a, b, fastest_profile(1.0, *limits))
+        return cls(a, b, fastest_profile(1.0, *limits_along(way, rate, acceleration, jerk)))
 
     @property
     def duration(self) -> float:

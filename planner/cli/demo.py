@@ -85,12 +85,8 @@ def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, qu
 def _show_truth(rows: list[dict[str, Any]]) -> None:
     from planner.reports.demo import truth_cells
 
-    table = []
-    for row in rows:
-        scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
-        table.append([row["name"], *truth_cells(row, scale), unit])
     print_table(
         "Truth of the simulated machine against the estimate",
         ("parameter", "truth", "estimate", "std", "error", "error/std", "unit"),
-        table,
+        [truth_cells(row) for row in rows],
     )

@@ -97,25 +97,23 @@ def _headline(answer: dict[str, Any], estimate: Estimate) -> Tiles:
 
 
 def _truth(rows: list[dict[str, Any]], estimate: Estimate) -> tuple[Item, ...]:
-    table = []
-    for row in rows:
-        scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
-        table.append((row["name"], *truth_cells(row, scale), unit))
     inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in rows)
     words = f"{inside} of {len(rows)} truths lie in the 95 % interval of their estimate."
     if estimate.delay is not None:
         lag, std = estimate.delay.value * 1e3, estimate.delay.std * 1e3
         words += f" Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
     columns = ("parameter", "truth", "estimate", "std", "error", "error / std", "unit")
-    return (errors_plot(rows), Note(words), Table(columns, tuple(table)))
+    return (errors_plot(rows), Note(words), Table(columns, tuple(map(truth_cells, rows))))
 
 
-def truth_cells(row: dict[str, Any], scale: float) -> tuple[str, ...]:
-    """Truth, estimate, standard deviation, error and error / std of one row of `truth_rows`, times `scale`."""
+def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
+    """Name, truth, estimate, standard deviation, error, error / std and unit of one row of `truth_rows`."""
+    scale, unit = (1e3, "mm") if row["unit"] == "m" else (1.0, row["unit"])
     std = row["std"] * scale
     known = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
     estimate, error = known
-    return f"{row['truth'] * scale:.6g}", estimate, std_text(std), error, f"{row['error'] / row['std']:+.2f}"
+    truth, ratio = f"{row['truth'] * scale:.6g}", f"{row['error'] / row['std']:+.2f}"
+    return row["name"], truth, estimate, std_text(std), error, ratio, unit
 
 
 def _motion(case: Case, outcome: Outcome) -> tuple[Item, ...]:

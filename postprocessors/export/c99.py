@@ -7,12 +7,9 @@ import casadi as ca
 
 from cases.schema import Case
 from postprocessors.export.calibration import Calibration
-from postprocessors.export.functions import coordinates, measurement, mechanics
+from postprocessors.export.functions import functions_of, signature
 from postprocessors.export.instructions import INFIX, Language, number, operand, statements
-from postprocessors.export.rendering import comment_lines, environment
-
-MOST_STEPS = 12
-"""Of the forward kinematics from one start; from home into a corner of the workspace it takes five."""
+from postprocessors.export.rendering import comment_lines, environment, shared_values
 
 RING = 256
 """Cycles that the signal chain remembers: 40 ms of delay and as much window at 4 kHz."""
@@ -64,40 +61,19 @@ def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str
     """Declarations and definitions without their files; `linkage` is empty or `static `."""
     machine = calibration.case.machine
     window = window_of(calibration.case)
-    hexapod = calibration.hexapod
-    drives = calibration.case.recording.drives if hexapod is not None else None
-    functions = [measurement(calibration.model), coordinates()]
-    if hexapod is not None:
-        functions += mechanics(hexapod)
-    values = {
+    values = shared_values(calibration) | {
         "name": name,
         "NAME": name.upper(),
         "linkage": linkage,
-        "hexapod": hexapod is not None,
-        "most_steps": MOST_STEPS,
         "ring": RING,
         "delay": number(calibration.result.delay),
         "half_window": number(window.half),
         "window_meaning": window.meaning,
         "force_units": "[N]" if calibration.case.sensor_frame.bars is not None else "[N, N m]",
         "home": [] if machine is None else [number(v) for v in machine.home.vector],
-        "drives": drives
-        and {
-            "index": drives.index,
-            "sign": [number(s) for s in drives.sign],
-            "offset": [number(v) for v in drives.offset],
-        },
-        "offsets": [n for n in calibration.model.names if n.startswith("f_q0_")],
-        "parameters": [
-            {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"}
-            for p, v, s in zip(
-                calibration.model.parameters,
-                calibration.result.values,
-                calibration.deviations,
-                strict=True,
-            )
+        "functions": [
+            _function(f, name, calibration.model.names) for f in functions_of(calibration.model, calibration.hexapod)
         ],
-        "functions": [_function(f, name, calibration.model.names) for f in functions],
     }
     return (
         environment().get_template("declarations.c.jinja").render(values),
@@ -117,7 +93,7 @@ def _function(function: ca.Function, name: str, parameters: list[str]) -> dict[s
     arguments += [f"double {n}[{function.numel_out(k)}]" for k, n in enumerate(function.name_out())]
     return {
         "name": function.name(),
-        "comment": f"({', '.join(function.name_in())}) -> {', '.join(function.name_out())}",
+        "comment": signature(function),
         "arguments": ", ".join(arguments),
         "statements": statements(function, language),
     }

@@ -70,3 +70,13 @@ def mechanics(hexapod: Hexapod) -> Mechanics:
         "drift", [pose, motion], [hexapod.jacobian_drift(pose, motion)], ["pose", "twist"], ["drift"], {"cse": True}
     )
     return Mechanics(struts, newton, drift)
+
+
+def functions_of(model: Model, hexapod: Hexapod | None) -> list[ca.Function]:
+    """All functions of a model; those of the mechanics where there is a hexapod."""
+    return [measurement(model), coordinates(), *(() if hexapod is None else mechanics(hexapod))]
+
+
+def signature(function: ca.Function) -> str:
+    """Names of what goes in and comes out, for comments."""
+    return f"({', '.join(function.name_in())}) -> {', '.join(function.name_out())}"

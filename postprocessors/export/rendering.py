@@ -3,11 +3,16 @@
 import re
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from cases.errors import FileProblem
 from postprocessors.export.calibration import Calibration
+from postprocessors.export.instructions import number
+
+MOST_STEPS = 12
+"""Of the forward kinematics from one start; from home into a corner of the workspace it takes five."""
 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
@@ -52,3 +57,23 @@ def comment_lines(calibration: Calibration) -> list[str]:
         plain = "".join(c if c.isprintable() else "?" for c in plain)
         lines.append(plain.replace("*/", "* /").replace("*)", "* )").replace("(*", "( *").replace("/*", "/ *"))
     return lines
+
+
+def shared_values(calibration: Calibration) -> dict[str, Any]:
+    """What templates of every language are told of a model."""
+    drives = calibration.case.recording.drives if calibration.hexapod is not None else None
+    told = zip(calibration.model.parameters, calibration.result.values, calibration.deviations, strict=True)
+    return {
+        "hexapod": calibration.hexapod is not None,
+        "most_steps": MOST_STEPS,
+        "drives": drives
+        and {
+            "index": drives.index,
+            "sign": [number(s) for s in drives.sign],
+            "offset": [number(v) for v in drives.offset],
+        },
+        "offsets": [n for n in calibration.model.names if n.startswith("f_q0_")],
+        "parameters": [
+            {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"} for p, v, s in told
+        ],
+    }

@@ -2,22 +2,16 @@
 
 import casadi as ca
 
-from postprocessors.export.c99 import MOST_STEPS
 from postprocessors.export.calibration import Calibration
-from postprocessors.export.functions import coordinates, measurement, mechanics
+from postprocessors.export.functions import functions_of, signature
 from postprocessors.export.instructions import INFIX, Language, number, operand, statements
-from postprocessors.export.rendering import comment_lines, environment
+from postprocessors.export.rendering import comment_lines, environment, shared_values
 
 
 def structured_text(calibration: Calibration, name: str) -> str:
     """The text of a model called `name`: structure, constants, functions and function block."""
     machine = calibration.case.machine
-    hexapod = calibration.hexapod
-    drives = calibration.case.recording.drives if hexapod is not None else None
     camel = "".join(part.capitalize() for part in name.split("_"))
-    functions = [measurement(calibration.model), coordinates()]
-    if hexapod is not None:
-        functions += mechanics(hexapod)
     return (
         environment()
         .get_template("model.st.jinja")
@@ -25,27 +19,13 @@ def structured_text(calibration: Calibration, name: str) -> str:
             name=name,
             Name=camel,
             origin=comment_lines(calibration),
-            hexapod=hexapod is not None,
-            most_steps=MOST_STEPS,
             home=["0.0"] * 6 if machine is None else [number(v) for v in machine.home.vector],
             force_units="N" if calibration.case.sensor_frame.bars is not None else "N, N m",
-            drives=drives
-            and {
-                "index": drives.index,
-                "sign": [number(s) for s in drives.sign],
-                "offset": [number(v) for v in drives.offset],
-            },
-            offsets=[n for n in calibration.model.names if n.startswith("f_q0_")],
-            parameters=[
-                {"name": p.name, "unit": p.unit, "value": number(v), "meaning": f"+- {s:.2g} {p.unit}"}
-                for p, v, s in zip(
-                    calibration.model.parameters,
-                    calibration.result.values,
-                    calibration.deviations,
-                    strict=True,
-                )
+            functions=[
+                _function(f, camel, calibration.model.names)
+                for f in functions_of(calibration.model, calibration.hexapod)
             ],
-            functions=[_function(f, camel, calibration.model.names) for f in functions],
+            **shared_values(calibration),
         )
     )
 
@@ -68,7 +48,7 @@ def _function(function: ca.Function, camel: str, parameters: list[str]) -> dict[
     arguments += [f"{n} : ARRAY[0..{function.numel_out(k) - 1}] OF LREAL;" for k, n in enumerate(function.name_out())]
     return {
         "name": function.name(),
-        "comment": f"({', '.join(function.name_in())}) -> {', '.join(function.name_out())}",
+        "comment": signature(function),
         "arguments": arguments,
         "slots": function.sz_w(),
         "statements": statements(function, language),

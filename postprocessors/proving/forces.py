@@ -17,7 +17,7 @@ from identification.limits import LimitCheck, Status
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import PAIRS, Loads
 from identification.trajectories.circle import CircularMove
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.profile import StraightMove, limits_along
 from identification.trajectories.strut_move import StrutMove
 
 SAMPLES = 64  # of a move: forces change with the pose alone, by less than a hundredth from one to the next
@@ -163,8 +163,7 @@ def _fastest(
         plane = list(move.plane.axes[:2])
         for values in (rates, accelerations):
             values[plane] = float(np.hypot(*values[plane]))  # either axis may carry all of it
-    moves = way > 0.0
-    speed, acceleration = (float(np.min(v[moves] / way[moves])) for v in (rates, accelerations))
+    speed, acceleration = limits_along(way, rates, accelerations)
     bends = np.abs(bend).max(axis=0)
     turning = float(np.min(np.append(accelerations[bends > 0.0] / bends[bends > 0.0], np.inf)))
     return min(speed, float(np.sqrt(turning))), acceleration

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from cases.machine import MotionLimits
 from identification.trajectories.circle import CircularMove
-from identification.trajectories.profile import StraightMove
+from identification.trajectories.profile import StraightMove, limits_along
 from identification.trajectories.strut_move import NoStrutMove, StrutMove
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.stretches import Untimed
@@ -34,10 +34,7 @@ def predicted(
     if part.turn is not None:
         return _arc(part, part.start, limits, guarantees)
     feed = np.inf if part.feed is None else part.feed / part.length
-    moves = way > 0.0
-    velocity, acceleration, jerk = (
-        float(np.min(limit[moves] / way[moves])) for limit in (limits.rate, limits.acceleration, limits.jerk)
-    )
+    velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
     return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
 
 
@@ -70,9 +67,6 @@ def _arc(part: Untimed, start: Array, limits: MotionLimits, guarantees: Guarante
     length = part.length
     way = np.abs(part.end - start)
     way[[first, second]] = length  # either axis may carry all of it
-    moves = way > 0.0
-    velocity, acceleration, jerk = (
-        float(np.min(limit[moves] / way[moves])) for limit in (limits.rate, limits.acceleration, limits.jerk)
-    )
+    velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
     law = guarantees.arc_law(min(part.feed / length, velocity), acceleration, jerk, abs(turn.angle))
     return CircularMove(start, part.end[3:], turn.plane, turn.centre, turn.angle, law)
