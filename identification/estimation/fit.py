@@ -26,6 +26,18 @@ UNFILTERED = Filtered(1.0, 1)
 EACH = (0, 1, 2, 3, 4, 5)  # channels that have the same noise carry the same number: here none
 
 
+class Robust(NamedTuple):
+    """What a run says of an estimate where noise is not white.
+
+    Args:
+        covariance: of u, shape (u, u).
+        notes: sentences about the noise that it allows for.
+    """
+
+    covariance: Array
+    notes: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class Fit:
     """An estimate of u.

@@ -18,63 +18,28 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
+from scipy.fft import rfft
 
-from identification.estimation.compressed import inverse_root
+from identification.noise.memory import LEAST_SAMPLES, autoregressive, products, slow_noises, toeplitz
+from identification.noise.turned import Turned
 
 Array = NDArray[np.float64]
-Places = NDArray[np.int64]
 
-MOST_ORDER = 30  # of the autoregressive model; behind the filter samples are a quarter of its shortest period apart
-MOST_ALIKE = 1.0 - 1e-6  # of reflection coefficients, so that no pole lies on the unit circle
-LEAST_SAMPLES = 20  # fewer tell no spectrum; here intervals hold already, those of a kernel in four of five cases
-PER_ORDER = 16  # samples for each coefficient, at least: more follow what the fit took, dips of the spectrum
-MEMORIES = 6  # of slow noises: the run's length, a half, .. of it
 SLOW = 1.0 / 3.0  # of the evaluated samples' Nyquist frequency: half the cut-off, where the filter changes nothing
 ROUNDS = 80  # of the search for the shares; what they still change by then is a few percent of a deviation
 BEGIN = 1e-3  # shares of slow noises to begin with, of a channel's variance
 NOTHING = 1e-9  # of the largest power, as which none counts
 
 
-def coloured_covariance(
-    regressors: Array, residuals: Array, weights: Array, places: Places | None = None
-) -> Array | None:
-    """Covariance of u, shape (u, u), for noise of any colour that stays the same over the run; None for short runs.
-
-    Args:
-        regressors: A_j, shape (n, 6, u), of full rank.
-        residuals: f - A u of the weighted fit, shape (n, 6).
-        weights: diagonal of W for one sample, shape (6,).
-        places: of the samples in a series of equal steps, ascending, shape (n,); by default one after the other.
-    """
-    samples, sensors, unknowns = regressors.shape
-    if samples < LEAST_SAMPLES:
+def coloured_covariance(found: Turned) -> Array | None:
+    """Covariance of u, shape (u, u), for noise of any colour that stays the same over the run; None for short runs."""
+    if len(found.noise) < LEAST_SAMPLES:
         return None
-    places = np.arange(samples) if places is None else places - places[0]
-    length = int(places[-1]) + 1
-    root = np.sqrt(weights)
-    weighted = regressors * root[:, None]
-    half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, unknowns), mode="r")))
-    basis = weighted @ half  # Q of the QR decomposition: F = 1 in its coordinates
-    freedom = samples - unknowns / sensors
-    noise = residuals * root
-    channels = noise.T @ noise / freedom
-    jitter = 1e-12 * float(np.trace(channels)) + np.finfo(float).tiny
-    mixing = np.linalg.cholesky(channels + jitter * np.eye(sensors))
-    unmixing = np.linalg.inv(mixing)
-    turned = _spread(np.einsum("ab,nau->nbu", mixing, basis), places, length)
-    taken = _spread(np.einsum("ab,nbu->nau", unmixing, basis), places, length)
-    white = _spread(noise @ unmixing.T, places, length)
-    here = _spread(np.ones(samples), places, length)
-    meat = sum(_meat(turned[:, k], taken[:, k], white[:, k], here, freedom) for k in range(sensors))
-    return np.asarray(half @ meat @ half.T)
-
-
-def _spread(values: Array, places: Places, length: int) -> Array:
-    """Samples at their places in a series of equal steps, zero between."""
-    series = np.zeros((length, *values.shape[1:]))
-    series[places] = values
-    return series
+    answer, taken, white = (found.series(v) for v in (found.answer, found.taken, found.noise))
+    here = found.series(np.ones(len(found.noise)))
+    channels = range(found.noise.shape[1])
+    meat = sum(_meat(answer[:, k], taken[:, k], white[:, k], here, found.freedom) for k in channels)
+    return found.covariance(np.asarray(meat))
 
 
 class _Series(NamedTuple):
@@ -96,7 +61,7 @@ class _Series(NamedTuple):
         """What noise of this autocovariance does: expected |rfft|^2 of what the fit leaves, and B^T Gamma B."""
         length = len(self.answer)
         raw = 2.0 * rfft(self.pairs * autocovariance).real - self.pairs[0] * autocovariance[0]
-        felt = _toeplitz(autocovariance, self.answer)
+        felt = toeplitz(autocovariance, self.answer)
         meat = self.answer.T @ felt
         spectrum = rfft(self.taken, axis=0)
         crossed = rfft(felt * self.here[:, None], length, axis=0)
@@ -115,12 +80,10 @@ def _meat(answer: Array, taken: Array, noise: Array, here: Array, freedom: float
         freedom: degrees of freedom of the channel.
     """
     length = len(noise)
-    pairs = np.maximum(np.round(_products(here)), 0.0)
+    pairs = np.maximum(np.round(products(here)), 0.0)
     series = _Series(answer, taken, here, pairs)
-    lags = np.arange(length)
-    memories = [np.exp(-lags * 2.0**k / length) for k in range(MEMORIES)]
-    near = _autoregressive(noise, here, float(here.sum()) / freedom)
-    components = [series.seen(c) for c in (near, *memories)]
+    near = autoregressive(noise, here, float(here.sum()) / freedom)
+    components = [series.seen(c) for c in (near, *slow_noises(length))]
     slow = max(len(components), int(SLOW * (length // 2)) + 1)
     left = np.array([c[0] for c in components])[:, :slow]
     shares = _shares(np.abs(rfft(noise)[:slow]) ** 2, left)
@@ -144,52 +107,3 @@ def _shares(power: Array, expected: Array) -> Array:
         total = np.maximum(shares @ expected, floor)
         shares = shares * np.sqrt((expected @ (power / total**2)) / (expected @ (1.0 / total)))
     return np.asarray(shares)
-
-
-def _autoregressive(noise: Array, here: Array, scale: float) -> Array:
-    """Autocovariance of the autoregressive model of the order that Akaike's criterion chooses, shape (n,).
-
-    By Burg's recursion over stretches without gaps (de Waele and Broersen 2000, IEEE Trans. Signal Process. 48:2876),
-    which is always stable.
-
-    Args:
-        noise: shape (n,), zero where there is no sample.
-        here: 1 where there is a sample, shape (n,).
-        scale: samples over degrees of freedom.
-    """
-    count, length = int(here.sum()), len(noise)
-    phi, variance = np.zeros(0), max(float(noise @ noise) / count, np.finfo(float).tiny)
-    best = (count * (np.log(variance) + 2.0 / (count - 2)), phi, variance)
-    forward, backward, whole = noise, noise, here > 0.0
-    for order in range(1, min(MOST_ORDER, count // PER_ORDER) + 1):
-        whole = whole[1:] & (here[:-order] > 0.0)
-        ahead, behind = forward[1:], backward[:-1]
-        power = float(np.sum((ahead**2 + behind**2)[whole]))
-        if np.count_nonzero(whole) < LEAST_SAMPLES // 2 or power <= 0.0:
-            break
-        reflection = float(np.clip(2.0 * (ahead @ (behind * whole)) / power, -MOST_ALIKE, MOST_ALIKE))
-        forward, backward = ahead - reflection * behind, behind - reflection * ahead
-        phi = np.r_[phi - reflection * phi[::-1], reflection]
-        variance *= 1.0 - reflection**2
-        criterion = count * (np.log(variance) + 2.0 * (order + 1) / (count - order - 2))
-        if criterion < best[0]:
-            best = (criterion, phi, variance)
-    period = next_fast_len(8 * length, real=True)  # so long that what wraps around is little
-    spectrum = scale * best[2] / np.abs(rfft(np.r_[1.0, -best[1]], period)) ** 2
-    return np.asarray(irfft(spectrum, period)[:length])
-
-
-def _products(series: Array) -> Array:
-    """Sums of products of samples that are 0, 1, .. steps apart, shape (n,)."""
-    length = next_fast_len(2 * len(series), real=True)
-    return np.asarray(irfft(np.abs(rfft(series, length)) ** 2, length)[: len(series)])
-
-
-def _toeplitz(autocovariance: Array, columns: Array) -> Array:
-    """Gamma B, Gamma the Toeplitz matrix of an autocovariance of n lags, shape (n, u)."""
-    count = len(columns)
-    length = next_fast_len(2 * count, real=True)
-    ring = np.zeros(length)
-    ring[:count] = autocovariance
-    ring[length - count + 1 :] = autocovariance[:0:-1]
-    return np.asarray(irfft(rfft(ring)[:, None] * rfft(columns, length, axis=0), length, axis=0)[:count])

@@ -19,7 +19,7 @@ from scipy.ndimage import binary_opening
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.compressed import inverse_root
-from identification.estimation.fit import Filtered, Fit
+from identification.estimation.fit import Filtered, Fit, Robust
 from identification.findings.plausibility import Scan, bridged
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
@@ -155,7 +155,7 @@ class PeriodicRun:
 
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
-    ) -> Array | None:
+    ) -> Robust | None:
         """Covariance of u from the scatter between periods, shape (u, u): right for stationary noise of any colour.
 
         Args:
@@ -174,7 +174,7 @@ class PeriodicRun:
             spectra = whitening @ spectra @ whitening.T
         share = np.where(np.arange(len(spectra)) == 0, 1.0, 2.0)
         meat = np.einsum("h,hki,hkl,hlj->ij", share, seen.conj(), spectra, seen).real
-        return np.asarray(half @ (meat + meat.T) / 2.0 @ half.T)
+        return Robust(np.asarray(half @ (meat + meat.T) / 2.0 @ half.T))
 
     def doubts(self, fit: Fit, w: Array) -> list[str]:
         """What the model leaves of the forces beyond what does not repeat.

@@ -10,11 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.estimation.fit import Filtered
+from identification.estimation.fit import Filtered, Robust
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.long.decimation import decimated
 from identification.model import Model, regressors
+from identification.noise.by_pose import covariance_by_pose
 from identification.noise.coloured import coloured_covariance
+from identification.noise.turned import turned
 from identification.recording import Recording
 from identification.signals import Filter
 
@@ -189,9 +191,15 @@ class Run:
 
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
-    ) -> Array | None:
-        """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
-        return coloured_covariance(matrices, residuals, weights, self.places)
+    ) -> Robust | None:
+        """Covariance of u for noise of any colour and errors of the pose, from A and residuals; None for short runs."""
+        found = turned(matrices, residuals, weights, self.places)
+        assert self.recording.struts is not None
+        placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows])
+        if placed is not None:
+            return Robust(placed.covariance, (placed.note,))
+        coloured = coloured_covariance(found)
+        return None if coloured is None else Robust(coloured)
 
     def without(self, left_out: NDArray[np.bool_]) -> "Run":
         """The run without some of its evaluated samples, shape (n,)."""

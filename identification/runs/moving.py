@@ -132,9 +132,10 @@ def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.
     fit = how.estimator(problem)(*white, names)
     if how.name in SANDWICHED and not how.priors:
         basis = block_diag(selection.basis, np.eye(beside))
-        coloured = run.robust_covariance(white[0] @ basis, fit.residuals, fit.weights, whitening)
-        if coloured is not None:
-            fit = replace(fit, covariance_robust=basis @ coloured @ basis.T)
+        robust = run.robust_covariance(white[0] @ basis, fit.residuals, fit.weights, whitening)
+        if robust is not None:
+            notes = (*fit.notes, *robust.notes)
+            fit = replace(fit, covariance_robust=basis @ robust.covariance @ basis.T, notes=notes)
     fit = of_forces(whitening, fit, augmented, forces)
     require_sense(model, fit)
     told = augmented.shape[2] - (held is None)

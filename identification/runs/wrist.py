@@ -16,12 +16,13 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.biases import Biases
-from identification.estimation.fit import Filtered
+from identification.estimation.fit import Filtered, Robust
 from identification.findings.plausibility import bridged
 from identification.formats.clock import HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
 from identification.model import Model
 from identification.noise.coloured import coloured_covariance
+from identification.noise.turned import turned
 from identification.regressor_blocks import MASS
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter
@@ -116,11 +117,12 @@ class WristRun:
 
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
-    ) -> Array | None:
+    ) -> Robust | None:
         """Covariance of u for noise of any colour, shape (u, u), from A and residuals; None for short runs."""
         step = self.filter.step * self.filter.stride
         places = np.asarray(np.round((self.t - self.t[0]) / step), dtype=np.int64)
-        return coloured_covariance(matrices, residuals, weights, places)
+        coloured = coloured_covariance(turned(matrices, residuals, weights, places))
+        return None if coloured is None else Robust(coloured)
 
     def without(self, left_out: NDArray[np.bool_]) -> "WristRun":
         """The run without some of its evaluated samples, shape (n,)."""

@@ -11,6 +11,7 @@ from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Fit
 from identification.hexapod import Hexapod
 from identification.noise.coloured import coloured_covariance
+from identification.noise.turned import turned
 from tests.bench.coverage import coloured_coverage
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
@@ -42,7 +43,7 @@ def share_inside(noise: Callable[[int], np.ndarray], deviations: Callable[[Fit],
 
 
 def coloured(fit: Fit) -> np.ndarray:
-    return np.sqrt(np.diag(coloured_covariance(A, fit.residuals, ONES)))
+    return np.sqrt(np.diag(coloured_covariance(turned(A, fit.residuals, ONES))))
 
 
 @pytest.mark.parametrize("phi", [0.0, 0.6, 0.9])
@@ -80,7 +81,7 @@ def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
     some, inside = A[places], []
     for seed in range(40):
         fit = gauss_markov(some, some @ U + memory(seed, phi)[places], NAMES, ONES)
-        covariance = coloured_covariance(some, fit.residuals, ONES, places)
+        covariance = coloured_covariance(turned(some, fit.residuals, ONES, places))
         assert covariance is not None
         inside.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(covariance)))
     assert 0.9 <= np.mean(inside) <= 0.99
@@ -88,15 +89,15 @@ def test_sections_with_gaps_between_are_no_neighbours(phi: float) -> None:
 
 def test_what_lies_between_samples_that_are_there_does_not_matter() -> None:
     fit = gauss_markov(A, A @ U + memory(1, 0.5), NAMES, ONES)
-    one_by_one = coloured_covariance(A, fit.residuals, ONES, np.arange(7, SAMPLES + 7))
-    np.testing.assert_array_equal(one_by_one, coloured_covariance(A, fit.residuals, ONES))
+    one_by_one = coloured_covariance(turned(A, fit.residuals, ONES, np.arange(7, SAMPLES + 7)))
+    np.testing.assert_array_equal(one_by_one, coloured_covariance(turned(A, fit.residuals, ONES)))
 
 
 def test_it_does_not_depend_on_units_and_is_positive_definite() -> None:
     fit = gauss_markov(A, A @ U + memory(1, 0.5), NAMES, ONES)
     unit = np.array([1.0, 1e3, 1e-3, 1.0, 10.0, 1e6])
-    plain = coloured_covariance(A, fit.residuals, ONES)
-    scaled = coloured_covariance(A * unit, fit.residuals, ONES)
+    plain = coloured_covariance(turned(A, fit.residuals, ONES))
+    scaled = coloured_covariance(turned(A * unit, fit.residuals, ONES))
     np.testing.assert_allclose(scaled * np.outer(unit, unit), plain, rtol=1e-6, atol=1e-9 * plain.max())
     assert np.linalg.eigvalsh(plain).min() > 0.0
 
@@ -107,7 +108,7 @@ def test_25_to_60_samples_tell_enough_of_their_memory(stride: int) -> None:
     few, held, kernel = A[::stride], [], []
     for seed in range(60):
         fit = gauss_markov(few, few @ U + memory(seed, 0.6)[: len(few)], NAMES, ONES)
-        covariance = coloured_covariance(few, fit.residuals, ONES)
+        covariance = coloured_covariance(turned(few, fit.residuals, ONES))
         assert covariance is not None
         held.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(covariance)))
         kernel.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(fit.covariance_robust)))
@@ -116,7 +117,7 @@ def test_25_to_60_samples_tell_enough_of_their_memory(stride: int) -> None:
 
 
 def test_a_run_too_short_to_tell_a_spectrum_has_none() -> None:
-    assert coloured_covariance(A[:19], np.ones((19, 6)), ONES) is None
+    assert coloured_covariance(turned(A[:19], np.ones((19, 6)), ONES)) is None
 
 
 @pytest.mark.slow

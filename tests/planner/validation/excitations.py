@@ -26,11 +26,16 @@ def poses() -> np.ndarray:
     return np.column_stack([places, Rotation.from_matrix(turns).as_euler("xyz")])[::8]
 
 
-def moving(case: Case, seconds: float = 5.0) -> Excitation:
+def moving(case: Case, seconds: float = 5.0, seed: int = 1) -> Excitation:
     """A method that moves."""
-    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=1, duration=seconds))
+    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=seed, duration=seconds))
     trigger = np.array([[0.5, seconds - 0.5]])
     return Excitation(case, "D", "", seconds - 1.0, execution, trigger, np.zeros((0, 6)), 0)
+
+
+def brisk(case: Case) -> Excitation:
+    """One that does not look as if its vibrations were errors of the pose."""
+    return moving(case, 4.0, seed=0)
 
 
 def standing(case: Case) -> Excitation:

@@ -10,7 +10,16 @@ from planner.validation.remedy import remedy_of
 from planner.validation.step import Identified
 from planner.validation.verdict import off_rows
 from tests.helpers import ideal
-from tests.planner.validation.excitations import CASE, FOUND, NO_MODE, NO_POSE_ERROR, disturbed, moving, standing
+from tests.planner.validation.excitations import (
+    CASE,
+    FOUND,
+    NO_MODE,
+    NO_POSE_ERROR,
+    brisk,
+    disturbed,
+    moving,
+    standing,
+)
 
 
 @pytest.mark.parametrize("method", ["D", "Q"])
@@ -44,7 +53,7 @@ def test_a_part_is_what_vanishes_when_its_disturbance_is_switched_off(method, ca
         assert parts[cause] / std == pytest.approx(vanished, abs=0.3), name
         assert abs(parts[LEFT_OUT]) < 0.2 * std
         largest = max(largest, abs(vanished))
-    assert largest > 1.0
+    assert largest > 0.6  # twice what the delay may make
 
 
 def test_nothing_but_ripple_and_sampling_is_left_of_a_machine_without_the_others():
@@ -64,7 +73,7 @@ def test_the_cause_is_the_part_without_which_the_error_is_smallest():
 
 def test_where_the_mode_is_the_cause_the_recording_is_identified_with_it():
     heavy = FOUND.model_copy(update={"mode_Hz": 30.0} | NO_POSE_ERROR)
-    excitation = moving(CASE)
+    excitation = brisk(CASE)
     found = list(steps(excitation, (0,), heavy))
     remedy = remedy_of(excitation, found[0], heavy)
     assert remedy is not None

@@ -20,7 +20,7 @@ from planner.validation.remedy import remedy_of
 from planner.validation.step import Step
 from postprocessors.execute.executed_run import ExecutedRun
 from tests.helpers import Harmonic
-from tests.planner.validation.excitations import CASE, FOUND, NO_POSE_ERROR, moving
+from tests.planner.validation.excitations import CASE, FOUND, NO_POSE_ERROR, brisk
 from tests.postprocessors.changed_case import changed
 
 
@@ -77,8 +77,8 @@ def test_an_interrupted_validation_goes_on_where_it_was(tmp_path: Path, monkeypa
 def test_a_finished_step_is_found_again_as_it_was(tmp_path: Path):
     (tmp_path / "steps").mkdir()
     heavy = FOUND.model_copy(update={"mode_Hz": 30.0} | NO_POSE_ERROR)
-    (step,) = steps(moving(CASE), (0,), heavy)
-    done = Kept("key", "virtual", step, remedy_of(moving(CASE), step, heavy))
+    (step,) = steps(brisk(CASE), (0,), heavy)
+    done = Kept("key", "virtual", step, remedy_of(brisk(CASE), step, heavy))
     assert done.remedy is not None
     keep(tmp_path, done)
     assert kept_step(tmp_path, "D", 0, "key") == done

@@ -5,20 +5,20 @@ from types import SimpleNamespace
 from planner.validation.causes import MODE
 from planner.validation.experiment import steps
 from planner.validation.verdict import findings, off_rows
-from tests.planner.validation.excitations import CASE, FOUND, NO_POSE_ERROR, moving
+from tests.planner.validation.excitations import CASE, FOUND, NO_POSE_ERROR, brisk
 
 
 def test_what_is_off_is_named_with_its_cause():
     """A soft structure makes forces too large: nothing else is to blame."""
     heavy = FOUND.model_copy(update={"mode_Hz": 30.0} | NO_POSE_ERROR)
-    found = list(steps(moving(CASE), (0,), heavy))
+    found = list(steps(brisk(CASE), (0,), heavy))
     rows = off_rows(found)
     assert rows
     assert {row[-1] for row in rows} == {MODE}
     (inside,) = [f for f in findings(CASE, found, {}) if f.claim.startswith("mass, centre")]
     assert not inside.holds
     assert f"{MODE} ({len(rows)})" in inside.figures
-    assert off_rows(list(steps(moving(CASE), (0,), None))) == []
+    assert off_rows(list(steps(brisk(CASE), (0,), None))) == []
 
 
 def claimed(

@@ -1,0 +1,173 @@
+"""How sure an estimate is where errors come back with the pose: those of encoders, joints, frame and geometry.
+
+Noise that is stationary in time says nothing of them: where a motion returns to a place they are the same again, and
+where it stays they do not average out. They are described as a random field over the struts' lengths, as in kriging
+with a trend (Cressie 1993, Statistics for Spatial Data, section 3.4), beside noise with memory: its correlation of
+Matern's form with smoothness 3/2 (Stein 1999, Interpolation of Spatial Data), its size and length by restricted
+likelihood. Akaike's criterion says whether there is such a field at all; without one, nothing here counts.
+
+Struts are one unit for places and turns, and say what encoders, screws and joints do. A field that changes over half
+of the run's reach, or more, looks like a parameter, and nothing in the run can tell it.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaincinv, ndtri
+
+from identification.noise.memory import LEAST_SAMPLES, autoregressive, slow_noises, toeplitz
+from identification.noise.restricted import Family, Left, likeliest, mixtures, shares_by_channel
+from identification.noise.turned import Turned
+
+Array = NDArray[np.float64]
+
+INSTANTS = 150  # of the run, at which the field is looked for; more cost time by their cube and tell the same
+WAVES = 256  # of which a field is made where it is felt
+COUNTED = 1e-5  # share of a channel's variance, below which a noise is none
+SHARES = (1e-8, 1e3)  # of a channel's variance: the fit may leave a thousandth
+LENGTHS = (0.005, 0.5)  # of the median distance between instants
+BEGIN = (0.5, 0.01, 0.5, 0.1)  # shares of near and slow noise and of the field, and its length, to begin with
+UNKNOWNS = 2  # of a field: Akaike's price
+HALF_ALIKE = 3  # degrees of freedom of the Student t that is the spectrum of Matern's 3/2
+
+
+class ByPose(NamedTuple):
+    """A field of errors over the pose.
+
+    Args:
+        covariance: of u, with noise that has memory, shape (u, u).
+        share: variance of the field over that of the residuals; more than 1 where the fit took some.
+        length: distance in the space of the struts' lengths at which errors are half alike [m].
+    """
+
+    covariance: Array
+    share: float
+    length: float
+
+    @property
+    def note(self) -> str:
+        """For the user."""
+        each = 1e3 * self.length / np.sqrt(6.0)
+        return (
+            f"errors come back with the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the "
+            f"parameters take a part of them, and half alike where struts differ by {each:.2g} mm: std_robust allows "
+            "for them"
+        )
+
+
+def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
+    """Covariance of u for errors of the pose and noise with memory; None where nothing speaks for errors of the pose.
+
+    Args:
+        found: residuals, in turned channels.
+        struts: lengths at their samples, shape (n, 6) [m].
+    """
+    samples = len(found.noise)
+    if samples < LEAST_SAMPLES:
+        return None
+    chosen = np.arange(samples)[(samples - 1) % -(-samples // INSTANTS) // 2 :: -(-samples // INSTANTS)]
+    squared = _squared_distances(struts[chosen])
+    reach = float(np.sqrt(np.median(squared[np.triu_indices(len(squared), 1)])))
+    if reach == 0.0:
+        return None
+    left = Left.of(found.noise[chosen], found.taken[chosen])
+    memories = [_near(found), *slow_noises(found.length)]
+    lags = np.abs(found.places[chosen][:, None] - found.places[chosen])
+    kernels = np.array([m[lags] for m in memories])
+    begin = np.r_[BEGIN[0], np.full(len(memories) - 1, BEGIN[1]), BEGIN[2:]]
+    bounds = np.array([*[SHARES] * (len(memories) + 1), LENGTHS])
+    _, without = likeliest(left, mixtures(kernels), begin[:-2], bounds[:-2])
+    shares, value = likeliest(left, _with_field(kernels, squared / reach**2), begin, bounds)
+    if without - value <= UNKNOWNS:
+        return None
+    length = reach * float(shares[-1])
+    field = _matern(np.sqrt(squared) / length)[0]
+    counts = shares[:-1] > COUNTED
+    by_channel = np.zeros((found.noise.shape[1], len(counts)))
+    by_channel[:, counts] = shares_by_channel(left, np.array([*kernels, field])[counts], shares[:-1][counts])
+    meat = _felt_field(found, struts / length, by_channel[:, -1])
+    answer = found.series(found.answer)
+    for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
+        if share.any():
+            felt = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
+            meat += np.tensordot(answer * share[:, None], felt, ((0, 1), (0, 1)))
+    return ByPose(found.covariance(meat), float(by_channel[:, -1].mean()), length)
+
+
+def _near(found: Turned) -> Array:
+    """Autocovariance of an autoregressive model, mean of the channels, shape (length,)."""
+    series, here = found.series(found.noise), found.series(np.ones(len(found.noise)))
+    scale = len(found.noise) / found.freedom
+    return np.asarray(np.mean([autoregressive(channel, here, scale) for channel in series.T], axis=0))
+
+
+def _squared_distances(places: Array) -> Array:
+    apart = places - places.mean(axis=0)
+    size = np.sum(apart**2, axis=1)
+    return np.asarray(np.maximum(size[:, None] + size - 2.0 * apart @ apart.T, 0.0))
+
+
+def _matern(distance: Array) -> tuple[Array, Array]:
+    """Matern's correlation of smoothness 3/2, and its derivative by the logarithm of the length.
+
+    Args:
+        distance: in lengths.
+    """
+    scaled = np.sqrt(3.0) * distance
+    fading = np.exp(-scaled)
+    return (1.0 + scaled) * fading, scaled**2 * fading
+
+
+def _with_field(kernels: Array, squared: Array) -> Family:
+    """Sums of kernels, shape (c, m, m), and of a field over places at squared distances, shape (m, m).
+
+    Parameters: the shares, the field's last, and its length.
+    """
+    mixture, distance = mixtures(kernels), np.sqrt(squared)
+
+    def family(logarithms: Array) -> tuple[Array, Callable[[Array], Array]]:
+        memory, pulled = mixture(logarithms[:-2])
+        share = np.exp(logarithms[-2])
+        alike, longer = _matern(distance * np.exp(-logarithms[-1]))
+
+        def pull(slope: Array) -> Array:
+            return np.asarray(np.r_[pulled(slope), share * np.sum(slope * alike), share * np.sum(slope * longer)])
+
+        return memory + share * alike, pull
+
+    return family
+
+
+def _felt_field(found: Turned, places: Array, shares: Array) -> Array:
+    """Covariance of half^-1 u by a field of variance `shares` in each channel, shape (u, u).
+
+    As a sum of waves with the field's spectrum (Rahimi and Recht 2007), at the points of a Kronecker sequence, so that
+    the length of the run does not count.
+
+    Args:
+        found: gives the answer to errors.
+        places: in lengths of the field, shape (n, 6).
+        shares: shape (6,).
+    """
+    apart = places - places.mean(axis=0)
+    waves = _spectrum(places.shape[1])
+    meat = np.zeros((found.answer.shape[2],) * 2)
+    for some in np.array_split(waves, 16):  # of a long run all would fill the memory
+        phase = apart @ some.T
+        for part in (np.cos(phase), np.sin(phase)):
+            felt = np.tensordot(found.answer, part, ((0,), (0,)))  # shape (6, u, waves)
+            meat += np.tensordot(felt * shares[:, None, None], felt, ((0, 2), (0, 2)))
+    return meat / len(waves)
+
+
+def _spectrum(dimensions: int) -> Array:
+    """Wave vectors of Matern's 3/2, a Student t distribution, shape (WAVES, dimensions) [rad a length]."""
+    root = 2.0
+    for _ in range(60):  # the real root of x^(d + 2) = x + 1
+        root = (1.0 + root) ** (1.0 / (dimensions + 2))
+    steps = root ** -np.arange(1.0, dimensions + 2.0)
+    points = (0.5 + np.arange(1.0, WAVES + 1.0)[:, None] * steps) % 1.0
+    chi_squared = 2.0 * gammaincinv(HALF_ALIKE / 2.0, points[:, -1])
+    return np.asarray(ndtri(points[:, :-1]) / np.sqrt(chi_squared / HALF_ALIKE)[:, None])
