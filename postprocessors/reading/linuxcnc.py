@@ -15,7 +15,7 @@ from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading.lines import each_word, program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, Language, ModalState, Word
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.words import Pause, Reading, Switch, Timing
 
 LONGEST_LINE = 252  # measured with rs274: 253 characters are "Command too long"
@@ -54,14 +54,16 @@ _REMEDY = {
     "G90.1": "for absolute arc centres, which are not used here; write G91.1",
 }
 
-LANGUAGE = Language("LinuxCNC", _GROUPS, "M2", "G0", "G1", "F = 60 / seconds", True)
+SPELLING = Spelling(
+    "LinuxCNC", _GROUPS, last="M2", rapid="G0", straight="G1", block_time="F = 60 / seconds", inverse_time=True
+)
 
 
 class _Interpreter(ModalState):
     """What the words mean."""
 
     def __init__(self, file: str) -> None:
-        super().__init__(file, LANGUAGE, list("XYZABC"), ("A", "B", "C"), np.r_[np.full(3, MM), np.full(3, DEG)])
+        super().__init__(file, SPELLING, list("XYZABC"), ("A", "B", "C"), np.r_[np.full(3, MM), np.full(3, DEG)])
         self.activate("G94")  # the interpreter's start
         self.loose: ProgramError | None = None
         self.said: set[str] = set()

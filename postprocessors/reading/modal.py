@@ -38,7 +38,7 @@ class Word(NamedTuple):
     selector: str | None = None
 
 
-class Language(NamedTuple):
+class Spelling(NamedTuple):
     """How a controller writes what all of them have.
 
     Args:
@@ -67,16 +67,16 @@ class ModalState(ABC):
 
     Args:
         file: name of the program, for messages.
-        language: of the controller.
+        spelling: of the controller.
         axes: words of the six coordinates, in the order of a pose.
         angles: names of the last three where F counts them.
         scale: what the coordinates count, shape (6,) [m, rad].
     """
 
-    def __init__(self, file: str, language: Language, axes: list[str], angles: tuple[str, ...], scale: Array) -> None:
+    def __init__(self, file: str, spelling: Spelling, axes: list[str], angles: tuple[str, ...], scale: Array) -> None:
         self.file = file
-        self.language = language
-        self.group_of = {name: k for k, group in enumerate(language.groups) for name in group}
+        self.spelling = spelling
+        self.group_of = {name: k for k, group in enumerate(spelling.groups) for name in group}
         self.axes = axes
         self.angles = angles
         self.scale = scale
@@ -103,7 +103,7 @@ class ModalState(ABC):
         Raises:
             ProgramError: anything that is not understood, with line and column; no end of program.
         """
-        blocks, last = 0, self.language.last
+        blocks, last = 0, self.spelling.last
         for number, text in enumerate(lines, start=1):
             if words := words_of(text, number, self.file):
                 self.line = number
@@ -112,7 +112,7 @@ class ModalState(ABC):
                 self.read(words)
                 blocks += 1
         if not self.ended:
-            problem = f"no {last} at the end; the file is truncated or not a {self.language.name} program"
+            problem = f"no {last} at the end; the file is truncated or not a {self.spelling.name} program"
             raise ProgramError(self.file, 0, 0, problem)
         return Reading(self.file, tuple(self.events), blocks)
 
@@ -181,26 +181,26 @@ class ModalState(ABC):
 
     def timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[Timing, float]:
         """What determines how fast a straight move to a pose, shape (6,) as written, runs, and its value."""
-        language = self.language
+        spelling = self.spelling
         if self.active("G0"):
             return Timing.RAPID, math.nan
         if self.active("G93"):
             if "F" not in seen:
-                self.fail(first, f"{language.straight} without F under G93; add {language.block_time}")
+                self.fail(first, f"{spelling.straight} without F under G93; add {spelling.block_time}")
             value = float(seen["F"].value or math.nan)
-            return Timing.DURATION, MINUTE / value if language.inverse_time else value
+            return Timing.DURATION, MINUTE / value if spelling.inverse_time else value
         if not self.active("G94"):
             self.fail(first, "a feed before G93 or G94; what it means is not known, add G94")
         if self.feed is None:
-            self.fail(first, f"{language.straight} without a feed; add F")
+            self.fail(first, f"{spelling.straight} without a feed; add F")
         linear = self.moves_origin(end)
         self._require_counted(first, linear)
         return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
 
     def _require_counted(self, first: Word, linear: bool) -> None:
         counted = ("X", "Y", "Z") if linear else self.angles
-        if self.language.feed_group and self.feed_axes != counted:
-            command = self.language.feed_group.format(",".join(counted))
+        if self.spelling.feed_group and self.feed_axes != counted:
+            command = self.spelling.feed_group.format(",".join(counted))
             self.fail(first, f"F counts {', '.join(counted)} in this move only after {command}; add it before")
 
     def straight(self, end: Array, timing: Timing, value: float, exact: bool, in_struts: bool = False) -> Move:

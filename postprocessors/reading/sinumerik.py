@@ -13,14 +13,17 @@ from cases.controller_sinumerik import PROGRAM_NAME, Sinumerik
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading.lines import program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, Language, ModalState, Word
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.sinumerik_groups import GROUPS, LONGEST_LINE, MODAL, NEUTRAL, REMEDY
 from postprocessors.reading.sinumerik_polynomials import polynomial
 from postprocessors.reading.sinumerik_words import sinumerik_words
-from postprocessors.reading.strut_moves import strut_move
+from postprocessors.reading.strut_moves import read_strut_move
 from postprocessors.reading.words import Event, Pause, Reading, Switch, Timing
 
-LANGUAGE = Language("SINUMERIK", GROUPS, "M30", "G0", "G1", "F = 60 / seconds", True, "FGROUP({})")
+SPELLING = Spelling(
+    "SINUMERIK", GROUPS, last="M30", rapid="G0", straight="G1",
+    block_time="F = 60 / seconds", inverse_time=True, feed_group="FGROUP({})",
+)  # fmt: skip
 
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
 
@@ -32,7 +35,7 @@ class _Interpreter(ModalState):
         numbered = any(w[-1].isdigit() for w in settings.orientation_words)
         axes = ["X", "Y", "Z", *(w + "=" if w[-1].isdigit() else w for w in settings.orientation_words)]
         scale = np.r_[np.full(3, MM), np.full(3, DEG)]
-        super().__init__(file, LANGUAGE, axes, settings.orientation_axes, scale)
+        super().__init__(file, SPELLING, axes, settings.orientation_axes, scale)
         self.settings = settings
         self.trigger: Switch | None = None
         self.rpy_needed = numbered
@@ -191,7 +194,7 @@ class _Interpreter(ModalState):
             if not self.active("G60"):
                 self.fail(first, "a move under PTP is blended into the next (G64), its path is not known; write G60")
             self._require_standing(first)
-            self._move(strut_move(self, self.settings.ptp, "PTP", seen, first, end))
+            self._move(read_strut_move(self, self.settings.ptp, "PTP", seen, first, end))
             return
         timing, value = self.timing(seen, end, first)
         exact = self.active("G60")

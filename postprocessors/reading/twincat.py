@@ -12,8 +12,8 @@ from cases.controller_twincat import PROGRAM_NAME, TwinCat
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading.lines import program_lines
-from postprocessors.reading.modal import LARGEST, LARGEST_FEED, Language, ModalState, Word
-from postprocessors.reading.strut_moves import strut_move
+from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
+from postprocessors.reading.strut_moves import read_strut_move
 from postprocessors.reading.twincat_groups import (
     GROUPS,
     LONGEST_LINE,
@@ -25,7 +25,10 @@ from postprocessors.reading.twincat_paths import PointPath
 from postprocessors.reading.twincat_words import twincat_words
 from postprocessors.reading.words import Pause, Reading, Switch, Timing
 
-LANGUAGE = Language("TwinCAT", GROUPS, "M30", "G00", "G01", "F, the block's time in seconds", False, "#FGROUP [{}]")
+SPELLING = Spelling(
+    "TwinCAT", GROUPS, last="M30", rapid="G00", straight="G01",
+    block_time="F, the block's time in seconds", inverse_time=False, feed_group="#FGROUP [{}]",
+)  # fmt: skip
 
 
 class _Interpreter(ModalState):
@@ -33,7 +36,7 @@ class _Interpreter(ModalState):
 
     def __init__(self, file: str, settings: TwinCat) -> None:
         scale = np.r_[np.full(3, MM), np.full(3, DEG)] * [1, 1, 1, 1, settings.angle_sign_b, 1]
-        super().__init__(file, LANGUAGE, list("XYZABC"), ("A", "B", "C"), scale)
+        super().__init__(file, SPELLING, list("XYZABC"), ("A", "B", "C"), scale)
         self.settings = settings
         self.slope = self.kinematics = False
         self.path = PointPath(self, settings)
@@ -212,7 +215,7 @@ class _Interpreter(ModalState):
         if self.in_struts:
             if not exact:
                 self.fail(first, unsure)
-            self.events.append(strut_move(self, self.settings.ptp, "#PTP ON", seen, first, end))
+            self.events.append(read_strut_move(self, self.settings.ptp, "#PTP ON", seen, first, end))
             return
         timing, value = self.timing(seen, end, first)
         if timing is Timing.DURATION:
