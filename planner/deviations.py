@@ -48,7 +48,29 @@ def predicted_std(
     if scattered is not None:
         inverse = inverse @ scattered @ inverse
     covariance = noise**2 / (duration * SAMPLES_PER_SECOND) * inverse
-    covariance *= np.outer(scaling, scaling)
+    return _physical_std(case, model, covariance * np.outer(scaling, scaling), payload)
+
+
+def predicted_std_at_poses(
+    case: Case, model: Model, scaling: Array, information: Array, noise: float
+) -> dict[str, float]:
+    """Standard deviations of the physical parameters from averaged standstills.
+
+    Args:
+        case: gives the nominal body.
+        model: of the parameters.
+        scaling: of its columns, shape (u,).
+        information: total, scaled, shape (u, u).
+        noise: standard deviation of an averaged force [N].
+
+    Raises:
+        CaseError: the case has no nominal body.
+    """
+    return _physical_std(case, model, noise**2 * np.linalg.inv(information) * np.outer(scaling, scaling))
+
+
+def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0) -> dict[str, float]:
+    """Of the nominal body with a number of payloads, from the covariance of u, shape (u, u)."""
     form = physical_form(model)
     body = body_parameters(case.body(payload))
     nominal = np.array([body.get(name, 0.0) for name in model.names])  # the rest is linear: its values do not matter

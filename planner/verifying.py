@@ -12,7 +12,7 @@ from identification.criteria import CRITERIA, singular_values
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
-from planner.deviations import worst_std
+from planner.deviations import predicted_std_at_poses, worst_std
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.poses.regressors import pose_regressors, total_information
 from planner.request import FAMILIES
@@ -96,13 +96,11 @@ def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[
     poses = np.array([part.pose for part in parts if isinstance(part, Measurement)])
     yield from _unlike("count", data["count"], float(len(poses)), 0.0)
     if len(poses):
-        from planner.poses.plan import predicted_std as predicted_std_of_poses  # with SciPy, which moves need not
-
         model = identification_model(case, _whole(data, "model"))
         scaling = reference_scaling(case, model)
         information = total_information(pose_regressors(model, poses) * scaling)
         singular_values(information, model.names)
-        expected = predicted_std_of_poses(case, model, scaling, information, float(data["assumed_noise_N"]))
+        expected = predicted_std_at_poses(case, model, scaling, information, float(data["assumed_noise_N"]))
         yield from _unlike_deviations(data, expected)
 
 

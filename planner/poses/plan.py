@@ -16,10 +16,9 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.identifiability import analyse
 from identification.limits import LimitReport, prove, worst_of
-from identification.model import Model, identification_model
+from identification.model import identification_model
 from identification.motion import Joined, Measurement, Trajectory
-from identification.parameters import body_parameters, physical_form
-from planner.deviations import SAMPLES_PER_SECOND
+from planner.deviations import SAMPLES_PER_SECOND, predicted_std_at_poses
 from planner.families.saved import motion_entries
 from planner.infeasible import remedy
 from planner.noise import sensor_noise
@@ -189,8 +188,8 @@ def plan_poses(
         efficiency_space=float(np.exp((logdet - space.logdet) / len(scaling))),
         condition=float(np.sqrt(np.linalg.cond(information))),
         fewest=smallest_set(model, scaling, poses, request.criterion),
-        predicted_std=predicted_std(case, model, scaling, information, noise),
-        std_of_all=predicted_std(case, model, scaling, total_information(regressors), noise),
+        predicted_std=predicted_std_at_poses(case, model, scaling, information, noise),
+        std_of_all=predicted_std_at_poses(case, model, scaling, total_information(regressors), noise),
         noise=noise,
         limits=limits,
         select_seconds=selected,
@@ -237,28 +236,6 @@ def _noise(case: Case) -> float:
     sample = sensor_noise(case)
     averaged = case.need_poses("predicted standard deviations").average_s * SAMPLES_PER_SECOND
     return float(sample / np.sqrt(max(averaged, 1.0)))
-
-
-def predicted_std(case: Case, model: Model, scaling: Array, information: Array, noise: float) -> dict[str, float]:
-    """Standard deviations of the physical parameters from the total information of averaged standstills.
-
-    Args:
-        case: gives the nominal body.
-        model: of the parameters.
-        scaling: of its columns, shape (u,).
-        information: total, scaled, shape (u, u).
-        noise: standard deviation of an averaged force [N].
-
-    Raises:
-        CaseError: the case has no nominal body.
-    """
-    if case.nominal is None:
-        case.missing("nominal", "predicted standard deviations")
-    covariance = noise**2 * np.linalg.inv(information) * np.outer(scaling, scaling)
-    form = physical_form(model)
-    body = body_parameters(case.nominal)
-    _, physical = form.of(np.array([body.get(name, 0.0) for name in model.names]), covariance)
-    return {p.name: float(s) for p, s in zip(form.parameters, np.sqrt(np.diag(physical)), strict=True)}
 
 
 def _in_units(poses: Array) -> Array:
