@@ -84,15 +84,18 @@ def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
         return None
     length = reach * float(shares[-1])
     field = _matern(np.sqrt(squared) / length)[0]
-    counts = shares[:-1] > COUNTED
-    by_channel = np.zeros((found.noise.shape[1], len(counts)))
-    by_channel[:, counts] = shares_by_channel(left, np.array([*kernels, field])[counts], shares[:-1][counts])
+    # Between channels slow noises differ as a whole: one by one a channel tells next to nothing of them.
+    memories = [memories[0], np.tensordot(shares[1:-2], memories[1:], 1)]
+    alike = np.array([memories[0][lags], memories[1][lags], field])
+    begin = np.array([shares[0], 1.0, shares[-2]])
+    by_channel = np.zeros((found.noise.shape[1], len(begin)))
+    counts = begin * alike[:, 0, 0] > COUNTED
+    by_channel[:, counts] = shares_by_channel(left, alike[counts], begin[counts])
     meat = _felt_field(found, struts / length, by_channel[:, -1])
     answer = found.series(found.answer)
     for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
-        if share.any():
-            felt = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
-            meat += np.tensordot(answer * share[:, None], felt, ((0, 1), (0, 1)))
+        felt = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
+        meat += np.tensordot(answer * share[:, None], felt, ((0, 1), (0, 1)))
     return ByPose(found.covariance(meat), float(by_channel[:, -1].mean()), length)
 
 
