@@ -84,8 +84,8 @@ def first_family(request: Request, case: Case) -> Family:
     """The family from which the starts of a request are drawn."""
     if request.family == "fourier":
         middle, half = box_middle(case)
-        periods = round(request.duration / request.period)
-        return FourierFamily.lasting(request.order, request.period, periods, middle, half, COARSE, request.centred)
+        order, period = request.order, request.base_period
+        return FourierFamily.lasting(order, period, request.periods, middle, half, COARSE, request.centred)
     if request.family == "spline" and request.solver not in BEGIN_FROM_MOVES:
         return SplineFamily.of(case, request.intervals, request.duration)
     return PointToPointFamily.of(case, request.move_count, request.duration)

@@ -47,12 +47,17 @@ def require_plannable(request: Request, case: Case) -> None:
 def _require_heard(request: Request, case: Case) -> None:
     """The highest harmonic must pass the filter of the evaluation, or the run would teach nothing."""
     cutoff = case.recording.filter_cutoff_Hz
-    highest = request.order / request.period
+    period = request.base_period
+    highest = request.order / period
     if cutoff is not None and highest > cutoff / 2:
         shortest = request.order / (cutoff / 2)
+        most = int(request.duration / shortest * (1.0 + ROUNDING))  # periods
+        remedy = f"--period {request.duration / most if most else shortest:g}"
+        if request.period is None and not most:
+            remedy = f"--duration {shortest:g}"
         raise HexciteError(
-            f"period {request.period:g} s is too short: order {request.order} reaches {highest:g} Hz, the evaluation "
-            f"hears up to {cutoff / 2:g} Hz (half of recording.filter_cutoff_Hz); choose --period {shortest:g} or more"
+            f"period {period:g} s is too short: order {request.order} reaches {highest:g} Hz, the evaluation hears up "
+            f"to {cutoff / 2:g} Hz (half of recording.filter_cutoff_Hz); choose {remedy} or more"
         )
 
 

@@ -17,6 +17,7 @@ SOLVER_NAMES = ("ipopt", "sqp", "slsqp")
 LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 KNOTS_A_SECOND = 10.0
 MOST_PERIODS = 1e6
+USUAL_PERIOD = 2.4  # [s]; of order 5 more informative than 2, 3 or 4 s, and as good for the other criteria
 MOVES_A_SECOND = 10.0 / 3.0
 
 
@@ -32,7 +33,7 @@ class Request:
         model: number in Table 2.
         duration: of the excitation [s].
         order: N of (34), family fourier.
-        period: [s], family fourier; the duration is a whole number of it.
+        period: [s], family fourier; the duration is a whole number of it. None for the one nearest to 2.4 s.
         free_order: family fourier: `order` is open, the best is searched for.
         free_period: family fourier: `period` is open, likewise; the duration is a whole number of what is found.
         centred: family fourier: x0 is the middle of the box.
@@ -53,7 +54,7 @@ class Request:
     model: int = 9
     duration: float = 12.0
     order: int = 5
-    period: float = 3.0
+    period: float | None = None
     free_order: bool = False
     free_period: bool = False
     centred: bool = False
@@ -105,7 +106,7 @@ class Request:
 
     def allowed_duration(self, duration: float) -> float:
         """The next longer duration that the family can have [s]."""
-        if self.family == "fourier" and not self.free_period:
+        if self.family == "fourier" and not self.free_period and self.period is not None:
             return max(self._fewest_periods, int(np.ceil(duration / self.period - 1e-9))) * self.period
         return max(duration, FEWEST_INTERVALS / KNOTS_A_SECOND)
 
@@ -128,15 +129,17 @@ class Request:
     def _fourier(self) -> None:
         if not 1 <= self.order <= 7:
             raise HexciteError(f"order {self.order} is outside 1 to 7; above 7 only jerk grows: choose 3 to 7")
-        if self.free_period:
+        if self.free_period or self.period is None:
             if not self.duration > 0.0:
                 raise HexciteError(f"duration {self.duration:g} s is not positive; choose about 12 s")
             return
         if not self.period > 0.0 or not np.isfinite(self.period):
-            raise HexciteError(f"period {self.period:g} s is not positive; choose about 3 s")
+            raise HexciteError(f"period {self.period:g} s is not positive; choose about {USUAL_PERIOD:g} s")
         repeats = self.duration / self.period
         if not abs(repeats) < MOST_PERIODS:
-            raise HexciteError(f"period {self.period:g} s is too short for {self.duration:g} s; choose about 3 s")
+            raise HexciteError(
+                f"period {self.period:g} s is too short for {self.duration:g} s; choose about {USUAL_PERIOD:g} s"
+            )
         if not (round(repeats) >= 1 and abs(repeats - round(repeats)) < 1e-9):
             raise HexciteError(
                 f"duration {self.duration:g} s is not a whole number of periods of {self.period:g} s; choose "
@@ -147,6 +150,16 @@ class Request:
                 f"order 1 needs two periods: it is led in and out of over one of them; choose --duration "
                 f"{2 * self.period:g} or more"
             )
+
+    @property
+    def periods(self) -> int:
+        """Number of periods of a Fourier motion."""
+        return max(self._fewest_periods, round(self.duration / (self.period or USUAL_PERIOD)))
+
+    @property
+    def base_period(self) -> float:
+        """Period of a Fourier motion [s]; where it is not stated, one that the duration is a whole number of."""
+        return self.duration / self.periods if self.period is None else self.period
 
     @property
     def _fewest_periods(self) -> int:

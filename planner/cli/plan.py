@@ -32,9 +32,13 @@ def plan(
     family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "fourier",
     criterion: Criterion = "D",
     solver: Annotated[str, typer.Option(help="ipopt, sqp (active set) or slsqp.")] = "ipopt",
-    duration: Annotated[float, typer.Option(help="Whole duration in s; for fourier a multiple of the period.")] = 12.0,
+    duration: Annotated[
+        float, typer.Option(help="Whole duration in s; a multiple of --period where that is given.")
+    ] = 12.0,
     order: Annotated[int, typer.Option(help="fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
-    period: Annotated[float, typer.Option(help="fourier: period in s.")] = 3.0,
+    period: Annotated[
+        float | None, typer.Option(help="fourier: period in s; by default about 2.4, to fit --duration.")
+    ] = None,
     free_order: Annotated[bool, typer.Option("--free-order", help="fourier: search the best order, 2 to 7.")] = False,
     free_period: Annotated[
         bool, typer.Option("--free-period", help="fourier: search the best period of which --duration is a multiple.")

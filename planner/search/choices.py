@@ -34,7 +34,7 @@ def choices(request: Request, case: Case) -> tuple[Request, ...]:
     for order in ORDERS if request.free_order else (request.order,):
         fewest = 2 if order == 1 else 1
         most = max(fewest, int(HIGHEST * meets * request.duration / order))
-        for periods in range(fewest, most + 1) if request.free_period else (round(request.duration / request.period),):
+        for periods in range(fewest, most + 1) if request.free_period else (request.periods,):
             period = request.duration / periods
             inside = LOWEST * meets <= order / period <= HIGHEST * meets or not request.free_period
             if inside and order / period <= heard:

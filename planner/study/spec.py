@@ -31,7 +31,10 @@ Whole = Annotated[int, Field(strict=True)]
 
 
 class Grid(Part):
-    """Values of each setting of `hexcite plan`; every combination is a cell. One value may stand without brackets."""
+    """Values of each setting of `hexcite plan`; every combination is a cell. One value may stand without brackets.
+
+    Period, moves and knots that are not stated fit the duration, as they do there.
+    """
 
     family: Values[str] = ("fourier",)
     criterion: Values[str] = ("D",)
@@ -39,9 +42,9 @@ class Grid(Part):
     model: Values[Whole] = (9,)
     duration_s: Values[Positive] = (12.0,)
     order: Values[Whole] = (5,)
-    period_s: Values[Positive] = (3.0,)
-    moves: Values[Whole] = (40,)
-    knots: Values[Whole] = (120,)
+    period_s: Values[Positive | None] = (None,)
+    moves: Values[Whole | None] = (None,)
+    knots: Values[Whole | None] = (None,)
     payload: Values[Whole] = (0,)
     seed: Values[Whole] = (0,)
 
@@ -143,7 +146,8 @@ def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:
     seen: set[str] = set()
     for values in chosen:
         settings = dict(zip(names, values, strict=True))
-        settings = {k: v for k, v in settings.items() if _ONLY.get(k, settings["family"]) == settings["family"]}
+        family = settings["family"]
+        settings = {k: v for k, v in settings.items() if v is not None and _ONLY.get(k, family) == family}
         text = json.dumps(settings, sort_keys=True)
         if text not in seen:
             seen.add(text)

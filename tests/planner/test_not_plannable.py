@@ -43,7 +43,10 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--payload", "4-2"), ("payloads 4-2 are no range",)),
         (("--payload", "some"), ("some", "give 2, or 0-5")),
         (("--period", "0.1", "--duration", "0.1"), ("period 0.1 s is too short", "50 Hz", "20 Hz", "--period 0.25")),
-        (("--duration", "0"), ("duration 0 s", "choose 3 s")),
+        (("--duration", "0.1"), ("period 0.1 s is too short", "50 Hz", "20 Hz", "--duration 0.25 or more")),
+        (("--period", "0.2"), ("period 0.2 s is too short", "25 Hz", "20 Hz", "--period 0.25 or more")),
+        (("--period", "5"), ("duration 12 s is not a whole number of periods of 5 s", "choose 10 s")),
+        (("--duration", "0"), ("duration 0 s", "choose about 12 s")),
         (("--family", "ptp", "--duration", "0.5"), ("too short for 8 moves", "choose at least 0.8 s")),
         (
             ("--family", "ptp", "--moves", "40", "--duration", "2.4"),

@@ -3,9 +3,11 @@
 import re
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cases.errors import HexciteError
-from planner.request import Request
+from planner.request import USUAL_PERIOD, Request
 from tests.helpers import one_line
 
 
@@ -17,18 +19,16 @@ from tests.helpers import one_line
         ("solver", "knitro", "solver 'knitro' is unknown; choose ipopt, sqp, slsqp"),
         ("order", 0, "order 0 is outside 1 to 7"),
         ("order", 50, "order 50 is outside 1 to 7"),
-        ("period", 0.0, "period 0 s is not positive; choose about 3 s"),
+        ("period", 0.0, "period 0 s is not positive; choose about 2.4 s"),
         ("period", -3.0, "period -3 s"),
         ("period", float("nan"), "period nan s"),
         ("period", float("inf"), "period inf s"),
-        ("duration", 10.0, "10 s is not a whole number of periods of 3 s; choose 9 s"),
-        ("duration", 1.0, "choose 3 s"),
-        ("duration", 0.0, "choose 3 s"),
-        ("duration", -12.0, "choose 3 s"),
+        ("duration", 0.0, "duration 0 s is not positive; choose about 12 s"),
+        ("duration", -12.0, "duration -12 s is not positive"),
         ("duration", float("nan"), "duration nan s"),
         ("duration", float("inf"), "duration inf s"),
         ("duration", float("-inf"), "duration -inf s is no duration"),
-        ("period", 1e-320, "too short for 12 s; choose about 3 s"),
+        ("period", 1e-320, "too short for 12 s; choose about 2.4 s"),
         ("duration", 3e9, "duration 3e+09 s"),
         ("starts", 0, "0 starts; choose 1 to 1000"),
         ("starts", 1001, "1001 starts"),
@@ -45,6 +45,25 @@ def test_order_1_needs_two_periods_for_it_is_led_in_and_out_of_over_one():
     Request("hexapod", order=1, period=3.0, duration=6.0)
     with pytest.raises(HexciteError, match=r"order 1 needs two periods.*--duration 6 or more"):
         Request("hexapod", order=1, period=3.0, duration=3.0)
+
+
+@pytest.mark.parametrize(
+    ("duration", "chosen"), [(10.0, "choose 9 s"), (1.0, "choose 3 s"), (0.0, "choose 3 s"), (-12.0, "choose 3 s")]
+)
+def test_the_duration_is_a_whole_number_of_stated_periods(duration: float, chosen: str):
+    with pytest.raises(
+        HexciteError, match=f"{duration:g} s is not a whole number of periods of 3 s; {chosen}"
+    ) as caught:
+        Request("hexapod", period=3.0, duration=duration)
+    one_line(caught.value)
+
+
+@given(duration=st.floats(0.1, 600.0), order=st.integers(1, 7))
+def test_a_period_that_is_not_stated_fits_any_duration(duration: float, order: int):
+    request = Request("hexapod", order=order, duration=duration)
+    assert request.periods * request.base_period == pytest.approx(duration, rel=1e-12)
+    assert request.periods == 1 + (order == 1) or abs(request.base_period / USUAL_PERIOD - 1.0) <= 1 / 4
+    assert Request("hexapod", order=order, duration=duration, period=request.base_period).periods == request.periods
 
 
 def test_a_whole_number_of_periods_may_be_a_rounded_one():

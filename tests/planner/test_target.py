@@ -1,6 +1,6 @@
 """Targets: the shortest motion that meets them, or one line that says what can be reached."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -55,9 +55,11 @@ def test_the_shortest_duration_that_meets_the_target_is_found_in_few_plans(hexap
     assert plan.request.move_count == 14  # as many a second as in 12 s
 
 
-def test_a_fourier_motion_lasts_whole_periods(hexapod_case: Case):
+def test_a_fourier_motion_lasts_whole_periods_where_one_is_stated(hexapod_case: Case):
     make, _ = planner_with(0.1)
-    assert shortest_plan(Request("hexapod", targets=("m=0.05kg",)), hexapod_case, make).motion.duration == 6.0
+    request = Request("hexapod", targets=("m=0.05kg",))
+    assert shortest_plan(replace(request, period=3.0), hexapod_case, make).motion.duration == 6.0
+    assert 4.0 <= shortest_plan(request, hexapod_case, make).motion.duration < 4.2
 
 
 def test_a_target_out_of_reach_says_what_is_reached_and_how_long_would_do(hexapod_case: Case):
@@ -71,7 +73,7 @@ def test_a_target_out_of_reach_says_what_is_reached_and_how_long_would_do(hexapo
 
 def test_the_duration_that_would_do_is_one_that_the_family_can_have(hexapod_case: Case):
     with pytest.raises(InfeasiblePlan, match=r"allow --duration 105 or a wider target"):  # 35 periods of 3 s
-        shortest_plan(Request("hexapod", targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
+        shortest_plan(Request("hexapod", period=3.0, targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
 
 
 def test_a_target_that_no_motion_can_meet_is_called_so(hexapod_case: Case):

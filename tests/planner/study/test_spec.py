@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from cases.errors import FileProblem, HexciteError
 from cases.schema import Case
+from planner.request import Request
 from planner.study.spec import Execution, Grid, Sample, Spec, cell_key, command_of, load_spec, request_of, settings_of
 from tests.helpers import one_line
 
@@ -35,6 +36,14 @@ def test_settings_of_another_family_make_no_further_cells() -> None:
     assert [c["family"] for c in cells] == ["fourier"] * 3 + ["ptp"] * 2
     assert all("moves" not in c for c in cells[:3])
     assert all("order" not in c for c in cells[3:])
+
+
+def test_periods_moves_and_knots_that_are_not_stated_fit_every_duration() -> None:
+    grid = Grid(family=["fourier", "ptp", "spline"], duration_s=[4.0, 7.0, 12.0])
+    for settings in settings_of(Spec(schema_version=1, name="x", grid=grid)):
+        request = request_of(settings, "hexapod")
+        alone = {"family": settings["family"], "duration": settings["duration_s"], "starts": 1}
+        assert request == Request("hexapod", **alone)
 
 
 @given(count=st.integers(1, 100), seed=st.integers(0, 5))
