@@ -18,7 +18,7 @@ PLAN = ("plan", "hexapod", "--json")
         ((*PLAN, "--criterion", "E"), ("'E'", "choose A, D, K, N")),
         ((*PLAN, "--order", "8"), ("order 8", "1 to 7")),
         ((*PLAN, "--period", "0"), ("period 0 s", "choose")),
-        ((*PLAN, "--duration", "10"), ("10 s", "choose 9 s")),
+        ((*PLAN, "--period", "3", "--duration", "10"), ("10 s", "choose 9 s")),
         ((*PLAN, "--duration", "nan"), ("duration nan",)),
         ((*PLAN, "--starts", "0"), ("0 starts", "choose 1 to 1000")),
         ((*PLAN, "--seed", "-1"), ("seed -1", "choose 0 or more")),
