@@ -46,13 +46,13 @@ ANNEALING = 500  # proposals for each pair of moves: worth more than as many mor
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
 # last iterations bring.
 STAGES = {
-    "fourier": (Stage("explore", 100, False), Stage("refine", 240, True, barrier=1e-4)),
+    "fourier": (Stage("explore", 100, False), Stage("refine", 480, True, barrier=1e-4)),
     "ptp": (Stage("explore", 200, False, ANNEALING, barrier=1e-4), Stage("refine", 300, True, barrier=AT_HAND)),
     "spline": (Stage("explore", 300, False, barrier=1e-2), Stage("refine", 900, True, barrier=AT_HAND)),
 }
-# Barrier of a refinement by A, K or N: the D-optimal motion, where it begins, is no optimum. In other families
+# Barrier of a refinement by A, K or N: the D-optimal motion, where it begins, is no optimum. Of point-to-point motions
 # approximated second derivatives lead to better optima of these criteria.
-ANEW = {("spline", "A"): 1e-1, ("spline", "K"): 1e-2, ("spline", "N"): 1e-1}
+ANEW = {"fourier": {"A": 1e-1, "K": 1e-1, "N": 1e-1}, "ptp": {}, "spline": {"A": 1e-1, "K": 1e-2, "N": 1e-1}}
 # Solvers that approximate second derivatives need minutes from splines that start by chance. For these they begin from
 # point-to-point motions, which reach in seconds what such splines do not.
 BEGIN_FROM_MOVES = ("sqp", "slsqp")
@@ -104,7 +104,7 @@ def _refine(request: Request, case: Case, start: Start) -> Task:
         unknowns = family.through(start.family.motion(start.begin))
     stage = STAGES[request.family][1]
     if request.criterion != "D":
-        stage = stage._replace(barrier=ANEW.get((request.family, request.criterion), 0.0))
+        stage = stage._replace(barrier=ANEW[request.family].get(request.criterion, 0.0))
     return Task(
         case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns, request.payload
     )

@@ -37,7 +37,7 @@ def plan(
     ] = 12.0,
     order: Annotated[int, typer.Option(help="fourier: harmonics, 1 to 7; 1 is led in and out of.")] = 5,
     period: Annotated[
-        float | None, typer.Option(help="fourier: period in s; by default about 2.4, to fit --duration.")
+        float | None, typer.Option(help="fourier: period in s; by default about 2, to fit --duration.")
     ] = None,
     free_order: Annotated[bool, typer.Option("--free-order", help="fourier: search the best order, 2 to 7.")] = False,
     free_period: Annotated[
