@@ -46,13 +46,20 @@ ANNEALING = 500  # proposals for each pair of moves: worth more than as many mor
 # A look from every start, then the full problem from the best of them: the many local optima differ more than what the
 # last iterations bring.
 STAGES = {
-    "fourier": (Stage("explore", 100, False), Stage("refine", 480, True, barrier=1e-4)),
+    "fourier": (Stage("explore", 100, False), Stage("refine", 150, True, barrier=1e-4)),
     "ptp": (Stage("explore", 200, False, ANNEALING, barrier=1e-4), Stage("refine", 300, True, barrier=AT_HAND)),
     "spline": (Stage("explore", 300, False, barrier=1e-2), Stage("refine", 900, True, barrier=AT_HAND)),
 }
-# Barrier of a refinement by A, K or N: the D-optimal motion, where it begins, is no optimum. Of point-to-point motions
+# Refinements by A, K or N: the D-optimal motion, where they begin, is no optimum. Of point-to-point motions
 # approximated second derivatives lead to better optima of these criteria.
-ANEW = {"fourier": {"A": 1e-1, "K": 1e-1, "N": 1e-1}, "ptp": {}, "spline": {"A": 1e-1, "K": 1e-2, "N": 1e-1}}
+ANEW = {
+    "fourier": dict.fromkeys("AKN", Stage("refine", 480, True, barrier=1e-1)),
+    "ptp": dict.fromkeys("AKN", Stage("refine", 300, True)),
+    "spline": {
+        **dict.fromkeys("AN", Stage("refine", 900, True, barrier=1e-1)),
+        "K": Stage("refine", 900, True, barrier=1e-2),
+    },
+}
 # Solvers that approximate second derivatives need minutes from splines that start by chance. For these they begin from
 # point-to-point motions, which reach in seconds what such splines do not.
 BEGIN_FROM_MOVES = ("sqp", "slsqp")
@@ -102,9 +109,7 @@ def _refine(request: Request, case: Case, start: Start) -> Task:
     if request.family == "spline" and family.name != "spline":
         family = SplineFamily.of(case, request.intervals, request.duration)
         unknowns = family.through(start.family.motion(start.begin))
-    stage = STAGES[request.family][1]
-    if request.criterion != "D":
-        stage = stage._replace(barrier=ANEW[request.family].get(request.criterion, 0.0))
+    stage = STAGES[request.family][1] if request.criterion == "D" else ANEW[request.family][request.criterion]
     return Task(
         case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns, request.payload
     )
