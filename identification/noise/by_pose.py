@@ -30,7 +30,7 @@ SHARES = (1e-8, 1e3)  # of a channel's variance: the fit may leave a thousandth
 LENGTHS = (0.005, 0.5)  # of the median distance between instants
 BEGIN = (0.5, 0.01, 0.5, 0.1)  # shares of near and slow noise and of the field, and its length, to begin with
 UNKNOWNS = 2  # of a field: Akaike's price
-HALF_ALIKE = 3  # degrees of freedom of the Student t that is the spectrum of Matern's 3/2
+FREEDOM = 3  # degrees of freedom of the Student t that is the spectrum of Matern's 3/2
 
 
 class ByPose(NamedTuple):
@@ -172,5 +172,5 @@ def _spectrum(dimensions: int) -> Array:
         root = (1.0 + root) ** (1.0 / (dimensions + 2))
     steps = root ** -np.arange(1.0, dimensions + 2.0)
     points = (0.5 + np.arange(1.0, WAVES + 1.0)[:, None] * steps) % 1.0
-    chi_squared = 2.0 * gammaincinv(HALF_ALIKE / 2.0, points[:, -1])
-    return np.asarray(ndtri(points[:, :-1]) / np.sqrt(chi_squared / HALF_ALIKE)[:, None])
+    chi_squared = 2.0 * gammaincinv(FREEDOM / 2.0, points[:, -1])
+    return np.asarray(ndtri(points[:, :-1]) / np.sqrt(chi_squared / FREEDOM)[:, None])

@@ -11,7 +11,7 @@ from identification.estimation.estimator import gauss_markov
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.loaded import UNDISTURBED, Circumstances
-from identification.noise.by_pose import HALF_ALIKE, _matern, _spectrum, covariance_by_pose
+from identification.noise.by_pose import FREEDOM, _matern, _spectrum, covariance_by_pose
 from identification.noise.coloured import coloured_covariance
 from identification.noise.turned import Turned, turned
 from identification.result import Estimate
@@ -152,7 +152,7 @@ def test_waves_add_up_to_the_correlation() -> None:
         for apart in (0.3, 1.0, 2.0, 6.0):
             mean = np.cos(waves @ (apart * direction)).mean()
             assert mean == pytest.approx(float(_matern(np.array(apart))[0]), abs=0.12)
-    assert HALF_ALIKE == 3  # 2 nu, nu = 3/2
+    assert FREEDOM == 3  # 2 nu, nu = 3/2
 
 
 def identified(around: Circumstances) -> Estimate:
