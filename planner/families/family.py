@@ -1,72 +1,40 @@
 """What every family of excitations offers to the optimiser: unknowns -> motion, with CasADi's exact derivatives."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.motion import Trajectory
+from planner.search.peaks import Peak
+from planner.search.rows import Rows
+from planner.search.states import States
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class States:
-    """States of a motion as expressions, one column each.
+class Layout:
+    """A family's motion as functions of its unknowns.
 
     Args:
-        pose: shape (6, K) [m, rad].
-        rates: shape (6, K) [m/s, rad/s].
-        accelerations: shape (6, K) [m/s^2, rad/s^2].
+        states: over which information is averaged, with their shares of the duration.
+        critical: states at which non-linear limits (struts, joints) are constrained.
+        peaks: at which of these, of each kind, shape (B, S) each.
+        rows: limits of the coordinates, linear ones and those of the family.
+        lower: bound of each unknown, shape (n,).
+        upper: bound of each unknown, shape (n,).
     """
 
-    pose: ca.MX
-    rates: ca.MX
-    accelerations: ca.MX
-
-    @property
-    def count(self) -> int:
-        """K."""
-        return int(self.pose.shape[1])
-
-    @property
-    def each(self) -> tuple[ca.MX, ca.MX, ca.MX]:
-        """Pose, rates, accelerations."""
-        return self.pose, self.rates, self.accelerations
-
-
-@dataclass(frozen=True)
-class Sampling:
-    """A family's motion as expressions in its unknowns.
-
-    Args:
-        unknowns: the symbol, shape (n,).
-        lower: of each unknown, shape (n,).
-        upper: of each unknown, shape (n,).
-        states: over which information is averaged.
-        shares: weight of each state, its share of the duration, shape (K, 1); they add up to 1.
-        rows: limits of the coordinates, in units of their limits: -1 <= rows <= 1.
-        zeros: what must be 0.
-        critical: states at which non-linear limits (struts, joints) are held where they come close.
-        struts: at which of these struts' velocities and which their accelerations peak, so that these limits are held
-            from the start, shape (2, number of critical states).
-        linear: whether the states are linear in the unknowns.
-    """
-
-    unknowns: ca.MX
+    states: States
+    critical: States
+    peaks: Mapping[Peak, NDArray[np.bool_]]
+    rows: tuple[Rows, ...]
     lower: Array
     upper: Array
-    states: States
-    shares: ca.MX
-    rows: ca.MX
-    zeros: ca.MX
-    critical: States
-    struts: NDArray[np.bool_]
-    linear: bool
 
 
 class Family(Protocol):
@@ -82,8 +50,8 @@ class Family(Protocol):
         """What was chosen beforehand, for `plan.json`."""
         ...
 
-    def sampling(self, case: Case) -> Sampling:
-        """The motion as expressions."""
+    def layout(self, case: Case, margin: float) -> Layout:
+        """The motion as functions of the unknowns; margin: share of each limit that is left free."""
         ...
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:

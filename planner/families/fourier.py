@@ -7,7 +7,7 @@ space of these two rows, and no constraint is left to a solver. Order 1 has noth
 coefficients, and a quintic leads from rest in the middle of its circle into it and back (`run_in`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from planner.families.family import Sampling
+from planner.families.family import Layout
 from planner.families.fourier_motion import FourierMotion
-from planner.families.linear import linear_sampling
+from planner.families.linear import linear_layout
 from planner.families.run_in import run_in, run_out
+from planner.search.peaks import Peak
 
 Array = NDArray[np.float64]
 
@@ -86,9 +87,9 @@ class FourierFamily:
         own = {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
         return own | ({"run_in_s": self.run_in} if self.run_in else {})
 
-    def sampling(self, case: Case) -> Sampling:
-        """The motion as expressions."""
-        return linear_sampling(case, self)
+    def layout(self, case: Case, margin: float) -> Layout:
+        """The motion as functions of the unknowns."""
+        return linear_layout(case, self, margin)
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""
@@ -143,9 +144,14 @@ class FourierFamily:
         series = np.full(len(self._period), self.period * self.repeats / len(self._period))
         return np.concatenate([led, series, led]) / (self.period * self.repeats + 2 * self.run_in)
 
-    def struts(self) -> NDArray[np.bool_]:
-        """Strut limits enter where they come close."""
-        return np.zeros((2, len(self.grid)), dtype=bool)
+    @property
+    def blocks(self) -> int:
+        """Every sample depends on all unknowns."""
+        return 1
+
+    def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
+        """Every limit at every sample."""
+        return dict.fromkeys(Peak, np.ones((1, len(self.grid)), dtype=bool))
 
     def critical_maps(self) -> tuple[Array, Array, Array]:
         """At the samples."""

@@ -1,14 +1,16 @@
 """Sampling of families whose coordinates are linear in their unknowns (Fourier series, B-splines)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Protocol
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from planner.families.family import Sampling, States, box_middle
+from planner.families.family import Layout, box_middle
+from planner.search.peaks import Peak
+from planner.search.rows import LinearRows
+from planner.search.states import linear_states
 
 Array = NDArray[np.float64]
 
@@ -29,8 +31,17 @@ class Maps(Protocol):
         """Share of the duration that each sample of `maps` stands for, shape (K,); they add up to 1."""
         ...
 
-    def struts(self) -> NDArray[np.bool_]:
-        """At which of the `critical_maps` strut velocities and accelerations are held from the start, shape (2, C)."""
+    def critical_maps(self) -> tuple[Array, Array, Array]:
+        """Matrices (C, q) to value, rate and acceleration where non-linear limits are constrained."""
+        ...
+
+    def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
+        """At which of these, of each kind, shape (B, S) each."""
+        ...
+
+    @property
+    def blocks(self) -> int:
+        """Number B of blocks of equally many successive samples that depend on few unknowns each."""
         ...
 
     def limit_maps(self) -> tuple[Array, Array, Array, Array]:
@@ -41,52 +52,39 @@ class Maps(Protocol):
         """What values and rates may pass their rows by between two of them, in half widths, shapes (6,)."""
         ...
 
-    def critical_maps(self) -> tuple[Array, Array, Array]:
-        """Matrices (C, q) to value, rate and acceleration where non-linear limits are held."""
-        ...
-
     def growth(self) -> float:
         """A bound g with max|x'| <= g max|x| for every motion of the family [1/s]; infinity where there is none."""
         ...
 
 
-def linear_sampling(case: Case, family: Maps) -> Sampling:
+def linear_layout(case: Case, family: Maps, margin: float) -> Layout:
     """States and rows of a linear family.
 
-    Limits of a derivative that others prove to be kept (`growth`) are left out.
+    Limits of a derivative that others prove to be satisfied (`growth`) are left out.
     """
+    from scipy.sparse import csr_array, kron, vstack
+
     middle, half = box_middle(case)
     box = case.need_machine("planning")[2].motion
-    unknowns = ca.MX.sym("unknowns", family.unknowns * 6)
-    table = ca.reshape(unknowns, 6, family.unknowns).T
-    to_si = ca.diag(ca.DM(half))
-
-    def states_of(maps: Sequence[Array]) -> States:
-        value, rate, acceleration = (to_si @ (ca.sparsify(ca.DM(m)) @ table).T for m in maps)
-        return States(value + ca.repmat(ca.DM(middle), 1, value.shape[1]), rate, acceleration)
-
-    states, critical = states_of(family.maps()[:3]), states_of(family.critical_maps())
+    critical = family.critical_maps()
     rows = []
     reached = np.ones(6)  # what is known to bound the derivative before, in half widths
     for order, (matrix, limit) in enumerate(
         zip(family.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
     ):
         own = limit / half if order > 1 else limit / half - family.slips()[order]
-        needed = list(range(6)) if order == 0 else np.flatnonzero(family.growth() * reached > own).tolist()
+        needed = np.ones(6, dtype=bool) if order == 0 else family.growth() * reached > own
         reached = own if order == 0 else np.minimum(family.growth() * reached, own)
-        if needed:
-            share = ca.sparsify(ca.DM(matrix)) @ table
-            rows.append(ca.vec((share @ ca.diag(ca.DM(1.0 / own)))[:, needed]))
-    size = family.unknowns * 6
-    return Sampling(
-        unknowns=unknowns,
-        lower=np.full(size, -np.inf),
-        upper=np.full(size, np.inf),
-        states=states,
-        shares=ca.MX(ca.DM(family.weights())),
-        rows=ca.vertcat(*rows),
-        zeros=ca.MX(0, 1),
-        critical=critical,
-        struts=family.struts(),
-        linear=True,
+        if needed.any():
+            rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
+    table = csr_array(vstack(rows, format="csr"))
+    bound = np.full(table.shape[0], 1.0 - margin)
+    free = np.full(family.unknowns * 6, np.inf)
+    return Layout(
+        states=linear_states(family.maps(), middle, half, family.weights(), family.blocks),
+        critical=linear_states(critical, middle, half, np.zeros(len(critical[0])), family.blocks),
+        peaks=family.peaks(),
+        rows=(LinearRows(table, -bound, bound),),
+        lower=-free,
+        upper=free,
     )

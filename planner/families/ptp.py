@@ -17,7 +17,11 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.motion import Joined
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
-from planner.families.family import Sampling, States, box_middle
+from planner.families.family import Layout, box_middle
+from planner.search.kernel import Kernel
+from planner.search.peaks import Peak
+from planner.search.rows import BlockRows, LinearRows
+from planner.search.states import KernelStates
 
 Array = NDArray[np.float64]
 
@@ -27,6 +31,7 @@ LONGEST_PHASE = 4.0  # mean durations of a move
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # two points integrate what is cubic in time exactly: jerk phases squared
 START_WIDTH = 0.9  # waypoints of random starts lie within this share of the box
 BISECTIONS = 30
+OF_A_MOVE = 15  # unknowns: start, end, three times
 TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
 
 
@@ -52,23 +57,33 @@ def _profile_state(time: ca.SX, times: tuple[ca.SX, ...], phase: int) -> tuple[c
 def states_of_move(points: tuple[tuple[int, float], ...]) -> ca.Function:
     """(start, end, three times) -> pose, rates, accelerations, each (6, S), at shares of phases."""
     start, end, times = ca.SX.sym("start", 6), ca.SX.sym("end", 6), ca.SX.sym("times", 3)
-    tj, th, tc = times[0], times[1], times[2]
-    lengths = (tj, th, tj, tc, tj, th, tj)
-    way = end - start
-    pose, rates, accelerations = [], [], []
-    for phase, share in points:
-        s, v, a = _profile_state(share * lengths[phase], (tj, th, tc), phase)
-        pose.append(start + s * way)
-        rates.append(v * way)
-        accelerations.append(a * way)
-    outputs = [ca.horzcat(*columns) for columns in (pose, rates, accelerations)]
+    states = [_state_of_move(start, end, times, point) for point in points]
+    outputs = [ca.horzcat(*(state[k] for state in states)) for k in range(3)]
     return ca.Function("states_of_move", [start, end, times], outputs, {"cse": True})
+
+
+def _state_of_move(start: ca.SX, end: ca.SX, times: ca.SX, point: tuple[int, float]) -> tuple[ca.SX, ca.SX, ca.SX]:
+    phase, share = point
+    s, v, a = _profile_state(share * _phases(times)[phase], (times[0], times[1], times[2]), phase)
+    way = end - start
+    return start + s * way, v * way, a * way
+
+
+def _phases(times: ca.SX) -> tuple[ca.SX, ...]:
+    """Lengths of the seven phases."""
+    tj, th, tc = times[0], times[1], times[2]
+    return (tj, th, tj, tc, tj, th, tj)
 
 
 INFORMATION_POINTS = tuple((phase, share) for phase in range(7) for share in (GAUSS, 1 - GAUSS))
 # Where velocities and accelerations have their peaks: both ends of each phase of constant acceleration, mid-cruise.
 _HOLDS = ((0, 1.0), (1, 1.0), (5, 0.0), (5, 1.0))
-CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:])
+CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:], (6, 1.0))
+_PEAKS = {
+    Peak.POSE: [point in ((3, 0.5), (6, 1.0)) for point in CRITICAL_POINTS],
+    Peak.VELOCITY: [point == (3, 0.5) for point in CRITICAL_POINTS],
+    Peak.ACCELERATION: [point in _HOLDS for point in CRITICAL_POINTS],
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,48 +141,47 @@ class PointToPointFamily:
         places = 6 * (self.moves + 1)
         return unknowns[:places].reshape(-1, 6), unknowns[places:].reshape(-1, 3)
 
-    def sampling(self, case: Case) -> Sampling:
-        """The motion as expressions."""
-        count = self.moves
-        edge = np.ones(6 * (count + 1))
-        unknowns = ca.MX.sym("unknowns", len(edge) + 3 * count)
-        waypoints = ca.reshape(unknowns[: len(edge)], 6, count + 1)
-        times = ca.reshape(unknowns[len(edge) :], 3, count)
-        points, ends = waypoints[:, :-1], waypoints[:, 1:]
-        to_si = ca.diag(ca.DM(self.half))
+    def layout(self, case: Case, margin: float) -> Layout:
+        """The motion as functions of the unknowns."""
+        from scipy.sparse import csr_array
 
-        def states(places: tuple[tuple[int, float], ...]) -> States:
-            offset = ca.repmat(ca.DM(self.middle), 1, count)
-            start, end = to_si @ points + offset, to_si @ ends + offset
-            return States(*states_of_move(places).map(count)(start, end, times * self.unit))
+        count, places = self.moves, 6 * (self.moves + 1)
+        move = np.arange(count)[:, None]
+        index = np.hstack([6 * move + np.arange(12), places + 3 * move + np.arange(3)])
+        own = ca.SX.sym("move", OF_A_MOVE)
+        start, end = (ca.DM(self.middle) + ca.DM(self.half) * place for place in (own[:6], own[6:12]))
 
-        tj, th, tc = times[0, :], times[1, :], times[2, :]
-        velocity = (ends - points) / ca.repmat(2 * tj + th + tc, 6, 1)
-        acceleration = velocity / ca.repmat(tj + th, 6, 1)
-        jerk = acceleration / ca.repmat(tj, 6, 1)
-        rows = [
-            ca.vec(ca.diag(ca.DM(self.half / limit / self.unit**order)) @ peak)
+        def states(points: tuple[tuple[int, float], ...]) -> KernelStates:
+            times = own[12:] * self.unit
+            columns = []
+            for point in points:
+                share = _phases(times)[point[0]] / (2 * self.duration)  # two points a phase
+                columns += [*_state_of_move(start, end, times, point), share]
+            return KernelStates(index, Kernel(own, ca.vertcat(*columns)))
+
+        tj, th, tc = own[12], own[13], own[14]
+        velocity = (own[6:12] - own[:6]) / (2 * tj + th + tc)
+        acceleration = velocity / (tj + th)
+        jerk = acceleration / tj
+        peaks = [
+            ca.DM(self.half / limit / self.unit**order) * peak
             for order, (peak, limit) in enumerate(
                 zip((velocity, acceleration, jerk), self.limits, strict=True), start=1
             )
         ]
-        lengths = ca.vertcat(tj, th, tj, tc, tj, th, tj)
-        shares = ca.vec(ca.kron(lengths, ca.DM.ones(2, 1))) / (2 * count)
-        total = ca.sum2(4 * tj + 2 * th + tc) / count
+        total = np.r_[np.zeros(places), np.tile([4.0, 2.0, 1.0], count)] / count
+        edge = np.full(places, 1.0 - margin)
         lower, upper = self._time_bounds()
-        return Sampling(
-            unknowns=unknowns,
+        return Layout(
+            states=states(INFORMATION_POINTS),
+            critical=states(CRITICAL_POINTS),
+            peaks={peak: np.tile(where, (count, 1)) for peak, where in _PEAKS.items()},
+            rows=(
+                LinearRows(csr_array(total[None, :]), np.ones(1), np.ones(1)),
+                BlockRows(index, Kernel(own, ca.vertcat(*peaks)), 1.0 - margin),
+            ),
             lower=np.r_[-edge, lower.ravel()],
             upper=np.r_[edge, upper.ravel()],
-            states=states(INFORMATION_POINTS),
-            shares=shares,
-            rows=ca.vertcat(*rows),
-            zeros=total - 1,
-            critical=states(CRITICAL_POINTS),
-            struts=np.tile(
-                [[phase == 3 for phase, _ in CRITICAL_POINTS], [p in _HOLDS for p in CRITICAL_POINTS]], count
-            ),
-            linear=False,
         )
 
     def _time_bounds(self) -> tuple[Array, Array]:

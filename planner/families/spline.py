@@ -7,7 +7,7 @@ which the rows leave free. The motion is at rest at its ends: the first three co
 and the same, and so are the last three. It need not end where it begins.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import factorial
 from typing import TYPE_CHECKING, Any
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.motion import Trajectory
 from identification.trajectories.polynomial import Piece, PolynomialMotion
-from planner.families.family import Sampling, box_middle
-from planner.families.linear import linear_sampling
+from planner.families.family import Layout, box_middle
+from planner.families.linear import linear_layout
+from planner.search.peaks import Peak
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -29,7 +30,7 @@ Array = NDArray[np.float64]
 DEGREE = 3
 FEWEST, MOST = 20, 150  # intervals
 FINE = 4  # instants an interval at which positions and rates are limited
-CRITICAL = 6  # at which struts and joints may be: with four, strut velocities slip by 1 %, which shrinking takes
+CRITICAL = 4  # at which struts and joints may be constrained
 START_SHARE = 0.8
 ROUNDING = 1e-6  # of a number of intervals
 GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
@@ -137,14 +138,16 @@ class SplineFamily:
         """How far positions and rates pass their rows between two of them, in half widths (per second), (6,) each."""
         return self.slip[0], self.slip[1]
 
-    def struts(self) -> NDArray[np.bool_]:
-        """Strut limits bind nearly everywhere: they are held from the start, at the instants that matter most.
+    @property
+    def blocks(self) -> int:
+        """One for each interval."""
+        return self.intervals
 
-        Accelerations have their peaks at the knots, velocities between them: at knots alone they slip by 7 %.
-        """
-        velocity, acceleration = np.zeros((2, CRITICAL), dtype=bool)
-        velocity[:: CRITICAL // 2] = acceleration[0] = True
-        return np.tile([velocity, acceleration], self.intervals)
+    def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
+        """Accelerations have their peaks at the knots, rates between them: at knots alone these slip by 7 %."""
+        knots, both = np.zeros((2, self.intervals, CRITICAL), dtype=bool)
+        knots[:, 0] = both[:, :: CRITICAL // 2] = True
+        return {Peak.POSE: both, Peak.VELOCITY: both, Peak.ACCELERATION: knots}
 
     def critical_maps(self) -> tuple[Array, Array, Array]:
         """At six instants an interval."""
@@ -156,9 +159,9 @@ class SplineFamily:
         """Nothing bounds a derivative by the one before it."""
         return float("inf")
 
-    def sampling(self, case: Case) -> Sampling:
-        """The motion as expressions."""
-        return linear_sampling(case, self)
+    def layout(self, case: Case, margin: float) -> Layout:
+        """The motion as functions of the unknowns."""
+        return linear_layout(case, self, margin)
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""

@@ -1,14 +1,7 @@
-"""The optimal excitation problem of a family as a non-linear program.
+"""The optimal excitation problem of a family: its program with every limit that can bind."""
 
-Limits of coordinates are rows from the start. Non-linear limits (struts, joints) bind at few states: they enter only
-where they are named.
-"""
-
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,29 +9,12 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model
 from identification.motion import Trajectory
-from planner.families.family import Family, Sampling
-from planner.search.information import sample_information
-from planner.search.objective import objective
-from planner.search.state_limits import STRUT_ACCELERATION, STRUT_VELOCITY, StateLimits, state_limits
+from planner.families.family import Family, Layout
+from planner.search.program import Program, regressor_kernel
+from planner.search.rows import StateRows
+from planner.search.state_limits import LimitGroup, binding_limits
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Constraints:
-    """Rows of a program with their exact derivatives.
-
-    Args:
-        rows: expressions in the unknowns.
-        jacobian: their derivatives, sparse.
-        lower: of each row.
-        upper: of each row.
-    """
-
-    rows: ca.MX
-    jacobian: ca.MX
-    lower: Array
-    upper: Array
 
 
 @dataclass(frozen=True)
@@ -46,95 +22,56 @@ class Problem:
     """Minimise a criterion of the mean information subject to the limits.
 
     Args:
-        sampling: unknowns, states and rows of the family.
-        information: lower triangle of the mean of H A^T A H over the motion, an expression in the unknowns.
-        sample: that of one state: pose, rates, accelerations -> lower triangle of H A^T A H.
-        state_limits: shares of the non-linear limits of one state, and their derivatives.
-        size: number of parameters.
-        loads: numbers of payloads with which sensor forces are among these limits.
+        layout: the family's motion as functions of the unknowns.
+        program: with all rows.
+        limits: non-linear limits that can bind, one for each of the program's last rows.
     """
 
-    sampling: Sampling
-    information: ca.MX
-    sample: ca.Function
-    state_limits: StateLimits
-    size: int
-    loads: tuple[int, ...] = ()
+    layout: Layout
+    program: Program
+    limits: tuple[LimitGroup, ...]
 
-    def with_loads(self, case: Case, loads: tuple[int, ...]) -> "Problem":
-        """The same with the sensor forces of more loads among its limits, behind all others."""
-        loads = (*self.loads, *(load for load in loads if load not in self.loads))
-        return self if loads == self.loads else replace(self, state_limits=state_limits(case, loads), loads=loads)
+    def _of_states(self) -> tuple[StateRows, ...]:
+        return tuple(rows for rows in self.program.rows if isinstance(rows, StateRows))
 
-    @property
-    def unknowns(self) -> ca.MX:
-        """The symbol."""
-        return self.sampling.unknowns
+    def worst(self, unknowns: Array) -> float:
+        """The largest share of any limit that unknowns use, at all critical states."""
+        shares = [np.abs(rows.values(unknowns)).max() for rows in self.layout.rows if not np.array_equal(rows.lower, rows.upper)]
+        shares += [np.abs(rows.all_values(unknowns)).max() for rows in self._of_states()]
+        return float(max(shares))
 
-    def objective(self, letter: str, halvings: int = 0) -> ca.MX:
-        """What to minimise; see `planner.search.objective`."""
-        return objective(letter, self.size, halvings)(self.information)
-
-    @cached_property
-    def limits(self) -> ca.Function:
-        """Unknowns -> shares of the non-linear limits at the critical states, shape (limits, K)."""
-        critical = self.sampling.critical
-        shares = self.state_limits.shares.map(critical.count)(*critical.each)
-        return ca.Function("limits", [self.unknowns], [shares])
-
-    def limit_shares(self, unknowns: Array) -> Array:
-        """Share of each non-linear limit that is used at each critical state, shape (limits, K)."""
-        return np.asarray(np.abs(self.limits(unknowns).full()))
-
-    def held_from_the_start(self) -> NDArray[np.bool_]:
-        """Which non-linear limits are rows at once, shape (limits, K)."""
-        active = np.zeros((self.state_limits.shares.size1_out(0), self.sampling.critical.count), dtype=bool)
-        active[STRUT_VELOCITY], active[STRUT_ACCELERATION] = self.sampling.struts
-        return active
-
-    def constraints(self, active: NDArray[np.bool_]) -> Constraints:
-        """All linear rows, and the non-linear limits where `active`, shape (limits, K), is set.
-
-        CasADi's own Jacobian of the same rows takes ten times as long: it does not see that a limit depends on one
-        state only. Here it is the block-diagonal derivative by the states times that of the states. Matrices are stored
-        by columns: its transpose is put together, which only appends.
-        """
-        zeros, rows = self.sampling.zeros, self.sampling.rows
-        lower = np.r_[np.zeros(zeros.shape[0]), -np.ones(rows.shape[0])]
-        values, gradients = [zeros, rows], [ca.jacobian(part, self.unknowns).T for part in (zeros, rows)]
-        columns = np.flatnonzero(active.any(axis=0))
-        if len(columns):
-            some = [m[:, columns.tolist()] for m in self.sampling.critical.each]
-            count, height = len(columns), self.state_limits.shares.size1_out(0)
-            chosen = np.flatnonzero(active[:, columns].T).tolist()
-            blocks = ca.diagcat(*[ca.Sparsity.dense(18, height)] * count)
-            by_states = ca.MX(blocks, ca.vec(self.state_limits.gradients.map(count)(*some)))
-            states = ca.jacobian(ca.vec(ca.vertcat(*some)), self.unknowns)
-            values.append(ca.vec(self.state_limits.shares.map(count)(*some))[chosen])
-            gradients.append(states.T @ by_states[:, chosen])
-            lower = np.r_[lower, -np.ones(len(chosen))]
-        return Constraints(ca.vertcat(*values), ca.horzcat(*gradients).T, lower, -lower)
-
-    def worst(self) -> Callable[[Array], float]:
-        """The largest share of any limit that unknowns use."""
-        rows = ca.Function("rows", [self.unknowns], [self.sampling.rows])
-        return lambda values: max(float(np.abs(rows(values).full()).max()), float(self.limit_shares(values).max()))
+    def with_rows_above(self, unknowns: Array, share: float) -> "Problem":
+        """The same with rows for all critical states that use more than a share of a limit."""
+        rows = tuple(
+            replace(part, chosen=part.chosen | (np.abs(part.all_values(unknowns)) > share)) for part in self._of_states()
+        )
+        return replace(self, program=self.program.with_rows(*self.layout.rows, *rows))
 
 
-def build_problem(case: Case, model: Model, family: Family, scaling: Array) -> Problem:
-    """Builds the program.
+def build_problem(case: Case, model: Model, family: Family, scaling: Array, margin: float) -> Problem:
+    """Builds the program of criterion D.
 
     Args:
         case: machine and limits.
         model: parameters to be identified.
         family: what the unknowns mean.
         scaling: reference scaling, shape (u,).
+        margin: share of each limit that is left free.
     """
-    sampling = family.sampling(case)
-    states = sampling.states
-    sample = sample_information(model, scaling)
-    information = sample.map(states.count)(*states.each) @ sampling.shares
-    return Problem(sampling, information, sample, state_limits(case), len(scaling))
+    layout, limits = family.layout(case, margin), binding_limits(case)
+    rows = tuple(
+        StateRows(
+            layout.critical,
+            group.kernel,
+            np.repeat(layout.peaks[group.peak][:, :, None], group.kernel.size, axis=2),
+            1.0 - margin,
+        )
+        for group in limits
+    )
+    program = Program(
+        layout.states, regressor_kernel(model, scaling), (*layout.rows, *rows), layout.lower, layout.upper
+    )
+    return Problem(layout, program, limits)
 
 
 def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:

@@ -19,27 +19,34 @@ from identification.overload import SHARE
 from identification.parameters import body_parameters
 from identification.pose import rotation
 from planner.families.family import box_middle
+from planner.search.kernel import Kernel
+from planner.search.peaks import Peak
+from planner.search.states import STATE
 
 Array = NDArray[np.float64]
 
 RIGID_BODY = 6  # the smallest model with mass, first moments and inertia
-STRUT_VELOCITY, STRUT_ACCELERATION = slice(6, 12), slice(12, 18)  # components of the shares
+CANDIDATES = 4000  # states of the box that tell which limits can bind
+BINDS = 0.97  # share of a limit: what stays below it everywhere in the box is left to the proof
+SEED = 7
+FORCES = "sensor force"
 
 
-class StateLimits(NamedTuple):
-    """Functions of (pose, rates, accelerations) of one state.
+class LimitGroup(NamedTuple):
+    """Limits of one kind.
 
     Args:
-        shares: shares of the limits: 18 of struts, 12 of joints, 1 of singularity, 25 of each keep-out box and 3
-            of each tool, 6 of each load on the sensors.
-        gradients: their derivatives by all 18 components of the state, a column each.
+        name: of the kind.
+        peak: where they are used most.
+        kernel: state -> shares of the limits.
     """
 
-    shares: ca.Function
-    gradients: ca.Function
+    name: str
+    peak: Peak
+    kernel: Kernel
 
 
-def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
+def state_limits(case: Case, loads: tuple[int, ...] = ()) -> tuple[LimitGroup, ...]:
     """The non-linear limits of a case.
 
     Args:
@@ -53,30 +60,57 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> StateLimits:
     """
     _, workspace, limits = case.need_machine("planning")
     box, hexapod = limits.motion, Hexapod.of(case)
-    pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
+    state = ca.SX.sym("state", STATE)
+    pose, rates, accelerations = state[:6], state[6:12], state[12:18]
     length, velocity, acceleration = hexapod.strut_motion.call([pose, rates, accelerations], True, False)
     shortest = max(box.strut_length[0], workspace.strut_length[0])
     longest = min(box.strut_length[1], workspace.strut_length[1])
     at_base, at_platform = hexapod.joint_cosines.call([pose], True, False)
     jacobian = hexapod.inverse_jacobian.call([pose], True, False)[1]
     at_home = float(np.linalg.det(hexapod.inverse_jacobian(hexapod.home)[1].full()))
-    shares = ca.vertcat(
-        (length - (longest + shortest) / 2) / ((longest - shortest) / 2),
-        velocity / box.strut_velocity_m_s,
-        acceleration / box.strut_acceleration_m_s2,
+    joints = ca.vertcat(
         (1 - at_base) / (1 - np.cos(workspace.base_joint_angle_deg * DEG)),
         (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
-        1 - ca.det(jacobian) / at_home,
-        *_keep_out(case, hexapod, pose),
-        *_sensor_forces(case, loads, pose, rates, accelerations),
     )
-    state = [pose, rates, accelerations]
-    shares = ca.cse(shares)  # before, not only after its derivative is taken: a third of the time
-    gradients = ca.densify(ca.jacobian(shares, ca.vertcat(*state)).T)
-    return StateLimits(
-        ca.Function("state_limits", state, [shares]),
-        ca.Function("state_limits_gradients", state, [gradients], {"cse": True}),
-    )
+    groups = [
+        ("strut length", Peak.POSE, (length - (longest + shortest) / 2) / ((longest - shortest) / 2)),
+        ("strut velocity", Peak.VELOCITY, velocity / box.strut_velocity_m_s),
+        ("strut acceleration", Peak.ACCELERATION, acceleration / box.strut_acceleration_m_s2),
+        ("joint angle", Peak.POSE, joints),
+        ("singularity", Peak.POSE, 1 - ca.det(jacobian) / at_home),
+        *(("keep-out box", Peak.POSE, share) for share in _keep_out(case, hexapod, pose)),
+        *((FORCES, Peak.ACCELERATION, f) for f in _sensor_forces(case, loads, pose, rates, accelerations)),
+    ]
+    return tuple(LimitGroup(name, peak, Kernel(state, share)) for name, peak, share in groups)
+
+
+def binding_limits(case: Case) -> tuple[LimitGroup, ...]:
+    """The non-linear limits that can bind somewhere in the motion box, judged by seeded states of it.
+
+    Poses are uniform, and half of them at corners; rates and accelerations are at corners. Of several payloads those
+    count with which the sensors carry most in at least one of the states.
+    """
+    states = _extreme_states(case)
+    loads: tuple[int, ...] = ()
+    if case.sensors.range_N is not None and case.bodies:
+        every = tuple(range(len(case.bodies)))
+        shares = [g.kernel.values(states) for g in state_limits(case, every) if g.name == FORCES]
+        largest = np.array([np.abs(share).max(axis=1) for share in shares])
+        loads = tuple(int(n) for n in np.unique(largest.argmax(axis=0)[largest.max(axis=0) > BINDS]))
+    return tuple(g for g in state_limits(case, loads) if np.abs(g.kernel.values(states)).max() > BINDS)
+
+
+def _extreme_states(case: Case) -> Array:
+    machine, _, limits = case.need_machine("planning")
+    box = limits.motion
+    draw = np.random.default_rng(SEED)
+    pose = draw.uniform(box.pose[0], box.pose[1], (CANDIDATES, 6))
+    corners = draw.random((CANDIDATES // 2, 6)) < 0.5
+    pose[::2] = np.where(corners, box.pose[0], box.pose[1])
+    signs = draw.choice((-1.0, 1.0), (2, CANDIDATES, 6))
+    table = np.zeros((CANDIDATES, STATE))
+    table[:, :18] = np.hstack([machine.home.vector + pose, signs[0] * box.rate, signs[1] * box.acceleration])
+    return table
 
 
 ALONG_STRUTS = (0.25, 0.5, 0.75)  # shares of a strut's length from the base

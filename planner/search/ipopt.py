@@ -1,0 +1,188 @@
+"""IPOPT on a program whose functions are NumPy's: CasADi only passes them on."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.search.program import Program
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """Where a solver ended.
+
+    Args:
+        unknowns: shape (n,).
+        status: its last words.
+        converged: whether it says that it is done.
+        iterations: taken.
+    """
+
+    unknowns: Array
+    status: str
+    converged: bool
+    iterations: int
+
+
+class Watch(Protocol):
+    """Is told of every iteration; says whether to stop."""
+
+    def __call__(self, objective: float) -> bool:
+        """Takes the objective of the iteration; true stops the solver."""
+        ...
+
+
+Shape = tuple[int, int]
+
+
+class Passed(ca.Callback):  # type: ignore[misc]
+    """A NumPy function as CasADi's; the program keeps it alive as long as the solver runs.
+
+    Args:
+        inputs: name and number of elements of each.
+        outputs: name and sparsity of each.
+        function: takes arrays of these lengths, returns the non-zeros of each output.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        inputs: Sequence[tuple[str, int]],
+        outputs: Sequence[tuple[str, ca.Sparsity]],
+        function: Callable[..., Sequence[Array]],
+    ) -> None:
+        super().__init__()
+        self.inputs, self.outputs, self.function = inputs, outputs, function
+        self.construct(name, {})
+
+    def get_n_in(self) -> int:
+        return len(self.inputs)
+
+    def get_n_out(self) -> int:
+        return len(self.outputs)
+
+    def get_name_in(self, k: int) -> str:
+        return self.inputs[k][0]
+
+    def get_name_out(self, k: int) -> str:
+        return self.outputs[k][0]
+
+    def get_sparsity_in(self, k: int) -> ca.Sparsity:
+        return ca.Sparsity.dense(self.inputs[k][1], 1 if self.inputs[k][1] else 0)
+
+    def get_sparsity_out(self, k: int) -> ca.Sparsity:
+        return self.outputs[k][1]
+
+    def has_eval_buffer(self) -> bool:
+        return True
+
+    def eval_buffer(self, arguments: Sequence[memoryview | None], results: Sequence[memoryview | None]) -> int:
+        """Into CasADi's own memory: conversions would take longer than the functions themselves."""
+        try:
+            values = self.function(
+                *(
+                    np.zeros(count) if a is None else np.frombuffer(a, dtype=float)  # CasADi's zeros
+                    for a, (_, count) in zip(arguments, self.inputs, strict=True)
+                )
+            )
+        except np.linalg.LinAlgError:
+            return 1
+        for result, value in zip(results, values, strict=True):
+            if result is not None:
+                np.frombuffer(result, dtype=float)[:] = value
+        return 0
+
+
+def solve(program: Program, start: Array, iterations: int, watch: Watch, options: dict[str, Any]) -> Reached:
+    """Solves a program from a start, which need not be inside its limits.
+
+    Args:
+        program: with its rows.
+        start: shape (n,).
+        iterations: at most.
+        watch: is told the objective of each iteration.
+        options: of IPOPT.
+    """
+    n, bounds = program.unknowns, program.row_bounds
+    count = len(bounds[0])
+    rows, columns = program.pattern
+    order = np.lexsort((rows, columns))
+    table = ca.Sparsity.triplet(count, n, rows[order].tolist(), columns[order].tolist())
+    upper = np.triu_indices(n)
+    by_column = np.lexsort(upper)  # CasADi stores matrices by columns
+    upper = (upper[0][by_column], upper[1][by_column])
+    vector, number = ca.Sparsity.dense(n, 1), ca.Sparsity.dense(1, 1)
+    x, nothing = ("x", n), ("p", 0)
+
+    def values(at: Array, _: Array) -> Sequence[Array]:
+        return np.array([program.value(at)]), program.row_values(at)
+
+    def gradient(at: Array, _: Array) -> Sequence[Array]:
+        return np.array([program.value(at)]), program.gradient(at)
+
+    def jacobian(at: Array, _: Array) -> Sequence[Array]:
+        return program.row_values(at), program.row_slopes(at)[order]
+
+    def hessian(at: Array, _: Array, factor: Array, multipliers: Array) -> Sequence[Array]:
+        return (program.hessian(at, float(factor[0]), multipliers)[upper],)
+
+    both = [("f", number), ("g", ca.Sparsity.dense(count, 1))]
+    functions = {
+        "grad_f": Passed("nlp_grad_f", [x, nothing], [("f", number), ("grad_f_x", vector)], gradient),
+        "jac_g": Passed("nlp_jac_g", [x, nothing], [both[1], ("jac_g_x", table)], jacobian),
+        "hess_lag": Passed(
+            "nlp_hess_l",
+            [x, nothing, ("lam_f", 1), ("lam_g", count)],
+            [("hess_gamma_x_x", ca.Sparsity.upper(n))],
+            hessian,
+        ),
+    }
+    nlp = Passed("nlp", [x, nothing], both, values)
+    told = _Told(n, count, watch)
+    solver = ca.nlpsol(
+        "solver", "ipopt", nlp, {**functions, **_QUIET, "iteration_callback": told, "ipopt": {**_IPOPT, **options, "max_iter": iterations}}
+    )
+    answer = solver(x0=start, lbx=program.lower, ubx=program.upper, lbg=bounds[0], ubg=bounds[1])
+    stats = solver.stats()
+    return Reached(
+        answer["x"].full()[:, 0], str(stats["return_status"]).replace("_", " ").lower(), bool(stats["success"]), int(stats["iter_count"])
+    )
+
+
+_QUIET = {"print_time": False, "show_eval_warnings": False, "no_nlp_grad": True}
+_IPOPT = {"print_level": 0, "sb": "yes", "hessian_approximation": "exact", "tol": 1e-6}
+
+
+class _Told(ca.Callback):  # type: ignore[misc]
+    """CasADi's iteration callback around a `Watch`; an exception in it would be swallowed by IPOPT."""
+
+    def __init__(self, size: int, rows: int, watch: Watch) -> None:
+        super().__init__()
+        self.size, self.rows, self.watch = size, rows, watch
+        self.construct("watch", {})
+
+    def get_n_in(self) -> int:
+        return int(ca.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, k: int) -> str:
+        return str(ca.nlpsol_out(k))
+
+    def get_name_out(self, k: int) -> str:
+        return "stop"
+
+    def get_sparsity_in(self, k: int) -> Any:
+        name = ca.nlpsol_out(k)
+        rows = {"f": 1, "x": self.size, "lam_x": self.size, "g": self.rows, "lam_g": self.rows}.get(name, 0)
+        return ca.Sparsity.dense(rows, 1 if rows else 0)
+
+    def eval(self, arguments: list[Any]) -> list[float]:
+        return [float(self.watch(float(arguments[1])))]

@@ -1,0 +1,223 @@
+"""The optimal excitation problem as a non-linear program with exact first and second derivatives.
+
+The criterion couples all unknowns, so that its second derivative is full; yet it is a sum of two parts that are cheap
+(`planner.search.criterion`): one of rank u (u + 1) / 2 in the information, and a sum over states of small matrices.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from identification.model import Model
+from planner.search.criterion import Local, criterion_at
+from planner.search.kernel import Kernel
+from planner.search.rows import Blocks, Rows, pulled_back
+from planner.search.states import SHARE, STATE, States
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+def regressor_kernel(model: Model, scaling: Array) -> Kernel:
+    """State -> A H of (21) and (25), row by row, shape (6 u,).
+
+    Args:
+        model: gives A.
+        scaling: diagonal of H, shape (u,).
+    """
+    state = ca.SX.sym("state", STATE)
+    matrix = model.coordinate_regressor(state[:6], state[6:12], state[12:18]) @ ca.diag(ca.DM(scaling))
+    return Kernel(state, ca.vec(matrix.T))
+
+
+class _Point(NamedTuple):
+    """What is known at one vector of unknowns."""
+
+    unknowns: Array
+    states: Array
+    regressors: Array
+    slopes: Array
+    information: Array
+
+
+@dataclass(frozen=True)
+class Program:
+    """Minimise a criterion of the mean information over unknowns within bounds and rows.
+
+    Args:
+        states: over which the information is averaged, with their shares of the duration.
+        regressor: of one state, see `regressor_kernel`.
+        rows: limits.
+        lower: of each unknown, shape (n,).
+        upper: of each unknown, shape (n,).
+        letter: of the criterion, Table 4.
+        halvings: see `planner.search.criterion`.
+        convex: whether second derivatives leave out what bends the information itself. That part is negative nearly
+            everywhere: without it Newton steps are longer, need no correction, and lead to better optima from afar; the
+            last digits take more of them.
+    """
+
+    states: States
+    regressor: Kernel
+    rows: tuple[Rows, ...]
+    lower: Array
+    upper: Array
+    letter: str = "D"
+    halvings: int = 0
+    convex: bool = False
+
+    @property
+    def unknowns(self) -> int:
+        """Their number n."""
+        return len(self.lower)
+
+    @property
+    def size(self) -> int:
+        """Number of parameters u."""
+        return self.regressor.size // 6
+
+    def with_rows(self, *rows: Rows) -> "Program":
+        """The same with other rows."""
+        return replace(self, rows=rows)
+
+    @cached_property
+    def row_bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of all rows, shapes (R,)."""
+        return (
+            np.concatenate([part.lower for part in self.rows]),
+            np.concatenate([part.upper for part in self.rows]),
+        )
+
+    @cached_property
+    def pattern(self) -> tuple[Indices, Indices]:
+        """Row and column of each derivative of the rows."""
+        first, rows, columns = 0, [], []
+        for part in self.rows:
+            own = part.pattern
+            rows.append(own[0] + first)
+            columns.append(own[1])
+            first += len(part.lower)
+        return np.concatenate(rows), np.concatenate(columns)
+
+    def information(self, unknowns: Array) -> Array:
+        """Mean of H A^T A H over the motion, shape (u, u)."""
+        states = self.states.at(unknowns).reshape(-1, STATE)
+        return _weighted_square(self.regressor.values(states), states[:, SHARE], self.size)
+
+    def value(self, unknowns: Array) -> float:
+        """The criterion."""
+        return criterion_at(self.letter, self.information(unknowns), self.halvings).value
+
+    def row_values(self, unknowns: Array) -> Array:
+        """Values of all rows, shape (R,)."""
+        return np.concatenate([part.values(unknowns) for part in self.rows])
+
+    def row_slopes(self, unknowns: Array) -> Array:
+        """Derivatives of the rows, in the order of `pattern`."""
+        return np.concatenate([part.jacobian(unknowns) for part in self.rows])
+
+    def _point(self, unknowns: Array) -> _Point:
+        """States and regressors with their derivatives; the last ones are remembered: solvers ask for both in turn."""
+        last: list[_Point] = self.__dict__.setdefault("_last", [])
+        if last and np.array_equal(last[0].unknowns, unknowns):
+            return last[0]
+        states = self.states.at(unknowns).reshape(-1, STATE)
+        regressors, slopes = self.regressor.slopes(states)
+        square = _weighted_square(regressors, states[:, SHARE], self.size)
+        last[:] = [_Point(unknowns.copy(), states, regressors, slopes, square)]
+        return last[0]
+
+    def _pull(self, point: _Point, local: Local) -> tuple[Array, Array]:
+        """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, 19)."""
+        bent = (point.regressors.reshape(-1, 6, self.size) @ local.slope).reshape(len(point.states), -1)
+        plain = 2.0 * (point.slopes @ bent[:, :, None])[:, :, 0]
+        pull = plain * point.states[:, SHARE : SHARE + 1]
+        pull[:, SHARE] = np.einsum("ki,ki->k", bent, point.regressors)
+        return plain, pull
+
+    def gradient(self, unknowns: Array) -> Array:
+        """Derivative of the criterion, shape (n,)."""
+        point = self._point(unknowns)
+        _, pull = self._pull(point, criterion_at(self.letter, point.information, self.halvings))
+        index = self.states.index
+        pull = pull.reshape(len(index), -1)
+        slopes = self.states.slopes(unknowns).reshape(len(index), pull.shape[1], -1)
+        own = (pull[:, None, :] @ slopes)[:, 0]
+        return np.bincount(index.ravel(), own.ravel(), self.unknowns)
+
+    def hessian(self, unknowns: Array, factor: float, multipliers: Array) -> Array:
+        """Second derivative of factor times the criterion plus the rows times multipliers, shape (n, n)."""
+        total = np.zeros((self.unknowns, self.unknowns))
+        first = 0
+        blocks: list[Blocks] = []
+        for part in self.rows:
+            own = part.curvature(unknowns, multipliers[first : first + len(part.lower)])
+            first += len(part.lower)
+            if own is not None:
+                blocks.append(own)
+        if factor != 0.0 and (bent := self._bent(unknowns, factor, total)) is not None:
+            blocks.append(bent)
+        for index, matrices in blocks:
+            flat = (index[:, :, None] * self.unknowns + index[:, None, :]).ravel()
+            total += np.bincount(flat, matrices.ravel(), total.size).reshape(total.shape)
+        return total
+
+    def _bent(self, unknowns: Array, factor: float, total: Array) -> Blocks | None:
+        """Second derivative of the criterion: adds the part through the information to total, returns that of states."""
+        point, size = self._point(unknowns), self.size
+        local = criterion_at(self.letter, point.information, self.halvings)
+        shares = point.states[:, SHARE]
+        index, slopes = self.states.index, self.states.slopes(unknowns)
+        blocks, width = index.shape
+        # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
+        turned = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
+        turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
+        flat_slopes = slopes.reshape(len(point.states), STATE, width)
+        own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * shares[:, None, None]
+        own = own.reshape(blocks, -1, width, 6, size).transpose(0, 2, 1, 3, 4).reshape(blocks, width, -1, size)
+        rows = turned.reshape(blocks, 1, -1, size)
+        products = (rows.transpose(0, 1, 3, 2) @ own).reshape(blocks, width, -1)
+        upper, lower = np.triu_indices(size)
+        elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
+        if flat_slopes[:, SHARE].any():
+            squares = turned.reshape(-1, 6, size)
+            squares = (squares.transpose(0, 2, 1) @ squares).reshape(blocks, -1, size * size)
+            lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
+            elements += lengths @ squares[:, :, upper * size + lower]
+        through = _spread(index, self.unknowns) @ elements.reshape(-1, len(upper))
+        diagonal = upper == lower
+        weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
+        main = through[:, diagonal]
+        total += factor * ((through * weights) @ through.T + main @ local.second @ main.T)
+        if self.convex:
+            return None
+        plain, pull = self._pull(point, local)
+        bent = (turned.reshape(-1, size) * local.first) @ local.vectors.T
+        along = self.regressor.curvature(point.states, 2.0 * bent.reshape(len(point.states), -1))
+        scaled = (turned_slopes.reshape(-1, size) * local.first).reshape(*turned_slopes.shape)
+        along += 2.0 * scaled @ turned_slopes.transpose(0, 2, 1)
+        along *= shares[:, None, None]
+        along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
+        shape = (*slopes.shape[:2], STATE)
+        matrices = pulled_back(self.states, unknowns, slopes, along.reshape(*shape, STATE), pull.reshape(shape))
+        return Blocks(index, factor * matrices)
+
+
+def _weighted_square(regressors: Array, shares: Array, size: int) -> Array:
+    weighted = (regressors * shares[:, None]).reshape(-1, size)  # shares of moves may be negative on the way
+    return np.asarray(weighted.T @ regressors.reshape(-1, size))
+
+
+def _spread(index: Indices, unknowns: int) -> "csr_array":
+    """Adds what belongs to the blocks' unknowns up to all unknowns, shape (n, B m)."""
+    from scipy.sparse import csr_array
+
+    flat = index.ravel()
+    return csr_array((np.ones(len(flat)), (flat, np.arange(len(flat)))), shape=(unknowns, len(flat)))

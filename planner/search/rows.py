@@ -1,0 +1,220 @@
+"""Rows of a program: what must lie between two bounds, with sparse derivatives."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.search.kernel import Kernel
+from planner.search.states import STATE, States
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+class Blocks(NamedTuple):
+    """Symmetric matrices that add up to one over all unknowns.
+
+    Args:
+        index: unknowns of each, shape (B, m).
+        matrices: shape (B, m, m).
+    """
+
+    index: Indices
+    matrices: Array
+
+
+class Rows(Protocol):
+    """Some rows of a program."""
+
+    @property
+    def lower(self) -> Array:
+        """Lower bound of each row, shape (R,)."""
+        ...
+
+    @property
+    def upper(self) -> Array:
+        """Upper bound of each row, shape (R,)."""
+        ...
+
+    @property
+    def pattern(self) -> tuple[Indices, Indices]:
+        """Row and column of each value of `jacobian`."""
+        ...
+
+    def values(self, unknowns: Array) -> Array:
+        """Shape (R,)."""
+        ...
+
+    def jacobian(self, unknowns: Array) -> Array:
+        """Derivatives, in the order of `pattern`."""
+        ...
+
+    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks | None:
+        """Second derivative of the rows weighted with multipliers, shape (R,); None where it is zero."""
+        ...
+
+
+@dataclass(frozen=True)
+class LinearRows:
+    """Rows that are linear in the unknowns.
+
+    Args:
+        matrix: sparse, shape (R, n).
+        lower: shape (R,).
+        upper: shape (R,).
+    """
+
+    matrix: "csr_array"
+    lower: Array
+    upper: Array
+
+    @cached_property
+    def pattern(self) -> tuple[Indices, Indices]:
+        """Row and column of each value of the matrix."""
+        table = self.matrix.tocoo()
+        return table.coords[0].astype(np.intp), table.coords[1].astype(np.intp)
+
+    def values(self, unknowns: Array) -> Array:
+        """Shape (R,)."""
+        return np.asarray(self.matrix @ unknowns)
+
+    def jacobian(self, unknowns: Array) -> Array:
+        """The matrix."""
+        return np.asarray(self.matrix.data)
+
+    def curvature(self, unknowns: Array, multipliers: Array) -> None:
+        """Zero."""
+        return
+
+
+@dataclass(frozen=True)
+class BlockRows:
+    """Values of a kernel of each block's unknowns between -bound and bound.
+
+    Args:
+        index: unknowns of each block, shape (B, m).
+        kernel: m unknowns -> r values.
+        bound: of all of them.
+    """
+
+    index: Indices
+    kernel: Kernel
+    bound: float
+
+    @property
+    def lower(self) -> Array:
+        """-bound."""
+        return -self.upper
+
+    @property
+    def upper(self) -> Array:
+        """The bound."""
+        return np.full(len(self.index) * self.kernel.size, self.bound)
+
+    @cached_property
+    def pattern(self) -> tuple[Indices, Indices]:
+        """Each row depends on all unknowns of its block."""
+        width = self.index.shape[1]
+        return np.repeat(np.arange(len(self.upper)), width), np.repeat(self.index, self.kernel.size, axis=0).ravel()
+
+    def values(self, unknowns: Array) -> Array:
+        """Shape (R,)."""
+        return self.kernel.values(unknowns[self.index]).ravel()
+
+    def jacobian(self, unknowns: Array) -> Array:
+        """Derivatives by all unknowns of the block, row by row."""
+        return self.kernel.slopes(unknowns[self.index])[1].transpose(0, 2, 1).ravel()
+
+    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks:
+        """Second derivative of the weighted rows, block by block."""
+        weights = multipliers.reshape(len(self.index), -1)
+        return Blocks(self.index, self.kernel.curvature(unknowns[self.index], weights))
+
+
+@dataclass(frozen=True)
+class StateRows:
+    """Limits of states: values of a kernel between -bound and bound where they are chosen.
+
+    Args:
+        states: of the motion, S in each of B blocks.
+        kernel: state -> r values.
+        chosen: which of them are rows, shape (B, S, r).
+        bound: of all of them.
+    """
+
+    states: States
+    kernel: Kernel
+    chosen: NDArray[np.bool_]
+    bound: float
+
+    @property
+    def lower(self) -> Array:
+        """-bound."""
+        return -self.upper
+
+    @property
+    def upper(self) -> Array:
+        """The bound."""
+        return np.full(int(self.chosen.sum()), self.bound)
+
+    @cached_property
+    def _needed(self) -> NDArray[np.bool_]:
+        """States with at least one row, shape (B, S)."""
+        return self.chosen.any(axis=2)
+
+    @cached_property
+    def pattern(self) -> tuple[Indices, Indices]:
+        """Each row depends on all unknowns of its block."""
+        block = np.nonzero(self.chosen)[0]
+        width = self.states.index.shape[1]
+        return np.repeat(np.arange(len(block)), width), self.states.index[block].ravel()
+
+    def all_values(self, unknowns: Array) -> Array:
+        """All values of the kernel, those of no row as well, shape (B, S, r)."""
+        at = self.states.at(unknowns)
+        return self.kernel.values(at.reshape(-1, STATE)).reshape(*at.shape[:2], -1)
+
+    def values(self, unknowns: Array) -> Array:
+        """Shape (R,)."""
+        return self.kernel.values(self.states.at(unknowns)[self._needed])[self.chosen[self._needed]]
+
+    def jacobian(self, unknowns: Array) -> Array:
+        """Derivatives by all unknowns of the block, row by row."""
+        slopes = self.kernel.slopes(self.states.at(unknowns)[self._needed])[1]
+        rows = slopes.transpose(0, 2, 1) @ self.states.slopes(unknowns)[self._needed]
+        return np.asarray(rows[self.chosen[self._needed]]).ravel()
+
+    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks:
+        """Second derivative of the weighted rows, block by block."""
+        at, slopes = self.states.at(unknowns), self.states.slopes(unknowns)
+        weights = np.zeros(self.chosen.shape)
+        weights[self.chosen] = multipliers
+        needed, weights = self._needed, weights[self._needed]
+        own = np.zeros((*at.shape[:2], STATE, STATE))
+        own[needed] = self.kernel.curvature(at[needed], weights)
+        pull = np.zeros(at.shape)
+        pull[needed] = (self.kernel.slopes(at[needed])[1] @ weights[:, :, None])[:, :, 0]
+        return Blocks(self.states.index, pulled_back(self.states, unknowns, slopes, own, pull))
+
+
+def pulled_back(states: States, unknowns: Array, slopes: Array, own: Array, pull: Array) -> Array:
+    """Second derivative of a function of states by the unknowns of their blocks, shape (B, m, m).
+
+    Args:
+        states: S in each of B blocks.
+        unknowns: shape (n,).
+        slopes: of the states, shape (B, S, 19, m).
+        own: second derivatives of the function by each state, shape (B, S, 19, 19).
+        pull: its first derivatives, shape (B, S, 19).
+    """
+    blocks, width = states.index.shape
+    tall = (own @ slopes).reshape(blocks, -1, width)
+    result = slopes.reshape(blocks, -1, width).transpose(0, 2, 1) @ tall
+    bent = states.curvature(unknowns, pull)
+    return np.asarray(result if bent is None else result + bent)

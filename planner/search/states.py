@@ -1,0 +1,129 @@
+"""States of a motion as functions of its unknowns, block by block: each block depends on few of them.
+
+A state is (pose, rates, accelerations, share of the duration): 19 numbers. Derivatives are kept as small dense matrices,
+one a block, and only gathered by those who need them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.search.kernel import Kernel
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+STATE = 19
+SHARE = 18  # component of a state
+
+
+class States(Protocol):
+    """Some states of a motion, S in each of B blocks of m unknowns."""
+
+    @property
+    def index(self) -> Indices:
+        """The unknowns on which each block depends, shape (B, m), none twice in a block."""
+        ...
+
+    def at(self, unknowns: Array) -> Array:
+        """States, shape (B, S, 19)."""
+        ...
+
+    def slopes(self, unknowns: Array) -> Array:
+        """Derivatives of the states by the block's unknowns, shape (B, S, 19, m)."""
+        ...
+
+    def curvature(self, unknowns: Array, weights: Array) -> Array | None:
+        """Second derivative of the weighted sum of the states, shape (B, m, m); None where it is zero.
+
+        Args:
+            unknowns: shape (n,).
+            weights: shape (B, S, 19).
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class LinearStates:
+    """States that are linear in the unknowns (Fourier series, splines).
+
+    Args:
+        index: shape (B, m).
+        offset: shape (B, S, 19).
+        slope: shape (B, S, 19, m).
+    """
+
+    index: Indices
+    offset: Array
+    slope: Array
+
+    def at(self, unknowns: Array) -> Array:
+        """States, shape (B, S, 19)."""
+        return self.offset + np.einsum("bsdm,bm->bsd", self.slope, unknowns[self.index], optimize=True)
+
+    def slopes(self, unknowns: Array) -> Array:
+        """Constant."""
+        return self.slope
+
+    def curvature(self, unknowns: Array, weights: Array) -> None:
+        """Zero."""
+        return
+
+
+def linear_states(
+    maps: Sequence[Array], middle: Array, half: Array, shares: Array, blocks: int, places: slice = slice(None)
+) -> LinearStates:
+    """States of a motion whose coordinates are linear in the same way in their own unknowns.
+
+    Args:
+        maps: matrices (K, q) from the unknowns of a coordinate to its value, rate and acceleration in half widths.
+        middle: of the box, shape (6,) [m, rad].
+        half: half of its width, shape (6,) [m, rad].
+        shares: share of the duration of each state, shape (K,).
+        blocks: number B of blocks of equally many successive states.
+        places: states of each block that count.
+    """
+    table = np.stack(maps[:3], axis=1).reshape(blocks, -1, 3, maps[0].shape[1])[:, places]
+    count = table.shape[1]
+    used = np.abs(table).max(axis=(1, 2)) > 0.0
+    width = int(used.sum(axis=1).max())
+    columns = np.argsort(~used, axis=1, kind="stable")[:, :width]  # those in use first
+    own = np.take_along_axis(table, columns[:, None, None, :], axis=3)
+    slope = np.zeros((blocks, count, STATE, width, 6))
+    for order in range(3):
+        for k in range(6):
+            slope[:, :, 6 * order + k, :, k] = own[:, :, order] * half[k]
+    offset = np.zeros((blocks, count, STATE))
+    offset[:, :, :6] = middle
+    offset[:, :, SHARE] = shares.reshape(blocks, -1)[:, places]
+    index = (6 * columns[:, :, None] + np.arange(6)).reshape(blocks, -1)
+    return LinearStates(index, offset, slope.reshape(blocks, count, STATE, -1))
+
+
+@dataclass(frozen=True, slots=True)
+class KernelStates:
+    """States that a kernel makes of each block's unknowns (moves).
+
+    Args:
+        index: shape (B, m).
+        kernel: m unknowns -> S states of 19 numbers, one after the other.
+    """
+
+    index: Indices
+    kernel: Kernel
+
+    def at(self, unknowns: Array) -> Array:
+        """States, shape (B, S, 19)."""
+        return self.kernel.values(unknowns[self.index]).reshape(len(self.index), -1, STATE)
+
+    def slopes(self, unknowns: Array) -> Array:
+        """Derivatives of the states by the block's unknowns, shape (B, S, 19, m)."""
+        slopes = self.kernel.slopes(unknowns[self.index])[1]
+        return slopes.transpose(0, 2, 1).reshape(len(self.index), -1, STATE, self.index.shape[1])
+
+    def curvature(self, unknowns: Array, weights: Array) -> Array:
+        """Second derivative of the weighted sum of the states, shape (B, m, m)."""
+        return self.kernel.curvature(unknowns[self.index], weights.reshape(len(self.index), -1))
