@@ -23,7 +23,7 @@ PROVEN = 20_000  # random poses of the proof, half of the coordinates at an end 
 SAMPLED = 2_000  # of them in each round
 NARROWEST = 1e-3  # share of the stated way from home to a side
 WHOLE = 1.0 - 1e-5  # of a stated side: less is rounding of the search
-SHRINKING, SHRINKS = 0.95, 20  # of the box, where the proof fails
+SHRINKING, SHRINKS = 0.98, 40  # of the box, where the proof fails
 STEP = 1e-7  # of differences, share of the stated box
 
 
@@ -152,9 +152,9 @@ class _Search:
                 method="SLSQP",
                 bounds=[(NARROWEST, 1.0)] * 12,
                 constraints={"type": "ineq", "fun": self._room, "jac": self._slope},
-                options={"maxiter": 40, "ftol": 1e-5},
+                options={"maxiter": 20, "ftol": 1e-4},
             )
-            sides = np.clip(answer.x, NARROWEST, 1.0)
+            sides = np.asarray(np.clip(answer.x, NARROWEST, 1.0))
             if (self._add_worst(sides) <= self.tolerated).all():
                 return sides
         boxes: list[Array] = [self._shrunk(sides), self._shrunk(start)]
