@@ -1,7 +1,7 @@
 """Twelve hexapods that differ in kind: what planners are measured on beside the paper's machine.
 
-Geometries resemble machines that are sold; loads, sensors and limits are assumed. Boxes are strokes of single axes, as makers
-state them, and not reachable as a whole, unless a title says otherwise.
+Geometries resemble machines that are sold; loads, sensors and limits are assumed. Boxes are strokes of single axes, as
+makers state them, and not reachable as a whole, unless a title says otherwise.
 """
 
 from tests.bench.machines.description import Hexapod
@@ -66,8 +66,8 @@ DESIGNED: dict[str, Hexapod] = {
         frame=(130.0, 152.0, 105.0), range_N=2000.0, mass=20.0, height=90.0, gyration=110.0,
     ),
     "mill": Hexapod(
-        title="Machining hexapod below the ceiling with spindle, table and fixture; struts reach the whole box",
-        base=(600.0, 10.0), platform=(260.0, 50.0), home=(0.0, 0.0, 720.0, 0.0, 0.0, 0.0), struts=(620.0, 1060.0),
+        title="Machining hexapod below the ceiling with spindle, table and fixture; its struts reach the whole box",
+        base=(600.0, 10.0), platform=(260.0, 50.0), home=(0.0, 0.0, 720.0, 0.0, 0.0, 0.0), struts=(560.0, 1170.0),
         box=(140.0, 140.0, 115.0, 14.0, 14.0, 20.0),
         rates=(600.0, 50.0), accelerations=(6.0, 8.0), jerks=(100.0, 160.0), drives=(0.9, 9.0), hangs=True,
         frame=(140.0, 164.0, 112.0), range_N=5000.0, mass=45.0, height=120.0, gyration=120.0,
@@ -86,7 +86,7 @@ DESIGNED: dict[str, Hexapod] = {
     ),
     "sensors": Hexapod(
         title="Sensors whose range the last of three weights nearly takes, whole box within reach",
-        base=(400.0, 12.0), platform=(220.0, 48.0), home=(0.0, 0.0, 475.0, 0.0, 0.0, 0.0), struts=(420.0, 660.0),
+        base=(400.0, 12.0), platform=(220.0, 48.0), home=(0.0, 0.0, 475.0, 0.0, 0.0, 0.0), struts=(380.0, 720.0),
         box=(75.0, 75.0, 45.0, 12.0, 12.0, 14.0),
         rates=(500.0, 60.0), accelerations=(6.0, 12.0), jerks=(100.0, 240.0), drives=(0.8, 8.0),
         frame=(110.0, 129.0, 90.0), range_N=300.0, mass=15.0, height=80.0, gyration=100.0, payloads=(6.0, 6.0, 6.0),
