@@ -24,7 +24,7 @@ DESIGNED: dict[str, Hexapod] = {
     ),
     "slow": Hexapod(
         title="Slow positioning hexapod, 50 mm/s, whole box within reach",
-        base=(280.0, 10.0), platform=(190.0, 50.0), home=(0.0, 0.0, 325.0, 0.0, 0.0, 0.0), struts=(320.0, 425.0),
+        base=(280.0, 10.0), platform=(190.0, 50.0), home=(0.0, 0.0, 325.0, 0.0, 0.0, 0.0), struts=(315.0, 435.0),
         box=(25.0, 25.0, 15.0, 5.0, 5.0, 6.0),
         rates=(50.0, 12.0), accelerations=(0.5, 2.0), jerks=(10.0, 40.0), drives=(0.06, 0.6),
         frame=(100.0, 118.0, 80.0), range_N=2000.0, mass=40.0, height=120.0, gyration=130.0, cutoff=20.0,
@@ -53,7 +53,7 @@ DESIGNED: dict[str, Hexapod] = {
     ),
     "tall": Hexapod(
         title="Tall hexapod on a narrow base, nearly parallel struts, whole box within reach",
-        base=(200.0, 12.0), platform=(120.0, 46.0), home=(0.0, 0.0, 700.0, 0.0, 0.0, 0.0), struts=(580.0, 840.0),
+        base=(200.0, 12.0), platform=(120.0, 46.0), home=(0.0, 0.0, 700.0, 0.0, 0.0, 0.0), struts=(575.0, 845.0),
         box=(90.0, 90.0, 50.0, 15.0, 15.0, 20.0),
         rates=(400.0, 60.0), accelerations=(5.0, 10.0), jerks=(90.0, 200.0), drives=(0.6, 6.0),
         frame=(70.0, 82.0, 58.0), range_N=800.0, mass=8.0, height=80.0, gyration=80.0, payloads=(3.0,),
@@ -67,7 +67,7 @@ DESIGNED: dict[str, Hexapod] = {
     ),
     "mill": Hexapod(
         title="Machining hexapod below the ceiling with spindle, table and fixture; its struts reach the whole box",
-        base=(600.0, 10.0), platform=(260.0, 50.0), home=(0.0, 0.0, 720.0, 0.0, 0.0, 0.0), struts=(560.0, 1170.0),
+        base=(600.0, 10.0), platform=(260.0, 50.0), home=(0.0, 0.0, 720.0, 0.0, 0.0, 0.0), struts=(550.0, 1180.0),
         box=(140.0, 140.0, 115.0, 14.0, 14.0, 20.0),
         rates=(600.0, 50.0), accelerations=(6.0, 8.0), jerks=(100.0, 160.0), drives=(0.9, 9.0), hangs=True,
         frame=(140.0, 164.0, 112.0), range_N=5000.0, mass=45.0, height=120.0, gyration=120.0,
