@@ -24,7 +24,7 @@ DESIGNED: dict[str, Hexapod] = {
     ),
     "slow": Hexapod(
         title="Slow positioning hexapod, 50 mm/s, whole box within reach",
-        base=(280.0, 10.0), platform=(190.0, 50.0), home=(0.0, 0.0, 325.0, 0.0, 0.0, 0.0), struts=(315.0, 435.0),
+        base=(280.0, 10.0), platform=(190.0, 50.0), home=(0.0, 0.0, 325.0, 0.0, 0.0, 0.0), struts=(310.0, 435.0),
         box=(25.0, 25.0, 15.0, 5.0, 5.0, 6.0),
         rates=(50.0, 12.0), accelerations=(0.5, 2.0), jerks=(10.0, 40.0), drives=(0.06, 0.6),
         frame=(100.0, 118.0, 80.0), range_N=2000.0, mass=40.0, height=120.0, gyration=130.0, cutoff=20.0,
