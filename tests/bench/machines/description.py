@@ -4,13 +4,16 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cases.loading import CASE_FILE
 from cases.schema import Case
 from planner.search.state_limits import state_limits
+
+Range = tuple[float, float]
+Six = tuple[float, float, float, float, float, float]
 
 BASE_CENTRES, FRAME_CENTRES = [90.0, 210.0, 330.0], [0.0, 120.0, 240.0]
 STRUT_SHARES = slice(0, 6)  # of the shares of `state_limits`: strut lengths
@@ -47,16 +50,16 @@ class Hexapod:
     """
 
     title: str
-    base: tuple[float, float]
-    platform: tuple[float, float]
-    home: tuple[float, float, float, float, float, float]
-    struts: tuple[float, float]
-    box: tuple[float | tuple[float, float], ...]
-    rates: tuple[float, float]
-    accelerations: tuple[float, float]
-    jerks: tuple[float, float]
-    drives: tuple[float, float]
-    joints: tuple[float, float] = (60.0, 80.0)
+    base: Range
+    platform: Range
+    home: Six
+    struts: Range
+    box: tuple[float | Range, ...]
+    rates: Range
+    accelerations: Range
+    jerks: Range
+    drives: Range
+    joints: Range = (60.0, 80.0)
     frame: tuple[float, float, float] | None
     range_N: float
     mass: float
@@ -66,8 +69,13 @@ class Hexapod:
     cycle_ms: float = 1.0
     cutoff: float = 40.0
     hangs: bool = False
-    keep_out: tuple[tuple[str, tuple[tuple[float, float], ...]], ...] = ()
+    keep_out: tuple[tuple[str, tuple[Range, ...]], ...] = ()
     tools: tuple[tuple[str, tuple[float, float, float], float], ...] = ()
+
+    @property
+    def strut_radius(self) -> float:
+        """Of the struts where they pass boxes."""
+        return self.base[0] / 40.0
 
     @property
     def ranges(self) -> list[list[float]]:
@@ -96,7 +104,7 @@ def _tables(name: str, hexapod: Hexapod) -> dict[str, Any]:
     if h.keep_out:
         keep_out = [{"name": what} | dict(zip(lengths, map(list, ends), strict=True)) for what, ends in h.keep_out]
         tools = [{"name": what, "to_mm": list(end), "radius_mm": radius} for what, end, radius in h.tools]
-        workspace |= {"keep_out": keep_out, "strut_radius_mm": h.base[0] / 40.0} | ({"tool": tools} if tools else {})
+        workspace |= {"keep_out": keep_out, "strut_radius_mm": h.strut_radius} | ({"tool": tools} if tools else {})
     motion = box | {
         "velocity_mm_s": [h.rates[0]] * 3,
         "angular_velocity_deg_s": [h.rates[1]] * 3,
@@ -221,8 +229,20 @@ def _toml(value: Any) -> str:
     return repr(float(f"{value:.6g}")) if isinstance(value, float) else str(value)
 
 
-def reachable(case: Case, poses: int = 4000, seed: int = 0) -> tuple[float, float]:
-    """Shares of the poses of the motion box within the strut lengths, and within every limit of poses.
+class Reachable(NamedTuple):
+    """Shares of the poses of a motion box.
+
+    Args:
+        struts: within the strut lengths.
+        all_limits: within every limit of poses.
+    """
+
+    struts: float
+    all_limits: float
+
+
+def reachable(case: Case, poses: int = 4000, seed: int = 0) -> Reachable:
+    """How much of the motion box is within reach.
 
     Args:
         case: with machine and limits.
@@ -234,4 +254,4 @@ def reachable(case: Case, poses: int = 4000, seed: int = 0) -> tuple[float, floa
     places = machine.home.vector[:, None] + np.random.default_rng(seed).uniform(low, high, (poses, 6)).T
     still = np.zeros((6, poses))
     shares = np.abs(state_limits(case).shares(places, still, still).full())
-    return float(np.mean(shares[STRUT_SHARES].max(axis=0) <= 1.0)), float(np.mean(shares.max(axis=0) <= 1.0))
+    return Reachable(*(float(np.mean(some.max(axis=0) <= 1.0)) for some in (shares[STRUT_SHARES], shares)))
