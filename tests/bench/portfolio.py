@@ -11,6 +11,7 @@
 
 import argparse
 import json
+import math
 import os
 import shlex
 import signal
@@ -18,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -97,23 +98,30 @@ def command(words: Sequence[str], deadline: float = float("inf")) -> Done:
 
 
 def read_best_known() -> dict[str, Any]:
-    """Machine -> family -> d_efficiency, the command that found it, and the hash of the case."""
+    """Machine -> family -> d_efficiency, duration, hash of the case, and the command that found it."""
     return json.loads(BEST_KNOWN.read_text(encoding="utf-8")) if BEST_KNOWN.exists() else {}
 
 
-def best_known(name: str, case_hash: str, family: str) -> float | None:
-    """The best efficiency known; None where there is none, or none of the machine as it is now."""
+def best_known(name: str, case_hash: str, family: str, duration: float) -> float | None:
+    """The best efficiency known; None where there is none of the machine as it is now and of such a duration [s]."""
     entry = read_best_known().get(name, {}).get(family)
-    return entry["d_efficiency"] if entry is not None and entry["case_hash"] == case_hash else None
+    if (
+        entry is None
+        or entry["case_hash"] != case_hash
+        or not math.isclose(entry["duration_s"], duration, rel_tol=0.02)
+    ):
+        return None
+    return float(entry["d_efficiency"])
 
 
-def keep_if_better(name: str, case_hash: str, family: str, efficiency: float, found_by: str) -> bool:
-    """Enters an efficiency in the file where it is the best known of the machine as it is now."""
-    before = best_known(name, case_hash, family)
+def keep_if_better(name: str, answer: Mapping[str, Any], found_by: str) -> bool:
+    """Enters what `hexcite plan` answered in the file where nothing better is known; returns whether it did."""
+    family, efficiency = answer["family"], answer["d_efficiency"]
+    before = best_known(name, answer["case_hash"], family, answer["duration_s"])
     if before is not None and efficiency <= before:
         return False
     known = read_best_known()
-    entry = {"d_efficiency": efficiency, "found_by": found_by, "case_hash": case_hash}
+    entry = {key: answer[key] for key in ("d_efficiency", "duration_s", "case_hash")} | {"found_by": found_by}
     known[name] = known.get(name, {}) | {family: entry}
     write_text(BEST_KNOWN, json.dumps(known, indent=1, sort_keys=True) + "\n")
     return True
@@ -141,7 +149,8 @@ def portfolio(names: Sequence[str] = tuple(DESIGNED), families: Sequence[str] = 
                 if done.answer is None:
                     rows.append([name, reach, family, "failed", "", *done.cost, done.error])
                     continue
-                efficiency, best = done.answer["d_efficiency"], best_known(name, case.hash, family)
+                efficiency = done.answer["d_efficiency"]
+                best = best_known(name, case.hash, family, done.answer["duration_s"])
                 if best is not None:
                     shares.append(efficiency / best)
                 share = "-" if best is None else f"{efficiency / best:.3f}"
@@ -166,7 +175,6 @@ def search(seconds: float, names: Sequence[str], families: Sequence[str], option
         for family in families:
             with tempfile.TemporaryDirectory() as temporary:
                 folder = write_machine(Path(temporary), name, machine(name))
-                case_hash = load_case(str(folder)).hash
                 until = time.perf_counter() + seconds
                 fresh = int(time.time())  # a search that is repeated goes on with other seeds
                 while (rest := until - time.perf_counter()) > 0.0:
@@ -177,10 +185,9 @@ def search(seconds: float, names: Sequence[str], families: Sequence[str], option
                     if done.answer is None:
                         print(f"{name}, {family}: {done.error}", flush=True)
                         break
-                    value = done.answer["d_efficiency"]
-                    found_by = f"{words}, {done.seconds:.0f} s"
-                    better = keep_if_better(name, case_hash, family, value, found_by)
-                    print(f"{name}, {family}: {value:.4f}{', the best known' if better else ''}", flush=True)
+                    better = keep_if_better(name, done.answer, f"{words}, {done.seconds:.0f} s")
+                    word = ", the best known" if better else ""
+                    print(f"{name}, {family}: {done.answer['d_efficiency']:.4f}{word}", flush=True)
 
 
 def write(folder: Path, names: Sequence[str]) -> None:
@@ -205,6 +212,8 @@ def main() -> None:
     parser.add_argument("--search", type=float, metavar="SECONDS", help="of each machine and family")
     given = parser.parse_args()
     names, families = given.names or given.machines.split(","), given.families.split(",")
+    for name in names:
+        machine(name)  # a misspelt one is refused before the work begins
     if given.write is not None:
         write(given.write, names)
     elif given.search is not None:
