@@ -154,6 +154,28 @@ class Standstill:
 
 
 @dataclass(frozen=True, slots=True)
+class StandingPoses:
+    """Poses one after the other, one a second, each at rest: only limits of poses mean anything.
+
+    Args:
+        poses: shape (n, 6) [m, rad].
+    """
+
+    poses: Array
+
+    @property
+    def duration(self) -> float:
+        """When the last pose is taken [s]."""
+        return float(len(self.poses) - 1)
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The poses whose turn it is at times t, shape (n,) [s], at rest."""
+        time = np.asarray(t, dtype=float)
+        still = [np.zeros((len(time), 6)) for _ in range(3)]
+        return Motion(time, self.poses[np.round(time).astype(int)], *still)
+
+
+@dataclass(frozen=True, slots=True)
 class Measurement:
     """Standing still to be measured: settling first, then what is averaged.
 

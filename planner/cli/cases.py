@@ -1,11 +1,15 @@
 """`hexcite cases`, `hexcite case new`, `hexcite case check` and `hexcite case show`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status
+
+if TYPE_CHECKING:
+    from planner.motion_box import MotionBox
+    from planner.reach import Reach
 
 app = typer.Typer(help="Work with the description of a machine.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -31,13 +35,21 @@ def list_cases(json: Json = False) -> None:
 
 
 @app.command("check")
-def check(case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")], json: Json = False) -> None:
-    """Validate a case and tell what it can reach."""
-    from planner.reports.case_figures import case_figures
+def check(
+    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
+    propose: Annotated[bool, typer.Option("--propose", help="Find the largest reachable motion box.")] = False,
+    json: Json = False,
+) -> None:
+    """Validate a case and say which part of its motion box the machine reaches."""
+    from planner.reports.case_figures import case_figures, proposed_box, reach_figures
 
     figures: dict[str, Any] = case_figures(case)
+    with status("searching the largest reachable box", json or not propose):
+        proposal = proposed_box(case) if propose else None
+    reach = reach_figures(case)
     if json:
-        print_json({"ok": True, "figures": figures})
+        parts = {"reach": reach, "proposal": proposal}
+        print_json({"ok": True, "figures": figures} | {k: v.to_json() for k, v in parts.items() if v is not None})
         return
     print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
     print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
@@ -47,8 +59,34 @@ def check(case: Annotated[str, typer.Argument(help="Built-in name, folder or cas
         print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box", LIMIT_COLUMNS, rows
         )
-        if any(v["ratio"] > 1.0 for v in figures["limits_in_box"].values()):
-            print("Not the whole box is within reach: plans are held to the limits above 100 % as well.")
+    if reach is not None:
+        _print_reach(reach, case, proposal is None)
+    if proposal is not None:
+        _print_proposal(proposal)
+
+
+def _print_reach(reach: "Reach", case: str, advise: bool) -> None:
+    """The reachable share of the motion box, and how far each coordinate goes alone."""
+    from planner.reports.reach import COLUMNS, coordinate_rows, share_sentences
+
+    if reach.share < 1.0:
+        print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
+    print(share_sentences(reach))
+    if advise and not reach.whole:
+        print(f"Plans keep these limits too. `hexcite case check {case} --propose` finds the largest reachable box.")
+
+
+def _print_proposal(box: "MotionBox") -> None:
+    """The box as lines of a case file, and what is known of it."""
+    from planner.reports.reach import percent
+
+    if box.share == 1.0:
+        print("Proposal: none is needed, the stated box is reachable.")
+        return
+    print(f"\nProposal: the largest reachable box found, {percent(box.share)} of the stated box's volume.")
+    print(f"Verified at {box.poses} poses: the worst uses {100 * box.worst:.2f} % of the limit {box.worst_limit}.")
+    print("Replace these lines of [limits.motion] (relative to home; home may lie near a side):\n")
+    print(box.toml())
 
 
 @app.command("show")
@@ -59,7 +97,7 @@ def show(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Draw the machine at home and the reach of its struts and joints."""
+    """Draw the machine at home and which part of its motion box it reaches."""
     from cases.files import atomic_file, check_file
     from cases.loading import find_case, load_case
 
@@ -68,14 +106,18 @@ def show(
     file = output if output is not None else Path(f"{loaded.name}-machine.svg")
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)])
     with status("drawing", json):
+        from planner.reach import reach as reach_of
         from planner.reports.case_plots import case_figure
+        from planner.reports.reach import share_sentences
 
-        figure = case_figure(loaded)
+        reach = reach_of(loaded)
+        figure = case_figure(loaded, reach)
         with atomic_file(file) as part:
             figure.savefig(part, format=file.suffix[1:].lower())
     if json:
         print_json({"ok": True, "figure": str(file)})
     else:
+        print(share_sentences(reach))
         print(f"picture written: {file}")
 
 

@@ -10,25 +10,13 @@ from cases.schema import Case
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.limits import prove
-from identification.motion import Motion
+from identification.motion import StandingPoses
 from planner.infeasible import remedy
+from planner.motion_box import MotionBox, largest_box
+from planner.reach import Reach, reach
 
 GRID = (-1.0, 0.0, 1.0)
 STATIC = ("strut length", "base joint angle", "platform joint angle", "singularity", "position", "angle")
-
-
-class StandingPoses:
-    """Poses one after the other, each standing still; only limits of position mean anything."""
-
-    def __init__(self, poses: np.ndarray) -> None:
-        self.poses = poses
-        self.duration = float(len(poses) - 1)
-
-    def at(self, t: Any) -> Motion:
-        """The pose whose turn it is at times t [s], at rest."""
-        time = np.asarray(t, dtype=float)
-        still = [np.zeros((len(time), 6)) for _ in range(3)]
-        return Motion(time, self.poses[np.round(time).astype(int)], *still)
 
 
 def case_figures(name: str) -> dict[str, Any]:
@@ -43,19 +31,40 @@ def case_figures(name: str) -> dict[str, Any]:
     if case.sensor_frame.bars is not None:
         size = float(np.linalg.norm(case.sensor_frame.bars.lower.points, axis=1).max())
     scaled = frame / np.r_[np.ones(3), np.full(3, size)][:, None]
-    figures: dict[str, Any] = {
+    return {
         "name": case.name,
         "title": case.title,
         "setup": case.setup,
         "hash": case.hash,
         "frame_condition": float(np.linalg.cond(scaled)),
-    }
-    if case.machine is not None and case.limits is not None and case.workspace is not None:
-        figures |= _reach(case, str(find_case(name)))
-    return figures
+    } | (_in_box(case, str(find_case(name))) if has_motion_box(case) else {})
 
 
-def _reach(case: Case, file: str) -> dict[str, Any]:
+def has_motion_box(case: Case) -> bool:
+    """Whether the case describes a machine and the box in which it moves."""
+    return case.machine is not None and case.limits is not None and case.workspace is not None
+
+
+def reach_figures(name: str) -> Reach | None:
+    """The reachable part of the motion box of a case; None where the case has no such box."""
+    case = load_case(name)
+    return reach(case) if has_motion_box(case) else None
+
+
+def proposed_box(name: str) -> MotionBox:
+    """The largest reachable motion box of a case.
+
+    Raises:
+        CaseError: the case has no machine or no box of motions; the message names its file.
+    """
+    case = load_case(name)
+    try:
+        return largest_box(case)
+    except CaseError as error:
+        raise CaseError(find_case(name), error.key, error.problem) from error
+
+
+def _in_box(case: Case, file: str) -> dict[str, Any]:
     machine, _, limits = case.need_machine("the check of its reach")
     corners = np.stack(np.meshgrid(*([GRID] * 6), indexing="ij"), axis=-1).reshape(-1, 6)
     middle, half = limits.motion.pose.mean(axis=0), np.ptp(limits.motion.pose, axis=0) / 2

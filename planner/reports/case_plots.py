@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from cases.machine import Machine
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limits import prove
-from planner.reports.case_figures import STATIC, StandingPoses
+from planner.reach import Reach, StaticLimits
 from planner.reports.outlines import box_outlines, room, tool_outlines
+from planner.reports.reach import draw_coordinates
 
 Array = NDArray[np.float64]
 
@@ -22,34 +22,19 @@ BESIDE = 0.12  # numbers stand that share of the ring's radius outside of it
 MOST = 1.5  # share of a limit from which the colour stays the same
 
 
-def reach(case: Case, poses: Array) -> Array:
-    """Largest share of any limit of position that each pose uses, above 1 out of reach, shape (n,).
-
-    Counted are strut lengths, joint angles, the way from home to a singularity and boxes that are kept out of, not the
-    box of moving excitations.
+def case_figure(case: Case, reach: Reach) -> Figure:
+    """The machine at home in 3-D, two maps of its reach (over x and y, roll and pitch), and that of each coordinate.
 
     Args:
         case: with machine, workspace and limits.
-        poses: shape (n, 6) [m, rad].
-    """
-    counted = [name for name in STATIC if name not in ("position", "angle")]
-    shares = []
-    for pose in poses:
-        report = prove(StandingPoses(np.stack([pose, pose])), case, 1.0)
-        kinds = ((check, check.name.split(" (")[0]) for check in report.checks)
-        shares.append(max(check.ratio for check, kind in kinds if kind in counted or kind.startswith("distance from")))
-    return np.array(shares)
-
-
-def case_figure(case: Case) -> Figure:
-    """The machine at home in 3-D, and two maps of its reach: over x and y, and over roll and pitch.
+        reach: its reachable part of the motion box.
 
     Raises:
         CaseError: the case has no machine or no limits.
     """
     machine, workspace, limits = case.need_machine("the picture of the machine")
-    figure = Figure(figsize=(18, 6), layout="constrained")
-    grid = figure.add_gridspec(1, 3, width_ratios=(1.3, 1.0, 1.0), wspace=0.08)
+    figure = Figure(figsize=(23, 6), layout="constrained")
+    grid = figure.add_gridspec(1, 4, width_ratios=(1.3, 1.0, 1.0, 1.0), wspace=0.08)
     geometry: Axes3D = figure.add_subplot(grid[0], projection="3d")
     _draw_machine(geometry, case, machine)
     box = limits.motion.pose
@@ -66,6 +51,7 @@ def case_figure(case: Case) -> Figure:
         axes.legend(loc="lower right", facecolor="0.3", labelcolor="white")
     over.set(title="reach at the height of home, level", xlabel="x from home [mm]", ylabel="y from home [mm]")
     tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
+    draw_coordinates(figure.add_subplot(grid[3]), reach)
     figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
     return figure
 
@@ -77,7 +63,7 @@ def _map(
     poses = np.tile(machine.home.vector, (first.size, 1))
     poses[:, which[0]] += first.ravel()
     poses[:, which[1]] += second.ravel()
-    shares = reach(case, poses).reshape(first.shape)
+    shares = StaticLimits(case).shares(poses).max(axis=1).reshape(first.shape)
     shown = np.clip(shares, 0.0, MOST)
     colours = axes.contourf(first / unit, second / unit, shown, levels=np.linspace(0.0, MOST, 16), cmap="viridis")
     if shares.min() < 1.0 < shares.max():

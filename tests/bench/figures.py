@@ -29,6 +29,7 @@ from tests.bench.families import families, limits_of_information
 from tests.bench.identified import identification_figures
 from tests.bench.leaps import leaps
 from tests.bench.monte_carlo import monte_carlo_table
+from tests.bench.portfolio import portfolio
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.retiming import retiming_table
@@ -132,6 +133,7 @@ def main() -> None:
     monte_carlo_table()
     with tempfile.TemporaryDirectory() as name:
         families(Path(name), command)
+    portfolio()
     pose_tables()
 
 

@@ -1,0 +1,220 @@
+"""The largest box of poses inside `[limits.motion]` that a hexapod reaches as a whole."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import CaseError
+from cases.recording_columns import POSE
+from cases.schema import Case
+from identification.limits import TOLERANCE, LimitCheck, prove
+from identification.motion import StandingPoses
+from planner.reach import GRID, UNITS, StaticLimits
+
+Array = NDArray[np.float64]
+
+MARGIN = 1e-3  # share of a limit that the box leaves, or half of what home leaves: sampling cannot find every pose
+STARTS = 4  # boxes from which the search begins, for it ends at the next local optimum
+ROUNDS = 12  # of adding the worst poses of the box that was found, and searching on
+PROVEN = 20_000  # random poses of the proof, half of the coordinates at an end of the box
+SAMPLED = 2_000  # of them in each round
+NARROWEST = 1e-3  # share of the stated way from home to a side
+WHOLE = 1.0 - 1e-5  # of a stated side: less is rounding of the search
+SHRINKING, SHRINKS = 0.98, 40  # of the box, where the proof fails
+STEP = 1e-7  # of differences, share of the stated box
+
+
+@dataclass(frozen=True, slots=True)
+class MotionBox:
+    """A reachable box, to be written into a case file.
+
+    Args:
+        sides: key of `[limits.motion]` -> lower and upper limit relative to home [mm, deg], rounded inwards.
+        share: its volume over that of the stated box.
+        poses: number of its poses at which `identification.limits` proved the limits.
+        worst: the largest share of a limit at these.
+        worst_limit: name of that limit.
+        starts: number of boxes from which the search began.
+    """
+
+    sides: dict[str, tuple[float, float]]
+    share: float
+    poses: int
+    worst: float
+    worst_limit: str
+    starts: int
+
+    def toml(self) -> str:
+        """The lines that replace those of `[limits.motion]`."""
+        return "\n".join(f"{key} = [{low!r}, {high!r}]" for key, (low, high) in self.sides.items())
+
+    def to_json(self) -> dict[str, Any]:
+        """Sides by the keys of `[limits.motion]`, and what is known of the box."""
+        return {
+            "limits_motion": {key: list(side) for key, side in self.sides.items()},
+            "share": self.share,
+            "poses": self.poses,
+            "worst": {"limit": self.worst_limit, "ratio": self.worst},
+            "starts": self.starts,
+            "toml": self.toml(),
+        }
+
+
+def largest_box(case: Case, seed: int = 0) -> MotionBox:
+    """The largest box around home, inside `[limits.motion]`, all of whose poses keep the limits of poses at rest.
+
+    "Largest" means the largest product of the six widths, each relative to that of the stated box. The sides are found
+    by sequential quadratic programming (SLSQP) from several starts, under the limits at the worst poses of the boxes
+    before. So the box is a local optimum; home may lie near one of its sides. It is verified at many poses (corners,
+    edges, inside, and where a search from these ends), not everywhere.
+
+    Args:
+        case: with machine, workspace and limits.
+        seed: of the poses and starts.
+
+    Raises:
+        CaseError: the case has no machine or no limits, or home is out of reach.
+    """
+    search = _Search(case, seed)
+    sides = search.best()
+    for _ in range(SHRINKS):
+        box = _rounded(case, sides)
+        worst, poses = _proof(case, search.limits, box, seed)
+        if worst.kept:
+            share = float(np.prod(np.ptp(box * UNITS, axis=0) / np.ptp(search.limits.box, axis=0)))
+            ranges = dict(zip(POSE, map(tuple, box.T.tolist()), strict=True))
+            return MotionBox(ranges, share, poses, worst.ratio, worst.name, STARTS)
+        sides = sides * SHRINKING
+    raise search.at_the_end_of_reach()
+
+
+class _Search:
+    """Shares of the twelve sides, (lower.., upper..) over those of the stated box, under limits at poses of the box.
+
+    A pose is given by fractions of the sides, so that it moves with them: the limits there are smooth in the sides, and
+    necessary for every box.
+    """
+
+    def __init__(self, case: Case, seed: int) -> None:
+        self.limits = StaticLimits(case)
+        self.draw = np.random.default_rng(seed)
+        self.case, self.at_home = case, self.limits.shares(self.limits.home[None])[0]
+        if self.at_home.max() > 1.0 - TOLERANCE:
+            raise self.at_the_end_of_reach()
+        margin = np.clip((1.0 - self.at_home) / 2, 0.0, MARGIN)
+        self.most, self.tolerated = 1.0 - margin, 1.0 - 0.9 * margin
+        self.fractions = np.empty((0, 6))
+        self.columns = np.empty(0, dtype=int)
+
+    def best(self) -> Array:
+        """The sides of the largest box that was found, shape (12,)."""
+        if (self._add_worst(np.ones(12)) <= 1.0 + TOLERANCE).all():
+            return np.ones(12)
+        boxes = [self._grown(start) for start in self._starts()]
+        return min(boxes, key=lambda sides: self._objective(sides)[0])
+
+    def at_the_end_of_reach(self) -> CaseError:
+        """The error of a home around which no box is reachable."""
+        limit, share = self.limits.names[int(self.at_home.argmax())], float(self.at_home.max())
+        return CaseError(
+            f"case {self.case.name}",
+            "machine.home",
+            f"uses {100 * share:.4g} % of the limit {limit}, so that no box around it is reachable; move home inwards",
+        )
+
+    def _starts(self) -> Iterator[Array]:
+        """Boxes of the stated shape, then of random shapes, shrunk until they keep the limits."""
+        for k in range(STARTS):
+            shape = np.exp(self.draw.normal(0.0, 0.5, 12)) if k else np.ones(12)
+            yield self._shrunk(shape / shape.max())
+
+    def _shrunk(self, sides: Array) -> Array:
+        """The largest box of the same shape that keeps the limits at the poses known so far."""
+        low, high = 0.0, 1.0
+        for _ in range(12):
+            middle = (low + high) / 2
+            low, high = (middle, high) if (self._room(middle * sides) >= 0.0).all() else (low, middle)
+        return np.maximum(low * sides, NARROWEST)
+
+    def _grown(self, start: Array) -> Array:
+        """The local optimum that is reached from a box, or what of both keeps the limits where the search fails."""
+        from scipy.optimize import minimize  # most of a second to import
+
+        sides = start
+        for _ in range(ROUNDS):
+            answer = minimize(
+                self._objective,
+                sides,
+                jac=True,
+                method="SLSQP",
+                bounds=[(NARROWEST, 1.0)] * 12,
+                constraints={"type": "ineq", "fun": self._room, "jac": self._slope},
+                options={"maxiter": 20, "ftol": 1e-4},
+            )
+            sides = np.asarray(np.clip(answer.x, NARROWEST, 1.0))
+            if (self._add_worst(sides) <= self.tolerated).all():
+                return sides
+        boxes: list[Array] = [self._shrunk(sides), self._shrunk(start)]
+        return min(boxes, key=lambda box: self._objective(box)[0])
+
+    def _objective(self, sides: Array) -> tuple[float, Array]:
+        """-log of the volume over that of the stated box, and its gradient."""
+        low, high = self.limits.box
+        width = (high - low) / (high * sides[6:] - low * sides[:6])
+        return float(np.log(width).sum()), np.concatenate([low, -high]) * np.tile(width / (high - low), 2)
+
+    def _poses(self, sides: Array) -> Array:
+        return self.limits.poses(self.limits.box * sides.reshape(2, 6), self.fractions)
+
+    def _room(self, sides: Array) -> Array:
+        """What is left of the limits at the poses, shape (n,)."""
+        shares = self.limits.shares(self._poses(sides))
+        return np.asarray(self.most[self.columns] - shares[np.arange(len(shares)), self.columns])
+
+    def _slope(self, sides: Array) -> Array:
+        """Derivative of `_room` by the sides, shape (n, 12)."""
+        low, high = self.limits.box
+        moved = self._poses(sides)[:, None] + STEP * np.vstack([np.zeros(6), np.diag(high - low)])
+        shares = self.limits.shares(moved.reshape(-1, 6)).reshape(len(moved), 7, -1)
+        shares = shares[np.arange(len(moved)), :, self.columns]
+        slope = (shares[:, :1] - shares[:, 1:]) / (STEP * (high - low))
+        return np.hstack([slope * (1 - self.fractions) * low, slope * self.fractions * high])
+
+    def _add_worst(self, sides: Array) -> Array:
+        """Largest share of each limit in the box, shape (limits,); poses where one is above `tolerated` are added."""
+        box = self.limits.box * sides.reshape(2, 6)
+        starts = np.vstack([GRID, _drawn(self.draw, SAMPLED)])
+        worst, shares = self.limits.worst_poses(box, starts)
+        broken = np.flatnonzero(shares > self.tolerated)
+        self.fractions = np.vstack([self.fractions, worst[broken]])
+        self.columns = np.concatenate([self.columns, broken])
+        return shares
+
+
+def _drawn(draw: np.random.Generator, count: int) -> Array:
+    """Fractions of the sides of a box, shape (count, 6): half of them random, the others 0 or 1."""
+    return np.where(draw.random((count, 6)) < 0.5, draw.random((count, 6)), draw.integers(0, 2, (count, 6)))
+
+
+def _rounded(case: Case, sides: Array) -> Array:
+    """The box in the units of the case file, rounded inwards to a 500th of its widths, shape (2, 6) [mm, deg]."""
+    limits = case.need_machine("the reach of the motion box")[2].motion
+    stated = np.array([getattr(limits, key) for key in POSE]).T
+    box = stated * sides.reshape(2, 6)
+    finest = np.minimum(np.ptp(box, axis=0) / 500, np.abs(box).min(axis=0) / 10)
+    scale = 10.0 ** np.maximum(np.ceil(-np.log10(finest)), 0.0)
+    inwards = np.trunc(box * scale * (1 + 1e-12)) / scale
+    return np.where(sides.reshape(2, 6) >= WHOLE, stated, inwards)
+
+
+def _proof(case: Case, limits: StaticLimits, box: Array, seed: int) -> tuple[LimitCheck, int]:
+    """The worst limit of poses at rest by `identification.limits`, at many poses of the box; and their number."""
+    starts = np.vstack([GRID, _drawn(np.random.default_rng(seed + 1), PROVEN)])
+    worst, _ = limits.worst_poses(box * UNITS, starts)
+    poses = limits.poses(box * UNITS, np.vstack([starts, worst]))
+    checks = prove(StandingPoses(poses), case, 1.0).checks
+    static = [check for check in checks if check.name.split(" (")[0] in limits.kinds]
+    return max(static, key=lambda check: check.ratio), len(poses)

@@ -1,0 +1,232 @@
+"""Which part of the box of `[limits.motion]` a hexapod reaches, pose by pose at rest.
+
+Makers state strokes of single axes; all of them at once are often out of reach of struts and joints.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.recording_columns import POSE
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.evaluate import over_samples
+from identification.hexapod import Hexapod
+from identification.keep_out import distances, guarded
+from identification.limits import TOLERANCE
+from identification.pose import rotation
+
+Array = NDArray[np.float64]
+
+POSES = 20_000  # drawn in the box: a standard error of at most 0.35 % of its volume
+STEPS = 400  # along each coordinate from home to the end of the box: what is out of reach for less is not seen
+HALVINGS = 40  # of such a step: far below any encoder
+CLIMBS = 30  # steps of the search for the worst pose, halved where none of them leads higher
+NEAR = 0.8  # share of a limit at the worst of many poses, below which no pose next to it exceeds the limit
+GRID = np.array(list(product((0.0, 0.5, 1.0), repeat=6)))  # corners and middles of a box, shape (729, 6)
+UNITS = np.array([MM] * 3 + [DEG] * 3)  # of the keys of `POSE`
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """The reachable part of the motion box.
+
+    Args:
+        share: share of the box's volume that is reachable, from random poses.
+        share_std: its standard error.
+        poses: number of these poses.
+        worst: largest share of a limit that was found anywhere in the box, by search too; above 1 out of reach.
+        worst_limit: name of that limit.
+        exceeded: limit -> share of the poses that exceed it.
+        stated: the box, lower and upper end relative to home, shape (2, 6) [m, rad].
+        reachable: how far each coordinate goes from home without a gap, the others at home, shape (2, 6) [m, rad].
+        limited_by: what limits each coordinate at its lower and upper end; None where that is the box itself.
+    """
+
+    share: float
+    share_std: float
+    poses: int
+    worst: float
+    worst_limit: str
+    exceeded: dict[str, float]
+    stated: Array
+    reachable: Array
+    limited_by: tuple[tuple[str | None, str | None], ...]
+
+    @property
+    def whole(self) -> bool:
+        """Whether no pose of the box was found out of reach."""
+        return self.worst <= 1.0 + TOLERANCE
+
+    def to_json(self) -> dict[str, Any]:
+        """Shares, and the coordinates by the keys of `[limits.motion]` and in their units."""
+        stated, reachable = (np.round(box / UNITS, 9).T.tolist() for box in (self.stated, self.reachable))
+        return {
+            "share": self.share,
+            "share_std": self.share_std,
+            "poses": self.poses,
+            "whole": self.whole,
+            "worst": {"limit": self.worst_limit, "ratio": self.worst},
+            "coordinates": {
+                key: {"stated": stated[k], "reachable": reachable[k], "limited_by": list(self.limited_by[k])}
+                for k, key in enumerate(POSE)
+            },
+            "exceeded": self.exceeded,
+        }
+
+
+def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
+    """The reachable part of the motion box of a case, by limits of poses at rest.
+
+    These are strut lengths, joint angles, the way to a singularity, and boxes that platform, struts and tools keep out
+    of. A pose counts as reachable by itself, whether or not a way leads there from home.
+
+    Args:
+        case: with machine, workspace and limits.
+        count: number of random poses, uniform in the box, for the share of its volume.
+        seed: of these poses.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    limits = StaticLimits(case)
+    box = limits.box
+    drawn = np.random.default_rng(seed).random((count, 6))
+    passed = limits.shares(limits.poses(box, drawn)) > 1.0 + TOLERANCE
+    kept = int(count - passed.any(axis=1).sum())
+    exceeded = {
+        kind: float(passed[:, [k == kind for k in limits.kinds]].any(axis=1).mean())
+        for kind in dict.fromkeys(limits.kinds)
+    }
+    _, worst = limits.worst_poses(box, np.vstack([GRID, drawn[:2000]]))
+    likely = (kept + 1) / (count + 2)  # so that the error of a share of 0 or 1 is not 0
+    reachable, limited_by = _coordinates(limits)
+    return Reach(
+        share=kept / count,
+        share_std=float(np.sqrt(likely * (1 - likely) / count)),
+        poses=count,
+        worst=float(worst.max()),
+        worst_limit=limits.names[int(worst.argmax())],
+        exceeded={kind: share for kind, share in exceeded.items() if share > 0.0},
+        stated=box,
+        reachable=reachable,
+        limited_by=limited_by,
+    )
+
+
+def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None, str | None], ...]]:
+    """Ends of each coordinate's reach with the others at home, shape (2, 6), and what limits them."""
+    ends = np.vstack([np.diag(side) for side in limits.box])  # one row each end of each coordinate, relative to home
+
+    def shares(lengths: Array) -> Array:
+        return limits.shares((limits.home + lengths[..., None] * ends[:, None]).reshape(-1, 6))
+
+    along = np.linspace(0.0, 1.0, STEPS + 1)
+    kept = (shares(np.tile(along, (12, 1))).max(axis=1) <= 1.0 + TOLERANCE).reshape(12, -1)
+    last = np.where(kept.all(axis=1), STEPS, np.maximum(np.argmin(kept, axis=1) - 1, 0))
+    inside, outside = along[last], along[np.minimum(last + 1, STEPS)]
+    for _ in range(HALVINGS):
+        middle = (inside + outside) / 2
+        good = shares(middle[:, None]).max(axis=1) <= 1.0 + TOLERANCE
+        inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
+    whole = last == STEPS
+    beyond = [limits.names[k] for k in shares(outside[:, None]).argmax(axis=1)]
+    names = [None if all_of_it else name for all_of_it, name in zip(whole, beyond, strict=True)]
+    reachable = np.where(whole, 1.0, inside).reshape(2, 6) * limits.box
+    return reachable, tuple(zip(names[:6], names[6:], strict=True))
+
+
+class StaticLimits:
+    """What a case limits of poses at rest, over many poses at once, through the CasADi kinematics.
+
+    `identification.limits` proves the same limits by other means; both measure distances from boxes by
+    `identification.keep_out`.
+
+    Args:
+        case: with machine, workspace and limits.
+    """
+
+    def __init__(self, case: Case) -> None:
+        self.machine, self.workspace, limits = case.need_machine("the reach of the motion box")
+        self.home, self.box = self.machine.home.vector, limits.motion.pose
+        self.shortest = max(limits.motion.strut_length[0], self.workspace.strut_length[0])
+        self.longest = min(limits.motion.strut_length[1], self.workspace.strut_length[1])
+        hexapod, pose = Hexapod.of(case), ca.SX.sym("pose", 6)
+        self.functions = (
+            hexapod.inverse_jacobian,
+            hexapod.joint_cosines,
+            ca.Function("rotation", [pose], [rotation(pose[3:])]),
+        )
+        self.determinant = float(np.linalg.det(hexapod.inverse_jacobian(self.home)[1].full()))
+        struts = [f"strut {k}" for k in range(1, 7)]
+        columns = [
+            *(("strut length", f"{strut}, {end}") for end in ("longest", "shortest") for strut in struts),
+            *((f"{where} joint angle", strut) for where in ("base", "platform") for strut in struts),
+            ("singularity", ""),
+            *(
+                (f"distance from {box.name}", part)
+                for box in self.workspace.keep_out
+                for part in guarded(self.workspace)
+            ),
+        ]
+        self.kinds = tuple(kind for kind, _ in columns)
+        self.names = tuple(f"{kind} ({label})" if label else kind for kind, label in columns)
+
+    def poses(self, box: Array, fractions: Array) -> Array:
+        """Poses at fractions from 0 to 1 of the sides of a box relative to home, shape (n, 6) [m, rad]."""
+        return np.asarray(self.home + box[0] + fractions * (box[1] - box[0]))
+
+    def shares(self, poses: Array) -> Array:
+        """Share of each limit that each pose uses, above 1 out of reach, shape (n, limits).
+
+        Args:
+            poses: shape (n, 6) [m, rad].
+        """
+        workspace = self.workspace
+        angle_limits = np.array([workspace.base_joint_angle_deg, workspace.platform_joint_angle_deg]) * DEG
+        with np.errstate(invalid="ignore"):  # what is not a number counts as out of reach
+            length, jacobian, *cosines, turn = (value for f in self.functions for value in over_samples(f, poses))
+            stretched = (length - (self.longest + self.shortest) / 2) / ((self.longest - self.shortest) / 2)
+            angles = [np.arccos(np.clip(c, -1.0, 1.0)) / most for c, most in zip(cosines, angle_limits, strict=True)]
+            columns = [stretched, -stretched, *angles, 1.0 - np.linalg.det(jacobian)[:, None] / self.determinant]
+            struts = jacobian[:, :, :3] * length[:, :, None]  # the rows of J^-1 begin with the struts' directions
+            for box in workspace.keep_out:
+                apart = distances(box, workspace, poses[:, :3], turn, self.machine.base.points, struts)
+                columns.append(1.0 - apart / (float(np.linalg.norm(np.ptp(box.corners, axis=0))) / 2))
+        return np.asarray(np.nan_to_num(np.hstack(columns), nan=np.inf))
+
+    def worst_poses(self, box: Array, starts: Array) -> tuple[Array, Array]:
+        """The pose of a box that uses most of each limit, as fractions of its sides, (limits, 6), and these shares.
+
+        The worst of given poses, then, where it uses more than `NEAR` of the limit, a search along single coordinates
+        from there: poses that are worse still may exist, but not next to it.
+
+        Args:
+            box: lower and upper end relative to home, shape (2, 6) [m, rad].
+            starts: fractions of its sides, shape (n, 6).
+        """
+        shares = self.shares(self.poses(box, starts))
+        fractions, largest = starts[shares.argmax(axis=0)], shares.max(axis=0)
+        columns = np.flatnonzero(largest > NEAR)
+        best, most, size, rows = (
+            fractions[columns],
+            largest[columns],
+            np.full(len(columns), 0.25),
+            np.arange(len(columns)),
+        )
+        for _ in range(CLIMBS):
+            moves = np.vstack([np.eye(6), -np.eye(6)])
+            tried = np.clip(best[:, None] + size[:, None, None] * moves, 0.0, 1.0)
+            values = self.shares(self.poses(box, tried.reshape(-1, 6))).reshape(len(columns), 12, -1)
+            values = values[rows, :, columns]  # of each limit at the moves of its own pose
+            way = values.argmax(axis=1)
+            higher = values[rows, way] > most
+            best = np.where(higher[:, None], tried[rows, way], best)
+            most = np.where(higher, values[rows, way], most)
+            size = np.where(higher, size, size / 2)
+        fractions[columns], largest[columns] = best, most
+        return fractions, largest
