@@ -20,12 +20,17 @@ from planner.families.saved import motion_entries
 from planner.families.spline import enough_intervals
 from planner.noise import ExpectedNoise
 from planner.request import Request
-from planner.search.solving import Failed, Start
+from planner.search.last_words import solver_text
+from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.target import parse_targets
 
 Array = NDArray[np.float64]
 
 SCHEMA_VERSION = 1
+RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
+FULL = 0.9  # share of a limit that a good motion uses of at least one
+_PLACES = ("position", "angle", "workspace position", "strut length", "singularity", "base joint angle",
+           "platform joint angle")  # limits of where the platform is, not of how it moves  # fmt: skip
 BINDING = 0.99  # share of a limit from which it shapes the motion
 FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
 SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
@@ -56,6 +61,7 @@ class Plan:
         limits: proof.
         solve_seconds: time spent on optimising [s].
         tight: what no motion from rest to rest with limited jerk can exceed, where that is known.
+        rival: what another family found in seconds.
     """
 
     case: Case
@@ -78,6 +84,7 @@ class Plan:
     limits: LimitReport
     solve_seconds: float
     tight: Bound | None = None
+    rival: Start | None = None
 
     @property
     def d_efficiency(self) -> float:
@@ -90,6 +97,44 @@ class Plan:
         return self.tight.efficiency(self.logdet) if self.tight is not None else None
 
     @property
+    def weaknesses(self) -> list[str]:
+        """Why another plan would carry more information, each with what to do; the first thing that a user is told."""
+        told = []
+        if (
+            self.rival is not None
+            and (more := float(np.exp((self.rival.logdet - self._weighted) / self._size))) > RIVALS
+        ):
+            told.append(
+                f"weaker than a motion of another family that took seconds: --family {self.rival.family.name} has "
+                f"{more:.2f} times the D-efficiency"
+            )
+        refined = [s for s in self.starts if s.refined]
+        if refined and not self.interrupted and not refined[0].converged:
+            told.append(
+                f"the search had not converged where it ended ({solver_text(refined[0].status)}): --seconds "
+                f"{max(30, 2 * round(self.solve_seconds))} may find more"
+            )
+        if self.starts and (share := self.starts[0].shrunk) < DRAWN_BACK:
+            told.append(
+                f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
+                f"another --seed, or in a smaller box (hexcite case check {self.case_file} --propose)"
+            )
+        used = [c for c in self.limits.checks if c.name.split(" (")[0] not in _PLACES]
+        if self.starts and used and (most := max(used, key=lambda c: c.ratio)).ratio < FULL:
+            told.append(
+                f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
+                "more --seconds or a smaller box may find more"
+            )
+        return told
+
+    @property
+    def _of_rival(self) -> float:
+        """D-efficiency of the other family's motion in units of this one's, with the weights of the search."""
+        if self.rival is None or not self.starts:
+            return 0.0
+        return float(np.exp((self.rival.logdet - self.starts[0].logdet) / self.bound.parameters))
+
+    @property
     def notes(self) -> list[str]:
         """What the user should know before running it."""
         notes = []
@@ -98,6 +143,8 @@ class Plan:
             if order < self.motion.order:
                 which = "highest harmonic is" if needless == 1 else f"{needless} highest harmonics are"
                 notes.append(f"the {which} negligible: --order {order} would do")
+        if self.starts and (binding := [c.name for c in self.limits.checks if c.ratio > BINDING]):
+            notes.append(f"shaped by these limits: {', '.join(binding)}")
         tried = {(s.family.order, s.family.period) for s in self.starts if isinstance(s.family, FourierFamily)}
         if len(tried) > 1:
             own = f"order {self.settings['order']} with period {self.settings['period_s']:g} s"
@@ -111,8 +158,6 @@ class Plan:
         if self.request.targets:
             targets = parse_targets(self.request.targets, self.case, self.request.model)
             notes.append(f"targets: {', '.join(t.compared(self.predicted_std) for t in targets)}")
-        if self.starts and not self.interrupted and not any(s.converged for s in self.starts):
-            notes.append("no start converged within its iterations; more --starts or another --solver may find more")
         if self.family == "spline" and (knots := self.settings.get("knots")) is not None:
             enough = enough_intervals(self.case, self.motion.duration)
             if knots < FEW_KNOTS * enough:
@@ -120,11 +165,6 @@ class Plan:
                     f"{knots} knots, not the machine, keep accelerations from their limits: --knots {enough} carries "
                     "more information"
                 )
-        if self.family != self.request.family:
-            wanted = self.request.family
-            reached = any(s.family.name == wanted for s in self.starts)
-            why = f"no {wanted} found carries more; more --knots may help" if reached else "it never came further"
-            notes.append(f"this is a {self.family} plan, where the search for a {wanted} began: {why}")
         if len(self.request.payloads) > 1:
             notes.append(f"predicted standard deviations are the largest with {self.request.mounted}: {self._by_load}")
         forces = [c for c in self.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
@@ -137,6 +177,11 @@ class Plan:
         by_load = {n: [p for p, worst in self.worst_payload.items() if worst == n] for n in self.request.payloads}
         return "; ".join(f"with {n} those of {', '.join(names)}" for n, names in by_load.items() if names)
 
+    def _rival(self) -> dict[str, Any] | None:
+        if self.rival is None:
+            return None
+        return {"family": self.rival.family.name, "d_efficiency": self._of_rival * self.d_efficiency}
+
     def to_json(self) -> dict[str, Any]:
         """What `plan.json` holds."""
         first, last = self.motion.at([0.0, self.motion.duration]).pose
@@ -148,7 +193,6 @@ class Plan:
             "case_tables": self.case.table_hashes,
             "family": self.family,
             "criterion": self.request.criterion,
-            "solver": self.request.solver,
             "model": self.request.model,
             "status": "proven",
             "interrupted": self.interrupted,
@@ -160,7 +204,7 @@ class Plan:
             "starts": [
                 {
                     "seed": s.seed,
-                    "stage": s.stage,
+                    "refined": s.refined,
                     "start_logdet": s.start_logdet if np.isfinite(s.start_logdet) else None,
                     "logdet": s.logdet,
                     "criterion_value": s.score,
@@ -171,7 +215,7 @@ class Plan:
                 }
                 for s in self.starts
             ],
-            "failed_starts": [{"seed": f.seed, "stage": f.stage, "reason": f.reason} for f in self.failed],
+            "failed_starts": [{"seed": f.seed, "reason": f.reason} for f in self.failed],
             "criterion_value": self.score,
             "logdet": self.logdet,
             "condition": self.condition,
@@ -182,6 +226,8 @@ class Plan:
             "predicted_std": self.predicted_std,
             "payload": self.request.payload,
             "payload_from": self.request.payloads[0],
+            "weaknesses": self.weaknesses,
+            "rival": self._rival(),
             "notes": self.notes,
             "targets": list(self.request.targets),
             "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],

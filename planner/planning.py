@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import IdentificationError, InfeasiblePlan
+from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
 from identification.limits import PROOF_RATE, LimitReport, prove
@@ -19,7 +19,7 @@ from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound, known_tight_bound
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family, box_middle
-from planner.families.fourier import COARSE, FourierFamily
+from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
@@ -30,39 +30,15 @@ from planner.plan import Plan
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.choices import choices
-from planner.search.parallel import Listener, Outcome, Runner, run_all
+from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
+from planner.search.patience import Patience
 from planner.search.problem import mean_information
-from planner.search.solving import AT_HAND, Failed, Stage, Start, Task, keep_limits, seeds_of
+from planner.search.solving import Failed, Start, Task, keep_limits, seeds_of
 
 Array = NDArray[np.float64]
 
 AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
-REFINED = 2  # of the starts, the best are refined: one a core of the smallest machine
-# By A, K and N, for which D-optimal starts are no measure. Fourier series are refined in seconds; others take a minute.
-REFINED_ANEW = {"fourier": 4, "ptp": REFINED, "spline": REFINED}
 KEPT = 3  # of several orders and periods, the best are looked at from all starts
-
-ANNEALING = 500  # proposals for each pair of moves: worth more than as many more starts
-# A look from every start, then the full problem from the best of them: the many local optima differ more than what the
-# last iterations bring.
-STAGES = {
-    "fourier": (Stage("explore", 100, False), Stage("refine", 150, True, barrier=1e-4)),
-    "ptp": (Stage("explore", 200, False, ANNEALING, barrier=1e-4), Stage("refine", 300, True, barrier=AT_HAND)),
-    "spline": (Stage("explore", 300, False, barrier=1e-2), Stage("refine", 900, True, barrier=AT_HAND)),
-}
-# Refinements by A, K or N: the D-optimal motion, where they begin, is no optimum. Of point-to-point motions
-# approximated second derivatives lead to better optima of these criteria.
-ANEW = {
-    "fourier": dict.fromkeys("AKN", Stage("refine", 480, True, barrier=1e-1)),
-    "ptp": dict.fromkeys("AKN", Stage("refine", 300, True)),
-    "spline": {
-        **dict.fromkeys("AN", Stage("refine", 900, True, barrier=1e-1)),
-        "K": Stage("refine", 900, True, barrier=1e-2),
-    },
-}
-# Solvers that approximate second derivatives need minutes from splines that start by chance. For these they begin from
-# point-to-point motions, which reach in seconds what such splines do not.
-BEGIN_FROM_MOVES = ("sqp", "slsqp")
 
 
 class Found(NamedTuple):
@@ -73,9 +49,10 @@ class Found(NamedTuple):
         family: the name of its family.
         settings: of the family.
         limits: the proof.
-        starts: of both stages, the best first.
+        starts: the best first.
         failed: starts that led nowhere.
         interrupted: whether Ctrl-C ended the search early.
+        rival: what another family found in seconds.
     """
 
     motion: Trajectory
@@ -85,6 +62,7 @@ class Found(NamedTuple):
     starts: tuple[Start, ...]
     failed: tuple[Failed, ...]
     interrupted: bool
+    rival: Start | None = None
 
 
 def first_family(request: Request, case: Case) -> Family:
@@ -92,73 +70,50 @@ def first_family(request: Request, case: Case) -> Family:
     if request.family == "fourier":
         middle, half = box_middle(case)
         order, period = request.order, request.base_period
-        return FourierFamily.lasting(order, period, request.periods, middle, half, COARSE, request.centred)
-    if request.family == "spline" and request.solver not in BEGIN_FROM_MOVES:
+        return FourierFamily.lasting(order, period, request.periods, middle, half, request.centred)
+    if request.family == "spline":
         return SplineFamily.of(case, request.intervals, request.duration)
     return PointToPointFamily.of(case, request.move_count, request.duration)
 
 
 def _explore(request: Request, case: Case, seed: int) -> Task:
-    family = first_family(request, case)
-    stage = STAGES[family.name][0]
-    return Task(case, request.model, family, request.criterion, request.solver, stage, seed, payload=request.payload)
+    return Task(case, request.model, first_family(request, case), request.criterion, seed, request.payload)
 
 
-def _refine(request: Request, case: Case, start: Start) -> Task:
-    family, unknowns = start.family, start.begin
-    if request.family == "spline" and family.name != "spline":
-        family = SplineFamily.of(case, request.intervals, request.duration)
-        unknowns = family.through(start.family.motion(start.begin))
-    stage = STAGES[request.family][1] if request.criterion == "D" else ANEW[request.family][request.criterion]
-    return Task(
-        case, request.model, family, request.criterion, request.solver, stage, start.seed, unknowns, request.payload
+def _rival(request: Request, case: Case, seed: int) -> Task | None:
+    """One start of another family that takes seconds, to compare with."""
+    if request.starts == 1:  # one start was asked for
+        return None
+    other = "ptp" if request.family == "fourier" else "fourier"
+    wanted = replace(
+        request, family=other, period=None, order=5, moves=None, free_order=False, free_period=False, starts=1
     )
+    try:
+        require_plannable(replace(wanted, targets=()), case)
+    except HexciteError:  # too short for it, or too fast for the filter
+        return None
+    return replace(_explore(wanted, case, seed), criterion="D", rival=True)
 
 
-def rounds(request: Request, case: Case) -> int:
-    """How many starts a search goes through at most, both stages."""
-    count = len(choices(request, case))
-    explored = request.starts if count == 1 else count + min(count, KEPT) * (request.starts - 1)
-    return explored + min(_refined(request), explored)
-
-
-def _refined(request: Request) -> int:
-    return REFINED if request.criterion == "D" else REFINED_ANEW[request.family]
-
-
-def _explored(request: Request, case: Case, listener: Listener, run: Runner) -> Outcome:
-    """All starts; of several choices each is looked at once, and the other starts go to the best of them."""
-    seeds = seeds_of(request.seed, request.starts)
-    among = choices(request, case)
-    if len(among) == 1:
-        return run([_explore(among[0], case, seed) for seed in seeds], listener)
-    look = run([_explore(choice, case, seeds[0]) for choice in among], listener)
-    best = sorted((r for r in look.results if isinstance(r, Start)), key=lambda s: -s.promise)[:KEPT]
-    kept = [start.family.settings for start in best]
-    more = [
-        _explore(choice, case, seed)
-        for choice in among
-        if first_family(choice, case).settings in kept
-        for seed in seeds[1:]
-    ]
-    if look.interrupted or not more:
-        return look
-    rest = run(more, listener)
-    return Outcome([*look.results, *rest.results], rest.interrupted)
-
-
-def search(request: Request, case: Case, listener: Listener, run: Runner = run_all) -> Found:
-    """Explores from all starts, refines the best, proves the winner.
+def search(request: Request, case: Case, listener: Listener, run: Runner) -> Found:
+    """Explores from start after start until more of them stop paying, refines the best, proves the winner.
 
     Raises:
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
-    first = _explored(request, case, listener, run)
-    results, interrupted = list(first.results), first.interrupted
-    best = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)[: _refined(request)]
-    if best and not interrupted:
-        second = run([_refine(request, case, start) for start in best], listener)
+    watch = Patience.of(request, len(identification_model(case, request.model).names))
+    rival = _rival(request, case, request.seed)
+    results, interrupted = _explored(request, case, listener, run, watch.exploring(), rival)
+    rivals = [r for r in results if isinstance(r, Start) and rival is not None and r.family.name != request.family]
+    results = [r for r in results if r not in rivals]
+    starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)
+    rough = [s for s in starts if not s.refined][: watch.refined]
+    if rough and not interrupted:
+        again = [
+            Task(case, request.model, s.family, request.criterion, s.seed, request.payload, s.begin) for s in rough
+        ]
+        second = run(again, listener, watch.to_the_end())
         results, interrupted = results + second.results, second.interrupted
     starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)
     failed = [r for r in results if isinstance(r, Failed)]
@@ -167,9 +122,44 @@ def search(request: Request, case: Case, listener: Listener, run: Runner = run_a
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
     winner = starts[0].family
-    unknowns, report = keep_limits(case, winner, starts[0].unknowns, PROOF_RATE)
+    unknowns, report, _ = keep_limits(case, winner, starts[0].unknowns, PROOF_RATE)
     motion = winner.motion(unknowns)
-    return Found(motion, winner.name, winner.settings, report, tuple(starts), tuple(failed), interrupted)
+    return Found(
+        motion,
+        winner.name,
+        winner.settings,
+        report,
+        tuple(starts),
+        tuple(failed),
+        interrupted,
+        next(iter(rivals), None),
+    )
+
+
+def _explored(
+    request: Request, case: Case, listener: Listener, run: Runner, watch: Patience, rival: Task | None
+) -> Outcome:
+    """All starts; of several choices each is looked at once, and the other starts go to the best of them."""
+    seeds = seeds_of(request.seed, watch.most)
+    among = choices(request, case)
+    beside = [] if rival is None else [rival]
+    if len(among) == 1:
+        tasks = [_explore(among[0], case, seed) for seed in seeds]
+        return run([*tasks[:1], *beside, *tasks[1:]], listener, watch)
+    look = run([*(_explore(choice, case, seeds[0]) for choice in among), *beside], listener, watch.to_the_end())
+    best = sorted((r for r in look.results if isinstance(r, Start)), key=lambda s: -s.promise)
+    kept = [start.family.settings for start in best if start.family.name == request.family][:KEPT]
+    families = [first_family(choice, case) for choice in among]
+    more = [
+        _explore(choice, case, seed)
+        for seed in seeds[1:]
+        for choice, family in zip(among, families, strict=True)
+        if family.settings in kept
+    ]
+    if look.interrupted or not more:
+        return look
+    rest = run(more, listener, watch)
+    return Outcome([*look.results, *rest.results], rest.interrupted)
 
 
 def _made_by_hand(request: Request, case: Case) -> Found:
@@ -180,7 +170,7 @@ def _made_by_hand(request: Request, case: Case) -> Found:
     return Found(motion, "manual", {"sequence": str(file)}, prove(motion, case), (), (), False)
 
 
-def make(request: Request, case: Case, case_file: str, listener: Listener, run: Runner = run_all) -> Plan:
+def make(request: Request, case: Case, case_file: str, listener: Listener, run: Runner) -> Plan:
     """Optimises, proves and rates an excitation.
 
     Args:
@@ -214,13 +204,13 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
 def make_until_ctrl_c(request: Request, case: Case, case_file: str, listener: Listener) -> Plan:
     """`make`, in the main thread; the first Ctrl-C keeps what a search has found, be it in its proof or its rating."""
     if request.family == "manual":
-        return make(request, case, case_file, listener)
+        return make(request, case, case_file, listener, run_here)
     pressed = Event()
+    with first_ctrl_c_calls(pressed.set), workers() as run_all:
 
-    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
-        return Outcome([], True) if pressed.is_set() else run_all(tasks, listener)
+        def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
+            return Outcome([], True) if pressed.is_set() else run_all(tasks, listener, patience)
 
-    with first_ctrl_c_calls(pressed.set):
         plan = make(request, case, case_file, listener, run)
     return replace(plan, interrupted=True) if pressed.is_set() else plan
 
@@ -259,6 +249,7 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
         starts=found.starts,
         failed=found.failed,
         interrupted=found.interrupted,
+        rival=found.rival,
         score=CRITERIA[request.criterion].of(chosen),
         logdet=CRITERIA["D"].of(mu),
         condition=-CRITERIA["K"].of(mu),

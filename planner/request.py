@@ -13,10 +13,10 @@ from planner.families.spline import FEWEST as FEWEST_INTERVALS
 from planner.families.spline import MOST as MOST_INTERVALS
 
 FAMILIES = ("manual", "fourier", "ptp", "spline")
-SOLVER_NAMES = ("ipopt", "sqp", "slsqp")
 LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 KNOTS_A_SECOND = 10.0
 MOST_PERIODS = 1e6
+MOST_SECONDS = 86_400.0  # of a search
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
 MOVES_A_SECOND = 10.0 / 3.0
 
@@ -29,7 +29,6 @@ class Request:
         case_file: name or file of the case.
         family: manual, fourier, ptp or spline.
         criterion: letter of Table 4.
-        solver: ipopt, sqp or slsqp.
         model: number in Table 2.
         duration: of the excitation [s].
         order: N of (34), family fourier.
@@ -43,14 +42,14 @@ class Request:
         payload: number of the case's payloads that are mounted, at most.
         payload_from: at least; None for just as many. Predicted standard deviations are the largest of the range.
         targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed.
-        starts: random starts.
-        seed: of these.
+        starts: number of random starts; None for as many as pay.
+        seconds: time for the search; None until more starts stop paying.
+        seed: of the starts.
     """
 
     case_file: str
     family: str = "fourier"
     criterion: str = "D"
-    solver: str = "ipopt"
     model: int = 9
     duration: float = 12.0
     order: int = 5
@@ -64,13 +63,13 @@ class Request:
     payload: int = 0
     payload_from: int | None = None
     targets: tuple[str, ...] = ()
-    starts: int = 8
+    starts: int | None = None
+    seconds: float | None = None
     seed: int = 0
 
     def __post_init__(self) -> None:
         _one_of("family", self.family, FAMILIES)
         _one_of("criterion", self.criterion, CRITERIA)
-        _one_of("solver", self.solver, SOLVER_NAMES)
         if np.isnan(self.duration) or self.duration == -np.inf:
             raise HexciteError(f"duration {self.duration:g} s is no duration; choose about 12 s")
         if not self.duration <= LONGEST:
@@ -81,8 +80,10 @@ class Request:
             self._ptp()
         elif self.family == "spline":
             self._spline()
-        if not 1 <= self.starts <= 1000:
+        if self.starts is not None and not 1 <= self.starts <= 1000:
             raise HexciteError(f"{self.starts} starts; choose 1 to 1000")
+        if self.seconds is not None and not 0.0 < self.seconds <= MOST_SECONDS:
+            raise HexciteError(f"seconds {self.seconds:g} is outside 0 to {MOST_SECONDS:g}; choose about 30")
         if self.seed < 0:
             raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:

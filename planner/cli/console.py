@@ -1,6 +1,8 @@
 """What commands print: one JSON object, or tables for people; progress goes to stderr, and only to a terminal."""
 
 import json
+import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Annotated, Any, Protocol
@@ -10,6 +12,7 @@ import typer
 LONGEST_NUMBER = 12  # characters
 FOLDED = 12  # characters that a column of words keeps at least
 EDGES, GAP = 2, 3  # characters around a table, and between its columns
+EVERY = 10.0  # [s] between two lines of progress where there is no terminal
 WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
@@ -83,6 +86,30 @@ def progress(text: str, total: int, quiet: bool) -> Iterator[Count]:
             bar.update(task, advance=steps, description=f"{text} {remark}")
 
         yield count
+
+
+@contextmanager
+def remarks(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """A spinner with a remark on stderr; where that is no terminal, the latest remark as a line every ten seconds."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if quiet:
+        yield lambda _: None
+        return
+    if console.is_terminal:
+        with console.status(text) as spinner:
+            yield lambda remark: spinner.update(f"{text}: {remark}")
+        return
+    said = time.monotonic()
+
+    def say(remark: str) -> None:
+        nonlocal said
+        if time.monotonic() - said >= EVERY:
+            said = time.monotonic()
+            print(f"{text}: {remark}", file=sys.stderr, flush=True)
+
+    yield say
 
 
 @contextmanager

@@ -18,7 +18,7 @@ def demo(
         str | None, typer.Option(help="Controller: virtual or linuxcnc; by default LinuxCNC if installed.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the starts and of the sensors' noise.")] = 0,
-    starts: Annotated[int, typer.Option(help="Random starts.")] = 8,
+    starts: Annotated[int | None, typer.Option(help="Number of random starts; by default as many as pay.")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for everything.")] = Path("hexcite-demo"),
     json: Json = False,
 ) -> None:
@@ -28,7 +28,7 @@ def demo(
         print_json(answer)
 
 
-def run_demo(case: str, on: str | None, seed: int, starts: int, output: Path, quiet: bool) -> dict[str, Any]:
+def run_demo(case: str, on: str | None, seed: int, starts: int | None, output: Path, quiet: bool) -> dict[str, Any]:
     """All steps; prints unless `quiet`; returns each step's JSON answer."""
     from cases.files import write_text
     from cases.loading import load_case

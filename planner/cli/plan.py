@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Criterion, Json, limit_rows, print_json, print_table, progress, status
+from planner.cli.console import LIMIT_COLUMNS, Criterion, Json, limit_rows, print_json, print_table, remarks, status
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -19,7 +19,7 @@ Out = Annotated[
 
 MOVING = ("fourier", "ptp", "spline")  # families that are optimised
 BELONGS = {
-    "duration": MOVING, "solver": MOVING, "starts": MOVING, "seed": MOVING, "target": MOVING,
+    "duration": MOVING, "starts": MOVING, "seconds": MOVING, "seed": MOVING, "target": MOVING,
     "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",),
     "free_order": ("fourier",), "free_period": ("fourier",),
     "moves": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
@@ -31,7 +31,6 @@ def plan(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "fourier",
     criterion: Criterion = "D",
-    solver: Annotated[str, typer.Option(help="ipopt, sqp (active set) or slsqp.")] = "ipopt",
     duration: Annotated[
         float, typer.Option(help="Whole duration in s; a multiple of --period where that is given.")
     ] = 12.0,
@@ -61,7 +60,10 @@ def plan(
             help="Standard deviation to be met, as m=0.05kg or zC=0.3mm; --duration is then the longest allowed."
         ),
     ] = None,
-    starts: Annotated[int, typer.Option(help="Random starts.")] = 8,
+    starts: Annotated[int | None, typer.Option(help="Number of random starts; by default as many as pay.")] = None,
+    seconds: Annotated[
+        float | None, typer.Option(help="Time for the search in s; by default until more starts stop paying.")
+    ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
     output: Out = None,
     json: Json = False,
@@ -80,7 +82,6 @@ def plan(
         case,
         family=family,
         criterion=criterion,
-        solver=solver,
         model=model,
         duration=duration,
         order=order,
@@ -95,6 +96,7 @@ def plan(
         payload_from=fewest,
         targets=tuple(target or ()),
         starts=starts,
+        seconds=seconds,
         seed=seed,
     )
     answer = make_plan(request, output, quiet=json)
@@ -125,11 +127,11 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     from cases.files import PLAN, check_folder
     from cases.loading import find_case, load_case
     from planner import planning
+    from planner.cli.progress import Progress
     from planner.interruption import first_ctrl_c_calls
     from planner.plan import Plan, save_plan
     from planner.readiness import require_plannable
-    from planner.search.parallel import Listener, News
-    from planner.search.solving import Failed, Start
+    from planner.search.parallel import Listener
     from planner.shortest import shortest_plan
 
     loaded = load_case(request.case_file)
@@ -139,7 +141,6 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     case_file = request.case_file
     if find_case(case_file).is_relative_to(Path.cwd()) or Path(case_file).exists():
         case_file = str(find_case(case_file).resolve())  # found again from any folder
-    best = -float("inf")
     if not quiet:
         print(
             f"Planning for {loaded.name}: {request.family}, "
@@ -147,21 +148,12 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
             + f"model {request.model}",
             flush=True,
         )
-    steps = 0 if request.family == "manual" else planning.rounds(request, loaded)
-    with progress("optimising" if steps else "timing", steps, quiet) as count:
-
-        def done(start: Start | Failed) -> None:
-            nonlocal best
-            if isinstance(start, Start):
-                best = max(best, start.score)
-            count(f"best {request.criterion} {best:.4g}")
-
-        def news(word: News) -> None:
-            count(f"best {request.criterion} {best:.4g}, iteration {word.iterations} at {word.objective:.4g}", 0)
-
-        listener = Listener(done, news)
+    with remarks("timing" if request.family == "manual" else "searching", quiet) as remark:
+        told = Progress(request, loaded, remark)
+        listener = Listener(told.done, told.news)
 
         def make(wanted: "Request") -> Plan:
+            told.begin(wanted)
             return planning.make_until_ctrl_c(wanted, loaded, case_file, listener)
 
         result = shortest_plan(request, loaded, make) if request.targets else make(request)
@@ -177,8 +169,11 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
     from cases.units import pose_words
     from planner.search.last_words import solver_text
 
+    for weakness in answer["weaknesses"]:
+        print(f"WEAK: {weakness}")
     rows = [
-        [str(s["seed"]), s["stage"], "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",
+        [str(s["seed"]), "refined" if s["refined"] else "explored",
+         "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",
          f"{s['logdet']:.3f}", f"{s['criterion_value']:.4g}", str(s["iterations"]), f"{s['seconds']:.1f} s",
          solver_text(s["solver"])]
         for s in answer["starts"]

@@ -72,7 +72,7 @@ class Family(Protocol):
         ...
 
     def refined(self, unknowns: Array) -> Self:
-        """The family in which a first result is improved: a finer grid, or choices that were open and are now made."""
+        """The family with choices made that were open: the first result is improved in it."""
         ...
 
 

@@ -8,8 +8,8 @@ coefficients, and a quintic leads from rest in the middle of its circle into it 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,8 @@ from planner.search.peaks import Peak
 Array = NDArray[np.float64]
 
 START_SHARE = 0.8  # random starts use this share of the tightest limit: significantly different from zero, inside
-COARSE, FINE = 12, 16  # instants of the optimiser's grid in one period of the highest harmonic
+DENSITY = 24  # instants of the optimiser's grid in one period of the highest harmonic
+FIRST = 2  # every second of them is constrained from the start, others where limits come close
 
 
 def _null_space(matrix: Array) -> Array:
@@ -54,7 +55,6 @@ class FourierFamily:
         repeats: number of periods.
         middle: middle of the box of poses, shape (6,) [m, rad].
         half: half of its width, shape (6,) [m, rad].
-        density: instants of the optimiser's grid in one period of the highest harmonic.
         centred: whether x0 is the middle of the box, as in the paper; else it is free.
         run_in: time from rest into the series and again out of it [s]; 0: the series itself begins at rest.
     """
@@ -64,17 +64,16 @@ class FourierFamily:
     repeats: int
     middle: Array
     half: Array
-    density: int
     centred: bool = False
     run_in: float = 0.0
 
     @classmethod
     def lasting(
-        cls, order: int, period: float, periods: int, middle: Array, half: Array, density: int, centred: bool = False
+        cls, order: int, period: float, periods: int, middle: Array, half: Array, centred: bool = False
     ) -> "FourierFamily":
         """The family whose motions last a number of periods; of order 1 two halves of one are run-in and run-out."""
         led = order == 1
-        return cls(order, period, periods - led, middle, half, density, centred, period / 2 if led else 0.0)
+        return cls(order, period, periods - led, middle, half, centred, period / 2 if led else 0.0)
 
     @property
     def name(self) -> str:
@@ -96,13 +95,13 @@ class FourierFamily:
         unknowns = draw.normal(size=self.unknowns * 6)
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
+    def refined(self, unknowns: Array) -> Self:
+        """Nothing is left open."""
+        return self
+
     def shrunk(self, unknowns: Array, share: float) -> Array:
         """Smaller about the middle of the box."""
         return unknowns * share
-
-    def refined(self, unknowns: Array) -> "FourierFamily":
-        """On a finer grid."""
-        return replace(self, density=FINE)
 
     @property
     def unknowns(self) -> int:
@@ -122,14 +121,14 @@ class FourierFamily:
         """Instants at which the optimiser holds the limits, shape (K,) [s].
 
         They cover one period, and before and after it the run-in and the run-out. Between two of them a limit of the
-        series slips by at most 1 - cos(pi / density), which the final scaling takes back.
+        series slips by at most 1 - cos(pi / 24), 0.9 %, which the final scaling takes back.
         """
         led, series = self._led, self._period
         return np.concatenate([led, self.run_in + series, self.run_in + self.period * self.repeats + led])
 
     @property
     def _period(self) -> Array:
-        count = self.density * max(self.order, 2)
+        count = DENSITY * max(self.order, 2)
         return np.arange(count) * self.period / count
 
     @property
@@ -139,10 +138,11 @@ class FourierFamily:
         return (np.arange(count) + 0.5) * self.run_in / max(count, 1)
 
     def weights(self) -> Array:
-        """Share of the duration that each instant of the grid stands for."""
+        """Share of the duration that each sample of `maps` stands for."""
         led = np.full(len(self._led), self.run_in / max(len(self._led), 1))
         series = np.full(len(self._period), self.period * self.repeats / len(self._period))
-        return np.concatenate([led, series, led]) / (self.period * self.repeats + 2 * self.run_in)
+        weights = np.concatenate([led, series, led])[self._first]
+        return np.asarray(weights / weights.sum())
 
     @property
     def blocks(self) -> int:
@@ -150,12 +150,20 @@ class FourierFamily:
         return 1
 
     def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
-        """Every limit at every sample."""
-        return dict.fromkeys(Peak, np.ones((1, len(self.grid)), dtype=bool))
+        """Every limit at every second sample."""
+        return dict.fromkeys(Peak, self._first[None])
 
     def critical_maps(self) -> tuple[Array, Array, Array]:
-        """At the samples."""
-        return self.maps()[:3]
+        """At all instants."""
+        return self.limit_maps()[:3]
+
+    def first_rows(self) -> tuple[NDArray[np.bool_], ...]:
+        """Every second."""
+        return (self._first,) * 4
+
+    @property
+    def _first(self) -> NDArray[np.bool_]:
+        return np.asarray(np.arange(len(self.grid)) % FIRST == 0)
 
     def slips(self) -> tuple[Array, Array]:
         """Nothing is left free: the final drawing back takes what slips."""
@@ -183,11 +191,12 @@ class FourierFamily:
         centre, a, b = self._coefficients(unknowns)
         return FourierMotion(self.middle + centre, a, b, self.period, self.repeats, self.run_in)
 
-    def limit_maps(self) -> tuple[Array, Array, Array, Array]:
-        """Limits are held on the grid; see `grid`."""
-        return self.maps()
-
     def maps(self) -> tuple[Array, Array, Array, Array]:
+        """Those of every second instant: enough for the mean of what has twice the highest frequency."""
+        value, rate, acceleration, jerk = (matrix[self._first] for matrix in self.limit_maps())
+        return value, rate, acceleration, jerk
+
+    def limit_maps(self) -> tuple[Array, Array, Array, Array]:
         """Linear maps, each (K, q): unknowns of a coordinate -> it and its derivatives on the grid, in half widths."""
         series = self._series_maps(self._period)
         if self.run_in:

@@ -48,6 +48,10 @@ class Maps(Protocol):
         """Matrices (L, q) whose rows, kept within the limits, keep the motion within them."""
         ...
 
+    def first_rows(self) -> tuple[NDArray[np.bool_], ...]:
+        """Which rows of each of the `limit_maps` an optimisation begins with, shapes (L,)."""
+        ...
+
     def slips(self) -> tuple[Array, Array]:
         """What values and rates may pass their rows by between two of them, in half widths, shapes (6,)."""
         ...
@@ -67,7 +71,7 @@ def linear_layout(case: Case, family: Maps, margin: float) -> Layout:
     middle, half = box_middle(case)
     box = case.need_machine("planning")[2].motion
     critical = family.critical_maps()
-    rows = []
+    rows, first, orders = [], [], []
     reached = np.ones(6)  # what is known to bound the derivative before, in half widths
     for order, (matrix, limit) in enumerate(
         zip(family.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
@@ -77,14 +81,15 @@ def linear_layout(case: Case, family: Maps, margin: float) -> Layout:
         reached = own if order == 0 else np.minimum(family.growth() * reached, own)
         if needed.any():
             rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
-    table = csr_array(vstack(rows, format="csr"))
-    bound = np.full(table.shape[0], 1.0 - margin)
+            first.append(np.repeat(family.first_rows()[order], needed.sum()))
+            orders.append(np.full(rows[-1].shape[0], order))
+    table, chosen = csr_array(vstack(rows, format="csr")), np.concatenate(first)
     free = np.full(family.unknowns * 6, np.inf)
     return Layout(
         states=linear_states(family.maps(), middle, half, family.weights(), family.blocks),
         critical=linear_states(critical, middle, half, np.zeros(len(critical[0])), family.blocks),
         peaks=family.peaks(),
-        rows=(LinearRows(table, -bound, bound),),
+        rows=(LinearRows(table, np.concatenate(orders), chosen, np.full(len(chosen), 1.0 - margin)),),
         lower=-free,
         upper=free,
     )

@@ -177,7 +177,9 @@ class PointToPointFamily:
             critical=states(CRITICAL_POINTS),
             peaks={peak: np.tile(where, (count, 1)) for peak, where in _PEAKS.items()},
             rows=(
-                LinearRows(csr_array(total[None, :]), np.ones(1), np.ones(1)),
+                LinearRows(
+                    csr_array(total[None, :]), np.zeros(1, dtype=int), np.ones(1, dtype=bool), np.ones(1), equal=1.0
+                ),
                 BlockRows(index, Kernel(own, ca.vertcat(*peaks)), 1.0 - margin),
             ),
             lower=np.r_[-edge, lower.ravel()],

@@ -10,7 +10,7 @@ and the same, and so are the last three. It need not end where it begins.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import factorial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,7 +81,7 @@ class SplineFamily:
         middle, half = box_middle(case)
         box = case.need_machine("planning")[2].motion
         step = duration / intervals / FINE
-        slip = np.array([box.acceleration, box.jerk]) * step**2 / 8 / half
+        slip = np.array([4 * box.acceleration, box.jerk]) * step**2 / 8 / half
         return cls(intervals, duration, middle, half, slip)
 
     @property
@@ -134,6 +134,12 @@ class SplineFamily:
             np.asarray(basis(self._at((0.5,)), nu=3)),
         )
 
+    def first_rows(self) -> tuple[NDArray[np.bool_], ...]:
+        """Positions at the knots, rates half-way between them: where these peak first."""
+        at = np.arange(FINE * self.intervals) % FINE
+        every = np.ones(self.intervals, dtype=bool)
+        return at % 2 == 0, at[1:] >= 0, every[1:], every
+
     def slips(self) -> tuple[Array, Array]:
         """How far positions and rates pass their rows between two of them, in half widths (per second), (6,) each."""
         return self.slip[0], self.slip[1]
@@ -144,10 +150,10 @@ class SplineFamily:
         return self.intervals
 
     def peaks(self) -> Mapping[Peak, NDArray[np.bool_]]:
-        """Accelerations have their peaks at the knots, rates between them: at knots alone these slip by 7 %."""
-        knots, both = np.zeros((2, self.intervals, CRITICAL), dtype=bool)
-        knots[:, 0] = both[:, :: CRITICAL // 2] = True
-        return {Peak.POSE: both, Peak.VELOCITY: both, Peak.ACCELERATION: knots}
+        """Accelerations have their peaks at the knots, rates between them; poses anywhere."""
+        knots, between = np.zeros((2, self.intervals, CRITICAL), dtype=bool)
+        knots[:, 0] = between[:, CRITICAL // 2] = True
+        return {Peak.POSE: np.ones_like(knots), Peak.VELOCITY: between, Peak.ACCELERATION: knots}
 
     def critical_maps(self) -> tuple[Array, Array, Array]:
         """At six instants an interval."""
@@ -168,13 +174,13 @@ class SplineFamily:
         unknowns = np.repeat(draw.normal(size=(self.unknowns // 6 + 1, 6)), 6, axis=0)[: self.unknowns].ravel()
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
+    def refined(self, unknowns: Array) -> Self:
+        """Nothing is left open."""
+        return self
+
     def shrunk(self, unknowns: Array, share: float) -> Array:
         """Smaller about the middle of the box."""
         return unknowns * share
-
-    def refined(self, unknowns: Array) -> "SplineFamily":
-        """Nothing is left open."""
-        return self
 
     def through(self, motion: Trajectory) -> Array:
         """Unknowns of the spline that comes closest to a motion of the same duration, in pose, rates, accelerations."""

@@ -258,9 +258,10 @@ def starts_items(plan: dict[str, Any]) -> tuple[Item, ...]:
         source = plan["settings"].get("retimed_from")
         how = "Made by hand, nothing was searched" if source is None else f"Re-timed from {source}"
         return (Note(f"{how}. {words}"),)
-    columns = ("seed", "stage", "log det at start", "log det at end", "iterations", "time", "solver")
+    columns = ("seed", "how far", "log det at start", "log det at end", "iterations", "time", "solver")
     rows = tuple(
-        (str(s["seed"]), s["stage"], _logdet(s["start_logdet"]), f"{s['logdet']:.3f}", str(s["iterations"]),
+        (str(s["seed"]), "refined" if s["refined"] else "explored", _logdet(s["start_logdet"]),
+         f"{s['logdet']:.3f}", str(s["iterations"]),
          f"{s['seconds']:.1f} s", solver_text(s["solver"]))
         for s in plan["starts"]
     )  # fmt: skip

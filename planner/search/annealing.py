@@ -1,48 +1,148 @@
 """Starts of point-to-point motions by simulated annealing over walks of equal moves.
 
-In which of its moves a coordinate goes a full step up, a full step down, or stands is a combinatorial choice that
-derivatives do not see. So walks of such moves are annealed first (Metropolis, D criterion); a solver then moves
-waypoints and times. Good walks visit few places and go back and forth between them, so that besides shifts of
-waypoints whole excursions, there and back, are proposed.
+Optimised moves come out nearly equal: each lasts as long as the limits of velocity, acceleration and jerk just allow
+together, and in each of them every coordinate goes a full step up, a full step down, or stands. Which, is a
+combinatorial choice that derivatives do not see. So walks of such moves are annealed first (Metropolis, D criterion); a
+solver then moves waypoints and times.
+
+Proposals are made and rated many at a time. log det is concave: log det(F + dF) <= log det F + trace(F^-1 dF) rules
+most of them out before anything else is computed.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.evaluate import over_samples
 from identification.model import Model
-from planner.families.ptp import PointToPointFamily
-from planner.search.equal_moves import EqualMoves, Rater
+from identification.trajectories.profile import fastest_profile
+from planner.families.ptp import PointToPointFamily, states_of_move
+from planner.search.peaks import Peak
+from planner.search.state_limits import near_limits
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Flags = NDArray[np.bool_]
 
 HOT, COLD = 0.04, 0.002  # temperatures in units of log det F: above walks forget, below nothing moves any more
-EXCESS = 2.0  # of log det F for each whole limit that a move passes
+EXCESS = 2.0  # of log det F for each whole limit of a rate or acceleration that a move exceeds: the solver mends these
 RIDGE = 1e-9  # on the diagonal of F in reference scaling: a walk that stands still has a value too
-BLOCK = 1000  # proposals between two words to the watch
+TEMPERATURES = 40
+FEWEST, MOST = 16, 256  # proposals at a time
 KINDS = (0.6, 0.2, 0.2)  # shares of proposals: runs are shifted, one waypoint is chosen anew, an excursion moved
 FAR = 0.1  # share of shifts of any number of waypoints; the others shift few
 FEW = 0.35  # parameter of the geometric distribution of that few
-SHIFTS = (-2, -1, 1, 2)  # steps by which waypoints are shifted
+SHIFTS = np.array([-2.0, -1.0, 1.0, 2.0])  # steps by which waypoints are shifted
 LOOSE = 0.15  # share of shifts by no whole number of steps
 WIDE = 0.3  # [half widths] of these, at most
 TWO = 0.4  # share of shifts of two coordinates
 STILL = 0.1  # share of coordinates that stand in a move chosen anew
 INWARD = 0.9  # share of its steps out of the box that go the other way instead
 SLACK = 1e-9  # [half widths] for rounding
+POSE_REACHED = 0.995  # share of a limit of poses that walks may use
 
 
-NEW = -1
+@dataclass(frozen=True)
+class EqualMoves:
+    """Moves that share their times.
+
+    Args:
+        times: of a segment with jerk, of constant acceleration, of constant velocity [s].
+        steps: largest way of each coordinate in these times, in half widths of the box, shape (6,).
+        size: number of parameters u.
+        rows: start and end in half widths, shape (12,), -> matrix R, shape (12, u), of which R^T R is the mean
+            H A^T A H of the move.
+        excess: the same -> by how much it exceeds limits of rates and accelerations, and the largest share of a limit
+            of poses.
+    """
+
+    times: Array
+    steps: Array
+    size: int
+    rows: ca.Function
+    excess: ca.Function
+
+    @classmethod
+    def of(cls, case: Case, model: Model, scaling: Array, family: PointToPointFamily) -> "EqualMoves":
+        """The moves of a family, each of its mean duration; times are those that give the longest steps."""
+        choices = []
+        for limits in family.limits.T:
+            way = _largest_way(limits, family.unit)
+            times = np.array(fastest_profile(way, *limits)[1:])
+            velocity = 1.0 / (times @ [2.0, 1.0, 1.0])
+            acceleration = velocity / (times @ [1.0, 1.0, 0.0])
+            peaks = np.array([velocity, acceleration, acceleration / times[0]])
+            steps = np.min(family.limits / peaks[:, None], axis=0) / family.half
+            choices.append((float(np.prod(np.minimum(steps, 2.0))), times, steps))
+        _, times, steps = max(choices, key=lambda choice: choice[0])
+        move = ca.SX.sym("move", 12)
+        ends = [ca.DM(family.middle) + ca.DM(family.half) * place for place in (move[:6], move[6:])]
+        rows = ca.Function("rows", [move], [_rows(model, scaling, ends, times)], {"cse": True})
+        excess = ca.Function("excess", [move], [_excess(case, ends, times)], {"cse": True})
+        return cls(times, np.minimum(steps, 2.0), len(scaling), rows, excess)
 
 
-class Proposal(NamedTuple):
-    """A walk, and for each of its moves which one of the present walk that is; `NEW` where none."""
+def _largest_way(limits: Array, duration: float) -> float:
+    """The way that one coordinate can go from rest to rest within a duration, by bisection."""
+    small, large = 0.0, float(limits[0] * duration)
+    for _ in range(50):
+        way = (small + large) / 2
+        small, large = (way, large) if fastest_profile(way, *limits).duration <= duration else (small, way)
+    return small
+
+
+def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.SX:
+    """Regressors at the middle of acceleration and deceleration, so that the mean square of accelerations is exact."""
+    square = (4 / 3 * times[0] + 2 * times[1]) / (times @ [4.0, 2.0, 1.0])  # mean of the squared acceleration
+    pose, rates, accelerations = states_of_move(((1, 0.5), (5, 0.5))).call([*ends, ca.DM(times)], True, False)
+    weight = ca.diag(ca.DM(scaling)) / np.sqrt(2)
+    return ca.densify(
+        ca.vertcat(
+            *(
+                model.coordinate_regressor(pose[:, k], rates[:, k], np.sqrt(square) * accelerations[:, k]) @ weight
+                for k in range(2)
+            )
+        )
+    )
+
+
+# A jerk-limited move uses most of an acceleration where a phase of constant acceleration begins or ends.
+_PLACES = {Peak.POSE: ((3, 0.5), (6, 1.0)), Peak.VELOCITY: ((3, 0.5),), Peak.ACCELERATION: ((1, 0.5), (5, 0.5))}
+
+
+def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
+    passed, pose = ca.SX(0), ca.SX(0)
+    for group in near_limits(case):
+        states = states_of_move(_PLACES[group.peak]).call([*ends, ca.DM(times)], True, False)
+        for k in range(len(_PLACES[group.peak])):
+            state = ca.vertcat(*(matrix[:, k] for matrix in states), 0)
+            share = ca.mmax(ca.fabs(ca.substitute(group.kernel.expression, group.kernel.variables, state)))
+            if group.peak is Peak.POSE:
+                pose = ca.fmax(pose, share)
+            else:
+                passed = ca.fmax(passed, share - 1)
+    return ca.vertcat(passed, pose)
+
+
+class Proposals(NamedTuple):
+    """Walks that are proposed.
+
+    Args:
+        points: waypoints in half widths, shape (P, moves + 1, 6).
+        source: which of the present waypoints each was, shape (P, moves + 1).
+        new: which waypoints are at a new place, shape (P, moves + 1).
+        valid: whether no move is longer than a step, shape (P,).
+    """
 
     points: Array
-    origins: NDArray[np.intp]
+    source: Indices
+    new: Flags
+    valid: Flags
 
 
 class Walk:
@@ -55,117 +155,139 @@ class Walk:
     """
 
     def __init__(self, moves: EqualMoves, points: Array, draw: np.random.Generator) -> None:
-        from scipy.linalg.lapack import dpotrf  # here: what plans no moves does without SciPy
-
-        self.moves, self.count, self.draw, self.factorised = moves, len(points) - 1, draw, dpotrf
+        self.moves, self.count, self.draw = moves, len(points) - 1, draw
         self.ways = moves.steps + SLACK
-        self.own = np.arange(self.count)
-        self.rate = Rater(moves)
-        self.ridge = RIDGE * np.eye(moves.size)
         self.points = points
-        self.parts = self.rate(points[:-1], points[1:])
-        self.total = self.parts.mean(axis=0)
-        self.value = self.worth(self.total)
+        self.rows = self._rows(points[:-1], points[1:])
+        self.passed = self._excess(points[:-1], points[1:])[:, 0]
+        self.batch = FEWEST
+        self._take()
         self.best, self.best_points = self.value, self.points
 
-    def worth(self, total: Array) -> float:
-        """Log det F of the whole walk, less what it passes limits by."""
+    def _rows(self, starts: Array, ends: Array) -> Array:
+        """R of each move, shape (n, 12, u)."""
+        return _in_blocks(self.moves.rows, starts, ends)
+
+    def _excess(self, starts: Array, ends: Array) -> Array:
+        """Excess over limits of rates and accelerations, and share of those of poses, shape (n, 2)."""
+        return _in_blocks(self.moves.excess, starts, ends)
+
+    def _take(self) -> None:
+        """What follows from the present moves."""
         size = self.moves.size
-        factor, fault = self.factorised(total[:-1].reshape(size, size) + self.ridge, clean=0)
-        if fault:
-            return -np.inf
-        return float(2.0 * np.log(factor.diagonal()).sum() - EXCESS * self.count * total[-1])
+        flat = self.rows.reshape(-1, size)
+        self.total = flat.T @ flat / self.count + RIDGE * np.eye(size)
+        factor = np.linalg.cholesky(self.total)
+        self.logdet = 2.0 * float(np.log(np.diag(factor)).sum())
+        self.root = np.linalg.inv(factor).T  # rows @ root: their squares add up to trace(F^-1 R^T R)
+        self.traces = ((flat @ self.root) ** 2).sum(axis=1).reshape(self.count, -1).sum(axis=1)
+        self.value = self.logdet - EXCESS * float(self.passed.sum())
 
     def anneal(self, temperature: float, proposals: int) -> None:
         """Proposes changes at one temperature."""
         kinds = (self._shifted, self._with_new_waypoint, self._with_moved_excursion)
-        luck = temperature * np.log1p(-self.draw.random(proposals))
-        for kind, chance in zip(self.draw.choice(len(kinds), proposals, p=KINDS), luck, strict=True):
-            proposal = kinds[kind]()
-            if proposal is None:
+        while proposals > 0:
+            kind = kinds[int(self.draw.choice(len(kinds), p=KINDS))]
+            tried, accepted = self._try(kind(self.batch), temperature)
+            proposals -= tried
+            self.batch = max(FEWEST, self.batch // 2) if accepted else min(MOST, self.batch * 2)
+
+    def _try(self, proposed: Proposals, temperature: float) -> tuple[int, bool]:
+        """Takes the first proposal that is accepted; returns how many were looked at, and whether one was."""
+        count = len(proposed.points)
+        chances = self.value + temperature * np.log1p(-self.draw.random(count))
+        present = ~(proposed.new[:, :-1] | proposed.new[:, 1:]) & (np.diff(proposed.source, axis=1) == 1)
+        origin = np.where(present, proposed.source[:, :-1], 0)
+        number, place = np.nonzero(~present & proposed.valid[:, None])
+        starts, ends = proposed.points[number, place], proposed.points[number, place + 1]
+        rows = self._rows(starts, ends)
+        size = self.moves.size
+        traces = ((rows.reshape(-1, size) @ self.root) ** 2).reshape(len(rows), rows.shape[1] * size).sum(axis=1)
+        gains = np.bincount(number, traces, count) + np.where(present, self.traces[origin], 0.0).sum(axis=1)
+        kept = np.where(present, self.passed[origin], 0.0).sum(axis=1)
+        bound = self.logdet + (gains - self.traces.sum()) / self.count - EXCESS * kept
+        for k in np.flatnonzero(proposed.valid & (bound >= chances)):
+            own = number == k
+            excess = self._excess(starts[own], ends[own])
+            if excess[:, 1].max(initial=0.0) > POSE_REACHED:
                 continue
-            points, origins = proposal
-            new = np.flatnonzero(origins == NEW)
-            left_out = np.ones(self.count, dtype=bool)
-            left_out[origins[origins != NEW]] = False
-            parts = self.rate(points[new], points[new + 1])
-            total = self.total + (parts.sum(axis=0) - self.parts[left_out].sum(axis=0)) / self.count
-            value = self.worth(total)
-            if value - self.value >= chance:
-                self.points, self.total, self.value = points, total, value
-                self.parts = self.parts[origins]
-                self.parts[new] = parts
-                if value > self.best:
-                    self.best, self.best_points = value, points
+            all_rows = np.empty_like(self.rows)
+            all_rows[present[k]], all_rows[place[own]] = self.rows[origin[k][present[k]]], rows[own]
+            flat = all_rows.reshape(-1, size)
+            sign, logdet = np.linalg.slogdet(flat.T @ flat / self.count + RIDGE * np.eye(size))
+            value = logdet - EXCESS * (kept[k] + excess[:, 0].sum())
+            if sign > 0 and value >= chances[k]:
+                passed = np.empty(self.count)
+                passed[present[k]], passed[place[own]] = self.passed[origin[k][present[k]]], excess[:, 0]
+                self.points, self.rows, self.passed = proposed.points[k], all_rows, passed
+                self._take()
+                if self.value > self.best:
+                    self.best, self.best_points = self.value, self.points
+                return int(k) + 1, True
+        return count, False
 
-    def _origins(self, first: int, after: int) -> NDArray[np.intp]:
-        """Of a walk whose moves from `first` up to but not including `after` are new."""
-        origins = self.own.copy()
-        origins[first:after] = NEW
-        return origins
+    def _shifted(self, count: int) -> Proposals:
+        """Runs of waypoints shifted in one or two coordinates."""
+        draw, places = self.draw, self.count + 1
+        length = np.where(draw.random(count) < FAR, draw.integers(1, places, count), draw.geometric(FEW, count))
+        length = np.minimum(length, places)
+        begin = draw.integers(1 - length, places)
+        at = np.arange(places)
+        run = (at >= begin[:, None]) & (at < (begin + length)[:, None])
+        points = np.repeat(self.points[None], count, axis=0)
+        for chance in (1.0, TWO):
+            k = draw.integers(6, size=count)
+            by = self.moves.steps[k] * SHIFTS[draw.integers(len(SHIFTS), size=count)]
+            by = np.where(draw.random(count) < LOOSE, draw.uniform(-WIDE, WIDE, count), by)
+            by[draw.random(count) >= chance] = 0.0
+            index = np.arange(count)
+            column = points[index, :, k]
+            points[index, :, k] = np.where(run, np.clip(column + by[:, None], -1.0, 1.0), column)
+        return self._proposals(points, np.tile(at, (count, 1)), run)
 
-    def _too_long(self, ways: Array) -> bool:
-        return bool((np.abs(ways) > self.ways).any())
-
-    def _shifted(self) -> Proposal | None:
-        """A run of waypoints shifted in one or two coordinates; None where a move becomes too long."""
-        draw, last, points = self.draw, self.count, self.points
-        length = int(draw.integers(1, last + 1)) if draw.random() < FAR else min(int(draw.geometric(FEW)), last)
-        begin = int(draw.integers(1 - length, last + 1))
-        begin, end = max(begin, 0), min(begin + length, last + 1)
-        trial = points.copy()
-        for _ in range(2 if draw.random() < TWO else 1):
-            k = int(draw.integers(6))
-            loose = draw.random() < LOOSE
-            by = draw.uniform(-WIDE, WIDE) if loose else float(self.moves.steps[k]) * SHIFTS[draw.integers(len(SHIFTS))]
-            run = np.clip(trial[begin:end, k] + by, -1.0, 1.0)
-            # Most shifts make the move into the run or that out of it too long.
-            if begin > 0 and abs(run[0] - trial[begin - 1, k]) > self.ways[k]:
-                return None
-            if end <= last and abs(run[-1] - trial[end, k]) > self.ways[k]:
-                return None
-            trial[begin:end, k] = run
-        first, after = max(begin - 1, 0), min(end, last)
-        if self._too_long(np.diff(trial[first : after + 1], axis=0)):
-            return None
-        return Proposal(trial, self._origins(first, after))
-
-    def _next_to(self, place: Array) -> Array:
-        """A place a move away: most coordinates go a full step, into the box rather than out of it."""
+    def _next_to(self, places: Array) -> Array:
+        """Places a move away: most coordinates go a full step, into the box rather than out of it."""
         draw, steps = self.draw, self.moves.steps
-        sign = np.where(draw.random(6) < 0.5, -1.0, 1.0)
-        sign[draw.random(6) < STILL] = 0.0
-        outside = np.abs(place + sign * steps) > 1.0 + SLACK
-        sign[outside & (draw.random(6) < INWARD)] *= -1.0
-        return np.clip(place + sign * steps, -1.0, 1.0)
+        sign = np.where(draw.random(places.shape) < 0.5, -1.0, 1.0)
+        sign[draw.random(places.shape) < STILL] = 0.0
+        outside = np.abs(places + sign * steps) > 1.0 + SLACK
+        sign[outside & (draw.random(places.shape) < INWARD)] *= -1.0
+        return np.clip(places + sign * steps, -1.0, 1.0)
 
-    def _with_new_waypoint(self) -> Proposal | None:
-        """One waypoint chosen anew; None where the move out of it becomes too long."""
-        place, last = int(self.draw.integers(self.count + 1)), self.count
-        new = self._next_to(self.points[place - 1 if place else 1])
-        if 0 < place < last and self._too_long(self.points[place + 1] - new):
-            return None
-        trial = self.points.copy()
-        trial[place] = new
-        return Proposal(trial, self._origins(max(place - 1, 0), min(place + 1, last)))
+    def _with_new_waypoint(self, count: int) -> Proposals:
+        """One waypoint chosen anew."""
+        index, at = np.arange(count), np.arange(self.count + 1)
+        place = self.draw.integers(self.count + 1, size=count)
+        points = np.repeat(self.points[None], count, axis=0)
+        points[index, place] = self._next_to(self.points[np.where(place > 0, place - 1, 1)])
+        return self._proposals(points, np.tile(at, (count, 1)), at == place[:, None])
 
-    def _with_moved_excursion(self) -> Proposal | None:
-        """Two waypoints left out and, elsewhere, a new place visited and left again; None where a gap is too wide."""
-        points, draw = self.points, self.draw
-        out = int(draw.integers(self.count))
-        if 0 < out < self.count - 1 and self._too_long(points[out + 2] - points[out - 1]):
-            return None
-        kept = np.concatenate([points[:out], points[out + 2 :]])
-        if out == 0:
-            origins = self.own[2:]
-        elif out == self.count - 1:
-            origins = self.own[:-2]
-        else:
-            origins = np.concatenate([self.own[: out - 1], [NEW], self.own[out + 2 :]])
-        place = int(draw.integers(len(kept)))
-        here = kept[place]
-        trial = np.concatenate([kept[: place + 1], [self._next_to(here), here], kept[place + 1 :]])
-        return Proposal(trial, np.concatenate([origins[:place], [NEW, NEW], origins[place:]]))
+    def _with_moved_excursion(self, count: int) -> Proposals:
+        """Two waypoints left out and, elsewhere, a new place visited and left again."""
+        index, at = np.arange(count), np.arange(self.count + 1)
+        out = self.draw.integers(self.count, size=count)[:, None]
+        place = self.draw.integers(self.count - 1, size=count)[:, None]
+        left = at - 2 * (at >= place + 2) - (at == place + 1)
+        source = left + 2 * (left >= out)
+        points = self.points[source]
+        here = points[index, place[:, 0]]
+        points[index, place[:, 0] + 1] = self._next_to(here)
+        return self._proposals(points, source, at == place + 1)
+
+    def _proposals(self, points: Array, source: Indices, new: Flags) -> Proposals:
+        valid = (np.abs(np.diff(points, axis=1)) <= self.ways).all(axis=(1, 2))
+        return Proposals(points, source, new, np.asarray(valid))
+
+
+BLOCK = 8
+
+
+def _in_blocks(function: ca.Function, starts: Array, ends: Array) -> Array:
+    """Values for each move; their number is rounded up, since each number has a function of its own."""
+    count = len(starts)
+    table = np.zeros((-(-count // BLOCK) * BLOCK, 12))
+    table[:count, :6], table[:count, 6:] = starts, ends
+    return over_samples(function, table)[0][:count]
 
 
 def annealed_start(
@@ -177,7 +299,7 @@ def annealed_start(
     proposals: int,
     watch: Callable[[float], bool],
 ) -> Array:
-    """Unknowns of an annealed walk; limits may still be passed a little.
+    """Unknowns of an annealed walk; limits of rates and accelerations may still be exceeded a little.
 
     Args:
         case: machine and limits.
@@ -189,9 +311,12 @@ def annealed_start(
         watch: is told -log det F / u now and then; true ends the annealing.
     """
     moves = EqualMoves.of(case, model, scaling, family)
-    walk = Walk(moves, np.tile(draw.uniform(-0.5, 0.5, 6), (family.moves + 1, 1)), draw)
-    for temperature in np.geomspace(HOT, COLD, max(2, proposals // BLOCK)):
-        walk.anneal(float(temperature), BLOCK)
+    place = draw.uniform(-0.5, 0.5, 6)
+    while over_samples(moves.excess, np.r_[place, place][None])[0][0, 1] > POSE_REACHED and np.abs(place).max() > 1e-3:
+        place = place * 0.8
+    walk = Walk(moves, np.tile(place, (family.moves + 1, 1)), draw)
+    for temperature in np.geomspace(HOT, COLD, TEMPERATURES):
+        walk.anneal(float(temperature), proposals // TEMPERATURES)
         if watch(-walk.best / len(scaling)):
             break
     return np.concatenate([walk.best_points.ravel(), np.tile(moves.times / family.unit, family.moves)])

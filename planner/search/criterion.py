@@ -76,7 +76,7 @@ class _OfEigenvalues(NamedTuple):
 
 
 def _log_norm(eigenvalues: Array, exponent: float) -> _OfEigenvalues:
-    """log (sum lambda^p) / p; p below zero: of the inverse's p-norm, with its sign."""
+    """Log (sum lambda^p) / p; p below zero: of the inverse's p-norm, with its sign."""
     logs = exponent * np.log(eigenvalues)
     weights = np.exp(logs - logs.max())
     total = weights.sum()
@@ -96,4 +96,8 @@ def _of_eigenvalues(letter: str, eigenvalues: Array, halvings: int) -> _OfEigenv
         return _OfEigenvalues(-inverse.value - np.log(size), -inverse.first, -inverse.second)
     largest, smallest = (_log_norm(eigenvalues, sign * 2.0 ** (halvings + 1)) for sign in (1, -1))
     share = 0.5 if letter == "K" else 1.0
-    return _OfEigenvalues(*(a / 2 - share * b for a, b in zip(largest, smallest, strict=True)))
+    return _OfEigenvalues(
+        largest.value / 2 - share * smallest.value,
+        largest.first / 2 - share * smallest.first,
+        largest.second / 2 - share * smallest.second,
+    )

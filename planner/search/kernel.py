@@ -65,4 +65,5 @@ class Kernel:
             weights: shape (n, r).
         """
         curvature = over_samples(self._curvature, at, weights)[0]
-        return curvature.reshape(len(at), *self.variables.shape[:1], -1)
+        d = int(self.variables.shape[0])
+        return curvature.reshape(len(at), d, d)

@@ -2,15 +2,17 @@
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from threading import Thread
 from typing import Any, NamedTuple
 
 from planner.interruption import ctrl_c_waits, first_ctrl_c_calls
+from planner.search.patience import Patience
 from planner.search.solving import Failed, Start, Task, run_safely
 
 NEWS = 0.3  # [s] between two words of a worker
@@ -79,50 +81,97 @@ def _work(task: Task) -> Start | Failed:
     return run_safely(task, watch)
 
 
-Runner = Callable[[Sequence[Task], Listener], Outcome]
+Runner = Callable[[Sequence[Task], Listener, Patience], Outcome]
 """How a round of starts is run."""
 
 
-def run_here(tasks: Sequence[Task], listener: Listener) -> Outcome:
+def run_here(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
     """Runs tasks one after the other in this process: for those who bring processes of their own."""
-    results = []
+    results: list[Start | Failed] = []
+    counted: list[Start | Failed] = []
     for task in tasks:
-        result = run_safely(task, lambda objective: False)
+        result = run_safely(task, lambda objective: patience.over())
         listener.done(result)
         results.append(result)
+        counted += [] if task.rival else [result]
+        if patience.over() or patience.enough(counted):
+            break
     return Outcome(results, False)
 
 
-def run_all(tasks: Sequence[Task], listener: Listener) -> Outcome:
-    """Runs tasks; the first Ctrl-C lets running ones end with what they have reached and drops those that wait."""
+@contextmanager
+def workers() -> Iterator[Runner]:
+    """Processes, one a core, that run rounds of starts until the context is left.
+
+    The first Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of
+    the time. Where starts stop paying, what still runs is dropped.
+    """
     # Spawned, not forked: MUMPS and threads of a parent do not survive a fork.
     context = get_context("spawn")
     stop, news = context.Event(), context.SimpleQueue()
-    workers = min(len(tasks), os.cpu_count() or 1)
-    results: list[Start | Failed] = []
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(stop, news))
-    try:
-        with first_ctrl_c_calls(stop.set):
+    count = os.cpu_count() or 1
+    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(stop, news))
+
+    def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
+        pressed = False
+
+        def press() -> None:
+            nonlocal pressed
+            pressed = True
+            stop.set()
+
+        stop.clear()
+        with first_ctrl_c_calls(press):
             with ctrl_c_waits():
-                pending: set[Future[Start | Failed]] = {pool.submit(_work, task) for task in tasks}
+                places = {pool.submit(_work, task): k for k, task in enumerate(tasks)}
+            results: dict[int, Start | Failed] = {}
+            pending = set(places)
             while pending:
                 finished, pending = wait(pending, POLL, FIRST_COMPLETED)
                 while not news.empty():
                     listener.news(news.get())
+                for future in finished:
+                    results[places[future]] = _result(future)
+                    listener.done(results[places[future]])
+                if enough := _counted(tasks, results, patience):
+                    stop.set()
+                    wait([f for f in pending if not f.cancel()])
+                    others = [r for k, r in sorted(results.items()) if tasks[k].rival]
+                    return Outcome([*enough, *others], False)
+                if patience.over():
+                    stop.set()
                 if stop.is_set():
                     pending = {f for f in pending if not f.cancel()}
-                for future in finished:
-                    result = _result(future)
-                    listener.done(result)
-                    results.append(result)
-            return Outcome(results, stop.is_set())
+        return Outcome([result for _, result in sorted(results.items())], pressed)
+
+    try:
+        yield run
     finally:
         stop.set()
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _counted(
+    tasks: Sequence[Task], results: dict[int, Start | Failed], patience: Patience
+) -> list[Start | Failed] | None:
+    """The results of the first starts, where they are enough."""
+    counted: list[Start | Failed] = []
+    for k, task in enumerate(tasks):
+        if task.rival:
+            continue
+        if k not in results:
+            return None
+        counted.append(results[k])
+        if patience.enough(counted):
+            return counted
+    return None
 
 
 def _result(future: Future[Start | Failed]) -> Start | Failed:
     try:
         return future.result()
     except BrokenProcessPool:
-        return Failed(0, "any", "a worker process died, perhaps for want of memory; ask for fewer --starts")
+        return Failed(
+            0,
+            "a worker process died, perhaps for want of memory; close other programs, or plan with fewer moves or knots",
+        )

@@ -1,20 +1,24 @@
 """The optimal excitation problem of a family: its program with every limit that can bind."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model
 from identification.motion import Trajectory
-from planner.families.family import Family, Layout
+from planner.families.family import Family, Layout, box_middle
 from planner.search.program import Program, regressor_kernel
-from planner.search.rows import StateRows
-from planner.search.state_limits import LimitGroup, binding_limits
+from planner.search.rows import LinearRows, Rows, StateRows
+from planner.search.state_limits import BINDS, LimitGroup, near_limits
 
 Array = NDArray[np.float64]
+
+SLIP_RATE = 1000.0  # [1/s] at which a motion is looked at between the constrained instants
 
 
 @dataclass(frozen=True)
@@ -25,27 +29,68 @@ class Problem:
         layout: the family's motion as functions of the unknowns.
         program: with all rows.
         limits: non-linear limits that can bind, one for each of the program's last rows.
+        box: limits of the coordinates.
+        middle: of the box, shape (6,) [m, rad].
+        half: half of its width, shape (6,) [m, rad].
     """
 
     layout: Layout
     program: Program
     limits: tuple[LimitGroup, ...]
-
-    def _of_states(self) -> tuple[StateRows, ...]:
-        return tuple(rows for rows in self.program.rows if isinstance(rows, StateRows))
+    box: MotionLimits
+    middle: Array
+    half: Array
 
     def worst(self, unknowns: Array) -> float:
-        """The largest share of any limit that unknowns use, at all critical states."""
-        shares = [np.abs(rows.values(unknowns)).max() for rows in self.layout.rows if not np.array_equal(rows.lower, rows.upper)]
-        shares += [np.abs(rows.all_values(unknowns)).max() for rows in self._of_states()]
-        return float(max(shares))
+        """The largest share of any limit that unknowns use, at all critical states, those without rows as well."""
+        return max(float(np.abs(part.all_values(unknowns)).max()) for part in self.program.rows if not _equation(part))
 
     def with_rows_above(self, unknowns: Array, share: float) -> "Problem":
-        """The same with rows for all critical states that use more than a share of a limit."""
-        rows = tuple(
-            replace(part, chosen=part.chosen | (np.abs(part.all_values(unknowns)) > share)) for part in self._of_states()
-        )
-        return replace(self, program=self.program.with_rows(*self.layout.rows, *rows))
+        """The same with rows for all that use more than a share of a limit, besides those that it has."""
+        rows: list[Rows] = []
+        for part in self.program.rows:
+            if isinstance(part, StateRows) or (isinstance(part, LinearRows) and part.equal is None):
+                part = replace(part, chosen=part.chosen | (np.abs(part.all_values(unknowns)) > share))
+            rows.append(part)
+        return replace(self, program=replace(self.program, rows=tuple(rows)))
+
+    def within(self, layout: Layout) -> "Problem":
+        """The same within the bounds of unknowns of another layout of the same family."""
+        return replace(self, program=replace(self.program, lower=layout.lower, upper=layout.upper))
+
+    def outside(self, unknowns: Array) -> float:
+        """By how much unknowns are outside their bounds."""
+        program = self.program
+        return float(max((program.lower - unknowns).max(), (unknowns - program.upper).max(), 0.0))
+
+    def slips(self, motion: Trajectory) -> tuple[float, ...]:
+        """The largest share of each limit along the whole motion: rows constrain it at some instants only.
+
+        One number for each order of the coordinates (pose, rates, accelerations, jerks), then one for each of `limits`.
+        """
+        box, found = self.box, motion.at(np.linspace(0.0, motion.duration, max(2, int(motion.duration * SLIP_RATE))))
+        pose = (found.pose - self.middle) / self.half
+        shares = [pose, found.rates / box.rate, found.accelerations / box.acceleration, found.jerks / box.jerk]
+        states = np.hstack([found.pose, found.rates, found.accelerations, np.zeros((len(pose), 1))])
+        shares += [group.kernel.values(states) for group in self.limits]
+        return tuple(float(np.abs(share).max()) for share in shares)
+
+    def tightened(self, slips: Sequence[float], bound: float) -> "Problem":
+        """The same with bounds lowered by what `slips` exceed one that all should satisfy."""
+        factors = [min(1.0, bound / slip) for slip in slips]
+        of_states = iter(factors[4:])
+        rows: list[Rows] = []
+        for part in self.program.rows:
+            if isinstance(part, LinearRows) and part.equal is None:
+                part = replace(part, bound=part.bound * np.array(factors)[part.order])
+            elif isinstance(part, StateRows):
+                part = replace(part, bound=part.bound * next(of_states))
+            rows.append(part)
+        return replace(self, program=replace(self.program, rows=tuple(rows)))
+
+
+def _equation(part: Rows) -> bool:
+    return isinstance(part, LinearRows) and part.equal is not None
 
 
 def build_problem(case: Case, model: Model, family: Family, scaling: Array, margin: float) -> Problem:
@@ -58,12 +103,12 @@ def build_problem(case: Case, model: Model, family: Family, scaling: Array, marg
         scaling: reference scaling, shape (u,).
         margin: share of each limit that is left free.
     """
-    layout, limits = family.layout(case, margin), binding_limits(case)
+    layout, limits = family.layout(case, margin), near_limits(case)
     rows = tuple(
         StateRows(
             layout.critical,
             group.kernel,
-            np.repeat(layout.peaks[group.peak][:, :, None], group.kernel.size, axis=2),
+            np.repeat(layout.peaks[group.peak][:, :, None], group.kernel.size, axis=2) & (group.most > BINDS),
             1.0 - margin,
         )
         for group in limits
@@ -71,7 +116,7 @@ def build_problem(case: Case, model: Model, family: Family, scaling: Array, marg
     program = Program(
         layout.states, regressor_kernel(model, scaling), (*layout.rows, *rows), layout.lower, layout.upper
     )
-    return Problem(layout, program, limits)
+    return Problem(layout, program, limits, case.need_machine("planning")[2].motion, *box_middle(case))
 
 
 def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:

@@ -150,7 +150,7 @@ class Program:
         pull = pull.reshape(len(index), -1)
         slopes = self.states.slopes(unknowns).reshape(len(index), pull.shape[1], -1)
         own = (pull[:, None, :] @ slopes)[:, 0]
-        return np.bincount(index.ravel(), own.ravel(), self.unknowns)
+        return np.asarray(np.bincount(index.ravel(), own.ravel(), self.unknowns), dtype=float)
 
     def hessian(self, unknowns: Array, factor: float, multipliers: Array) -> Array:
         """Second derivative of factor times the criterion plus the rows times multipliers, shape (n, n)."""
@@ -170,7 +170,7 @@ class Program:
         return total
 
     def _bent(self, unknowns: Array, factor: float, total: Array) -> Blocks | None:
-        """Second derivative of the criterion: adds the part through the information to total, returns that of states."""
+        """Second derivative of the criterion: adds the part through F to total, returns that along the states."""
         point, size = self._point(unknowns), self.size
         local = criterion_at(self.letter, point.information, self.halvings)
         shares = point.states[:, SHARE]

@@ -21,11 +21,11 @@ class Blocks(NamedTuple):
     """Symmetric matrices that add up to one over all unknowns.
 
     Args:
-        index: unknowns of each, shape (B, m).
+        unknowns: of each, shape (B, m).
         matrices: shape (B, m, m).
     """
 
-    index: Indices
+    unknowns: Indices
     matrices: Array
 
 
@@ -47,6 +47,10 @@ class Rows(Protocol):
         """Row and column of each value of `jacobian`."""
         ...
 
+    def all_values(self, unknowns: Array) -> Array:
+        """Values of these rows and of others that could be."""
+        ...
+
     def values(self, unknowns: Array) -> Array:
         """Shape (R,)."""
         ...
@@ -62,31 +66,59 @@ class Rows(Protocol):
 
 @dataclass(frozen=True)
 class LinearRows:
-    """Rows that are linear in the unknowns.
+    """Rows that are linear in the unknowns: shares of limits, between -bound and bound, or equal to what is stated.
 
     Args:
-        matrix: sparse, shape (R, n).
-        lower: shape (R,).
-        upper: shape (R,).
+        matrix: sparse, shape (L, n).
+        order: of the derivative that each limits, 0 (pose) to 3 (jerk), shape (L,).
+        chosen: which of its rows count, shape (L,).
+        bound: of each, shape (L,).
+        equal: None, or what they are equal to.
     """
 
     matrix: "csr_array"
-    lower: Array
-    upper: Array
+    order: Indices
+    chosen: NDArray[np.bool_]
+    bound: Array
+    equal: float | None = None
+
+    @classmethod
+    def equation(cls, matrix: "csr_array", value: float) -> "LinearRows":
+        """Rows that are equal to a value."""
+        count = matrix.shape[0]
+        return cls(matrix, np.zeros(count, dtype=np.intp), np.ones(count, dtype=bool), np.ones(count), value)
+
+    @property
+    def lower(self) -> Array:
+        """Lower bound of each row."""
+        return -self.upper if self.equal is None else self.upper
+
+    @property
+    def upper(self) -> Array:
+        """Upper bound of each row."""
+        return self.bound[self.chosen] if self.equal is None else np.full(int(self.chosen.sum()), self.equal)
+
+    @cached_property
+    def _matrix(self) -> "csr_array":
+        return self.matrix[np.flatnonzero(self.chosen)]
 
     @cached_property
     def pattern(self) -> tuple[Indices, Indices]:
         """Row and column of each value of the matrix."""
-        table = self.matrix.tocoo()
+        table = self._matrix.tocoo()
         return table.coords[0].astype(np.intp), table.coords[1].astype(np.intp)
+
+    def all_values(self, unknowns: Array) -> Array:
+        """Values of all rows of the matrix, shape (L,)."""
+        return np.asarray(self.matrix @ unknowns)
 
     def values(self, unknowns: Array) -> Array:
         """Shape (R,)."""
-        return np.asarray(self.matrix @ unknowns)
+        return np.asarray(self._matrix @ unknowns)
 
     def jacobian(self, unknowns: Array) -> Array:
         """The matrix."""
-        return np.asarray(self.matrix.data)
+        return np.asarray(self._matrix.data)
 
     def curvature(self, unknowns: Array, multipliers: Array) -> None:
         """Zero."""
@@ -123,9 +155,11 @@ class BlockRows:
         width = self.index.shape[1]
         return np.repeat(np.arange(len(self.upper)), width), np.repeat(self.index, self.kernel.size, axis=0).ravel()
 
-    def values(self, unknowns: Array) -> Array:
+    def all_values(self, unknowns: Array) -> Array:
         """Shape (R,)."""
         return self.kernel.values(unknowns[self.index]).ravel()
+
+    values = all_values
 
     def jacobian(self, unknowns: Array) -> Array:
         """Derivatives by all unknowns of the block, row by row."""
@@ -166,7 +200,7 @@ class StateRows:
     @cached_property
     def _needed(self) -> NDArray[np.bool_]:
         """States with at least one row, shape (B, S)."""
-        return self.chosen.any(axis=2)
+        return np.asarray(self.chosen.any(axis=2))
 
     @cached_property
     def pattern(self) -> tuple[Indices, Indices]:
@@ -190,8 +224,10 @@ class StateRows:
         rows = slopes.transpose(0, 2, 1) @ self.states.slopes(unknowns)[self._needed]
         return np.asarray(rows[self.chosen[self._needed]]).ravel()
 
-    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks:
+    def curvature(self, unknowns: Array, multipliers: Array) -> Blocks | None:
         """Second derivative of the weighted rows, block by block."""
+        if not len(multipliers):
+            return None
         at, slopes = self.states.at(unknowns), self.states.slopes(unknowns)
         weights = np.zeros(self.chosen.shape)
         weights[self.chosen] = multipliers

@@ -1,11 +1,12 @@
-"""Solves an excitation problem from many random starts and rates what comes out in NumPy.
+"""Solves an excitation problem from one start and rates what comes out in NumPy.
 
-No solver's own word is taken: criterion and limits of every result are computed anew from the motion, and a motion that
-passes a limit between the samples of the grid is drawn back until it does not.
+The solver's own word is not taken: criterion and limits of every result are computed anew from the motion, and a motion
+that exceeds a limit between the instants at which it was constrained is drawn back until it does not.
 """
 
 import time
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,57 +15,32 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.limits import TOLERANCE, LimitReport, of_mechanics, prove, prove_at
+from identification.limits import TOLERANCE, LimitReport, prove
 from identification.model import Model, identification_model
-from identification.motion import Trajectory
-from identification.overload import load_shares
 from identification.reference import reference_scaling
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.infeasible import remedy, require_rest
 from planner.noise import expected_noise, seen_through
 from planner.search.annealing import annealed_start
-from planner.search.lifted import lifted
+from planner.search.ipopt import Reached, Watch, solve
 from planner.search.problem import Problem, build_problem, mean_information
-from planner.search.solvers import SOLVERS, Program, Reached, Watch
 
 Array = NDArray[np.float64]
 
-LIMIT_ROUNDS = 5  # rounds of adding the non-linear limits that came close
-AGAIN = 3  # later rounds have one in so many of the first one's iterations: they begin where it has ended
-EXACT = 3  # with exact second derivatives one in so many iterations is enough
-AT_HAND = 1e-6  # barrier where a round begins from the result of the one before
-OUTSIDE = 1.1, 1e-3  # from this share of a non-linear limit on, a start is outside and the barrier at least so high
-NEAR = 0.9  # share of a non-linear limit from which it counts as close
-PASSED = 1e-3  # share by which a limit may be passed within a round's result: the final drawing back takes it
 MARGIN = 1e-3  # of every limit, left for the rounding of program words and for the encoders' view of the motion
 CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back
-BISECTIONS = 25
-GUESSES = 3  # of them, before any motion keeps the limits, go where limits would be kept that shrink with the motion
+SMALLEST = 1e-6  # share of all ways below which nothing moves
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
-SHARPNESS = (1, 3, 5)  # halvings of the p-norms of K and N, one round after the other: p = 4, 16, 64
-SHARPER = (2, 5, 8)  # the same with exact second derivatives: p = 8, 64, 512, which is within 0.6 % of exact
-
-
-class Stage(NamedTuple):
-    """How thoroughly to optimise.
-
-    Args:
-        name: for the report.
-        iterations: of the solver, at most, in the first round.
-        fine: whether the family is refined and non-linear limits are rows too; else only the final drawing back keeps
-            them, and A, K and N begin from the D-optimal motion.
-        annealing: proposals of the annealing that finds starts of point-to-point motions, for each pair of moves: what
-            there is to choose grows with their number, and so does the cost of a choice. 0: starts are random.
-        barrier: with which IPOPT begins, and then has exact second derivatives; high for starts far from an optimum. 0:
-            they are approximated.
-    """
-
-    name: str
-    iterations: int
-    fine: bool
-    annealing: int = 0
-    barrier: float = 0.0
+PROPOSALS = 60  # of the annealing that finds starts of point-to-point motions, for each pair of moves
+SLIPPED = 5e-4  # share by which a limit may be exceeded between constrained instants
+TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by what is left
+NEAR = 0.8  # share of a limit from which its instants are then constrained
+DRAWN_BACK = 0.98  # a motion that had to shrink to less than this is searched for once more, from inside
+QUICK = 5  # the same for a look at what such motions carry
+EXPLORE = {"fourier": 30, "spline": 50, "ptp": 60}  # iterations at most
+REFINE, GLANCE = 30, 25  # the same of refinements, and of a glance at another family
+SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,23 +49,22 @@ class Start:
 
     Args:
         seed: of the random start.
-        stage: the stage it went through.
         start_logdet: log det F at its start, reference scaling, W as identification will have it.
         logdet: log det F of the motion within the limits, the same.
         score: the criterion of the motion within the limits; the larger the better.
         status: the solver's last words.
-        converged: whether the solver says that it is done.
-        iterations: of the solver, all rounds.
+        converged: whether the solver says that its last stage is done.
+        iterations: of the solver, all stages.
         seconds: time spent.
         unknowns: the motion.
         family: what the unknowns mean.
-        begin: where another stage goes on: the motion, or what it was before it was drawn back for its sensor forces or
-            out of boxes, which are no rows of a coarse stage: shrinking takes most of the information away.
-        promise: the criterion there, by which it is chosen for another stage.
+        shrunk: share to which the motion was drawn towards the middle of the box at last.
+        begin: where a refinement goes on: the motion before that.
+        promise: the criterion there, by which it is chosen for a refinement.
+        refined: whether limits were constrained wherever they come close; else at first instants only.
     """
 
     seed: int
-    stage: str
     start_logdet: float
     logdet: float
     score: float
@@ -99,8 +74,10 @@ class Start:
     seconds: float
     unknowns: Array
     family: Family
+    shrunk: float
     begin: Array
     promise: float
+    refined: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +86,10 @@ class Failed:
 
     Args:
         seed: of the random start.
-        stage: the stage it failed in.
         reason: why, in one line.
     """
 
     seed: int
-    stage: str
     reason: str
 
 
@@ -127,27 +102,25 @@ class Task:
         model: number of the identification model.
         family: the motions to choose from.
         criterion: letter of Table 4.
-        solver: its name.
-        stage: how thoroughly.
         seed: of the random start.
-        unknowns: where to start instead.
         payload: number of the case's payloads that are mounted, for the noise.
+        begin: the result of an exploration that is to be refined.
+        rival: whether this is a quick look at another family, to compare with.
     """
 
     case: Case
     model: int
     family: Family
     criterion: str
-    solver: str
-    stage: Stage
     seed: int
-    unknowns: Array | None = None
     payload: int = 0
+    begin: Array | None = None
+    rival: bool = False
 
     @property
-    def exact(self) -> bool:
-        """Whether second derivatives are exact."""
-        return self.stage.barrier > 0.0 and self.solver == "ipopt"
+    def moves(self) -> bool:
+        """Whether the start is an annealed walk, which is refined at once."""
+        return isinstance(self.family, PointToPointFamily)
 
 
 class Rating(NamedTuple):
@@ -167,160 +140,189 @@ def rate(model: Model, scaling: Array, family: Family, unknowns: Array, criterio
     return Rating(CRITERIA["D"].of(mu), CRITERIA[criterion].of(mu))
 
 
-def random_start(seed: int, family: Family, problem: Problem) -> Array:
-    """Random unknowns inside the limits."""
-    return family.start(np.random.default_rng(seed), problem.worst())
+class Inside(NamedTuple):
+    """A motion that satisfies every limit.
+
+    Args:
+        unknowns: of the motion.
+        report: of its limits.
+        share: of all ways that are left.
+    """
+
+    unknowns: Array
+    report: LimitReport
+    share: float
 
 
-def _start(task: Task, model: Model, scaling: Array, problem: Problem, watch: Watch) -> Array:
-    family, per_pair = task.family, task.stage.annealing
-    if not (isinstance(family, PointToPointFamily) and per_pair):
-        return random_start(task.seed, family, problem)
-    draw = np.random.default_rng(task.seed)
-    return annealed_start(task.case, model, scaling, family, draw, per_pair * family.moves**2, watch)
+def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Inside:
+    """Draws a motion towards the middle of the box until it satisfies every limit, less a margin, on a grid of `rate`.
 
-
-def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> tuple[Array, LimitReport]:
-    """Draws a motion towards the middle of the box until it keeps every limit, less a margin, on a grid of `rate`.
+    From small steps to large ones: lengths of struts need not fall on the way, so that a smaller motion is not always
+    further inside.
 
     Raises:
-        InfeasiblePlan: it passes a limit even where all but nothing moves; the message names the limit.
+        InfeasiblePlan: it exceeds a limit even where all but nothing moves; the message names the limit.
     """
-    kept, passed = 0.0, np.inf  # shares
-    share, best = 1.0, None
-    for number in range(BISECTIONS):
+
+    def attempt(share: float) -> tuple[Inside | None, LimitReport]:
         trial = family.shrunk(unknowns, share)
         report = prove(family.motion(trial), case, rate)
-        if report.worst_ratio <= 1.0 - MARGIN + TOLERANCE:
-            kept, best = share, (trial, report)
+        good = report.worst_ratio <= 1.0 - MARGIN + TOLERANCE
+        return Inside(trial, report, share) if good else None, report
+
+    best, report = attempt(1.0)
+    share, failed, step = 1.0, 1.0, CLOSE_ENOUGH
+    while best is None and share > SMALLEST:
+        failed, share = share, share - step if step < share / 2 else share / 2
+        best, report = attempt(share)
+        step *= 2
+    if best is None:
+        worst = max(report.checks, key=lambda c: c.ratio)
+        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)} or move home")
+    while failed - best.share > CLOSE_ENOUGH:
+        between = (failed + best.share) / 2
+        better, _ = attempt(between)
+        if better is None:
+            failed = between
         else:
-            passed = share
-        if best is not None and (passed - kept <= CLOSE_ENOUGH or kept == 1.0):
-            return best
-        # The guess is right for what shrinks with the motion; a distance from a box does not.
-        guess = share * (1.0 - MARGIN) / report.worst_ratio
-        guessed = kept < guess < passed and (best is not None or number < GUESSES)
-        share = guess if guessed else (kept + passed) / 2
-    if best is not None:
-        return best
-    worst = max((c for c in report.checks), key=lambda c: c.ratio)
-    raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)} or move home")
+            best = better
+    return best
+
+
+class _Stage(NamedTuple):
+    """One run of the solver.
+
+    Args:
+        letter: of the criterion.
+        halvings: see `planner.search.criterion`.
+        convex: see `planner.search.program.Program`.
+        iterations: at most.
+        options: of the solver.
+    """
+
+    letter: str
+    halvings: int
+    convex: bool
+    iterations: int
+    options: dict[str, object]
+
+
+OTHERWISE = 60  # iterations by A, K and N, which begin from a D-optimal motion
+
+# Far from an optimum the barrier adapts and second derivatives are convex: that leads to better optima, sooner.
+_FAR: dict[str, object] = {"mu_strategy": "adaptive"}
+_NEAR: dict[str, object] = {"mu_init": 1e-4, "mu_linear_decrease_factor": 0.3, "mu_superlinear_decrease_power": 1.05}
+_AT_HAND: dict[str, object] = {"mu_init": 1e-5}
+
+
+def _stages(task: Task) -> Iterator[_Stage]:
+    """First by D, which is smooth everywhere, then, when refining, by the criterion asked for."""
+    afar = _NEAR if task.moves else _FAR
+    if task.rival:
+        yield _Stage("D", 0, not task.moves, GLANCE, afar)
+        return
+    if task.begin is None:
+        yield _Stage("D", 0, not task.moves, EXPLORE[task.family.name], afar)
+    if task.begin is None and not task.moves:
+        return
+    if task.criterion == "D" and task.begin is not None:
+        yield _Stage("D", 0, False, REFINE, _AT_HAND)
+    elif task.criterion == "A":
+        yield _Stage("A", 0, not task.moves, OTHERWISE, afar)
+    elif task.criterion in "KN":
+        for halvings in SHARPER:
+            yield _Stage(task.criterion, halvings, not task.moves, OTHERWISE, afar)
 
 
 def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
-    """Optimises one start through one stage.
+    """Optimises one start.
 
     Raises:
-        InfeasiblePlan: no motion keeps the limits.
+        InfeasiblePlan: no motion satisfies the limits.
     """
     began = time.perf_counter()
     require_rest(task.case)
     model = identification_model(task.case, task.model)
     scaling = reference_scaling(task.case, model)
     model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
-    fine = task.stage.fine
-    family = task.family.refined(task.unknowns) if fine and task.unknowns is not None else task.family
-    problem = build_problem(task.case, model, family, scaling)
-    unknowns = _start(task, model, scaling, problem, watch) if task.unknowns is None else task.unknowns
+    family, stopped = task.family, False
+
+    def told(objective: float) -> bool:
+        nonlocal stopped
+        stopped = watch(objective) or stopped
+        return stopped
+
+    exploring = task.begin is None and not task.moves
+    begin = _start(task, model, scaling, told)
+    problem = build_problem(task.case, model, family, scaling, MARGIN)
+    unknowns = family.start(np.random.default_rng(task.seed), problem.worst) if begin is None else begin
     before = rate(model, scaling, family, unknowns, task.criterion)
-    score, found, reached = -np.inf, unknowns, None
-    iterations = 0
-    rounds = SHARPER if task.exact else SHARPNESS
-    for halvings in rounds if fine and task.criterion in "KN" else (0,):
-        letter = task.criterion if fine else "D"
-        reached = _optimise(problem, family, found, task, letter, halvings, watch)
-        iterations += reached.iterations
-        inside, _ = keep_limits(task.case, family, reached.unknowns, QUICK_RATE)
-        after = rate(model, scaling, family, inside, task.criterion)
-        if after.score > score:
-            score, found, rating = after.score, inside, after
+    if task.begin is not None:
+        problem = problem.with_rows_above(unknowns, NEAR)
+    best: tuple[Rating, Inside] | None = None
+    iterations, reached = 0, None
+    for stage in _stages(task):
+        if stopped and best is not None:
+            break
+        reached = _solve(problem, unknowns, stage, told)
+        iterations, unknowns = iterations + reached.iterations, reached.unknowns
+        family = family.refined(unknowns)
+        problem = problem.within(family.layout(task.case, MARGIN))
+        for round_ in range(0 if exploring else TIGHTER):
+            slips = problem.slips(family.motion(unknowns))
+            if stopped or (max(slips) <= 1.0 - MARGIN + SLIPPED and problem.outside(unknowns) < SLIPPED):
+                break
+            problem = problem.with_rows_above(unknowns, NEAR)
+            if round_ or task.begin is not None:
+                problem = problem.tightened(slips, 1.0 - MARGIN)
+            reached = _solve(problem, unknowns, stage._replace(convex=False, iterations=REFINE, options=_AT_HAND), told)
+            iterations, unknowns = iterations + reached.iterations, reached.unknowns
+        inside = keep_limits(task.case, family, unknowns, QUICK_RATE)
+        if inside.share < DRAWN_BACK and not (stopped or exploring):
+            problem = problem.with_rows_above(unknowns, 0.0)
+            reached = _solve(problem, inside.unknowns, stage._replace(convex=False, options=_NEAR), told)
+            iterations += reached.iterations
+            other = keep_limits(task.case, family, reached.unknowns, QUICK_RATE)
+            scores = [rate(model, scaling, family, m.unknowns, stage.letter).score for m in (inside, other)]
+            if scores[1] >= scores[0]:
+                inside = other
+        after = rate(model, scaling, family, inside.unknowns, task.criterion)
+        if best is None or after.score > best[0].score:
+            best = after, inside
+        if not exploring:
+            unknowns = inside.unknowns
+    assert best is not None
     assert reached is not None
-    if not np.isfinite(score):
+    after, inside = best
+    if not np.isfinite(after.score):
         raise InfeasiblePlan(
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
         )
-    free = family.motion(reached.unknowns)
-    undone = not fine and (len(closest_load(task.case, free)) > 0 or enters_a_box(task.case, free))
-    begin, promise = found, score
-    if undone:
-        begin, promise = reached.unknowns, rate(model, scaling, family, reached.unknowns, task.criterion).score
+    promise = rate(model, scaling, family, unknowns, task.criterion).score if exploring else after.score
     seconds = time.perf_counter() - began
     return Start(
-        task.seed, task.stage.name, before.logdet, rating.logdet, score, reached.status, reached.converged,
-        iterations, seconds, found, family, begin, promise,
+        task.seed, before.logdet, after.logdet, after.score, reached.status, reached.converged, iterations, seconds,
+        inside.unknowns, family, inside.share, unknowns, promise, not exploring,
     )  # fmt: skip
 
 
-def closest_load(case: Case, motion: Trajectory) -> tuple[int, ...]:
-    """The number of payloads with which a motion uses most of what the sensors may carry, where that is close to all.
-
-    One at a time: where the worst load is held, lighter ones rarely come close.
-    """
-    count = max(2, int(np.ceil(motion.duration * QUICK_RATE)))
-    shares = load_shares(motion.at(np.linspace(0.0, motion.duration, count)), case)
-    return (int(shares.argmax()),) if len(shares) and shares.max() > NEAR else ()
-
-
-def enters_a_box(case: Case, motion: Trajectory) -> bool:
-    """Whether platform, struts or tools enter a box that they are kept out of."""
-    if not case.need_machine("planning")[1].keep_out:
-        return False
-    instants = np.linspace(0.0, motion.duration, max(2, int(np.ceil(motion.duration * QUICK_RATE))))
-    checks = prove_at(motion, case, instants, limited=of_mechanics).checks
-    return any(check.name.startswith("distance from") and not check.kept for check in checks)
+def _start(task: Task, model: Model, scaling: Array, watch: Watch) -> Array | None:
+    """Where the solver begins; None for a random start."""
+    family = task.family
+    if task.begin is not None or not isinstance(family, PointToPointFamily):
+        return task.begin
+    draw = np.random.default_rng(task.seed)
+    proposals = (QUICK if task.rival else PROPOSALS) * family.moves**2
+    return annealed_start(task.case, model, scaling, family, draw, proposals, watch)
 
 
-def _optimise(
-    problem: Problem, family: Family, unknowns: Array, task: Task, letter: str, halvings: int, watch: Watch
-) -> Reached:
-    """Solves, again with more of the non-linear limits as long as one is passed.
-
-    Sensor forces enter with the load that comes closest to their limit, if it comes close.
-    """
-    if task.stage.fine:
-        problem = problem.with_loads(task.case, closest_load(task.case, family.motion(unknowns)))
-    active = problem.held_from_the_start()
-    if task.stage.fine:
-        active |= problem.limit_shares(unknowns) > NEAR
-    iterations = 0
-    stopped = False
-
-    def told(objective: float) -> bool:
-        nonlocal stopped
-        stopped = watch(objective)
-        return stopped
-
-    for after in range(LIMIT_ROUNDS if task.stage.fine else 1):
-        sampling = problem.sampling
-        most = task.stage.iterations if after == 0 else max(1, task.stage.iterations // AGAIN)
-        if task.exact:
-            barrier = task.stage.barrier if after == 0 and halvings <= SHARPER[0] else AT_HAND
-            if problem.limit_shares(unknowns).max() > OUTSIDE[0]:
-                barrier = max(barrier, OUTSIDE[1])
-            raised = lifted(problem, active, letter, halvings, barrier)
-            reached = SOLVERS[task.solver](raised.program, raised.start(unknowns), max(1, most // EXACT), told)
-        else:
-            program = Program(
-                problem.unknowns,
-                problem.objective(letter, halvings),
-                problem.constraints(active),
-                sampling.lower,
-                sampling.upper,
-            )
-            reached = SOLVERS[task.solver](program, unknowns, most, told)
-        iterations += reached.iterations
-        found = reached.unknowns[: len(unknowns)]
-        if np.isfinite(found).all():
-            unknowns = np.clip(found, sampling.lower, sampling.upper)
-        if task.stage.fine:
-            problem = problem.with_loads(task.case, closest_load(task.case, family.motion(unknowns)))
-        shares = problem.limit_shares(unknowns)
-        if shares.max() <= 1.0 + PASSED or stopped:
-            break
-        more = len(shares) - len(active)  # rows of further loads
-        active = np.vstack([active, np.zeros((more, active.shape[1]), dtype=bool)]) | (shares > NEAR)
-    return Reached(unknowns, reached.status, reached.converged, iterations)
+def _solve(problem: Problem, unknowns: Array, stage: _Stage, watch: Watch) -> Reached:
+    program = replace(problem.program, letter=stage.letter, halvings=stage.halvings, convex=stage.convex)
+    reached = solve(program, unknowns, stage.iterations, watch, stage.options)
+    if not np.isfinite(reached.unknowns).all():
+        return replace(reached, unknowns=unknowns, converged=False)
+    return replace(reached, unknowns=np.clip(reached.unknowns, program.lower, program.upper))
 
 
 def run_safely(task: Task, watch: Watch) -> Start | Failed:
@@ -328,7 +330,7 @@ def run_safely(task: Task, watch: Watch) -> Start | Failed:
     try:
         return run_start(task, watch)
     except HexciteError as error:
-        return Failed(task.seed, task.stage.name, str(error))
+        return Failed(task.seed, str(error))
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:

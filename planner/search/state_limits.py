@@ -27,7 +27,8 @@ Array = NDArray[np.float64]
 
 RIGID_BODY = 6  # the smallest model with mass, first moments and inertia
 CANDIDATES = 4000  # states of the box that tell which limits can bind
-BINDS = 0.97  # share of a limit: what stays below it everywhere in the box is left to the proof
+NEAR = 0.9  # largest share in the box of a limit that is none of the optimiser's business: the proof sees to it
+BINDS = 1.05  # from which a limit is constrained from the start; others are where they come close
 SEED = 7
 FORCES = "sensor force"
 
@@ -39,11 +40,13 @@ class LimitGroup(NamedTuple):
         name: of the kind.
         peak: where they are used most.
         kernel: state -> shares of the limits.
+        most: largest share in the motion box; infinity where that was not asked for.
     """
 
     name: str
     peak: Peak
     kernel: Kernel
+    most: float = np.inf
 
 
 def state_limits(case: Case, loads: tuple[int, ...] = ()) -> tuple[LimitGroup, ...]:
@@ -84,8 +87,8 @@ def state_limits(case: Case, loads: tuple[int, ...] = ()) -> tuple[LimitGroup, .
     return tuple(LimitGroup(name, peak, Kernel(state, share)) for name, peak, share in groups)
 
 
-def binding_limits(case: Case) -> tuple[LimitGroup, ...]:
-    """The non-linear limits that can bind somewhere in the motion box, judged by seeded states of it.
+def near_limits(case: Case) -> tuple[LimitGroup, ...]:
+    """The non-linear limits that come close somewhere in the motion box, judged by seeded states of it.
 
     Poses are uniform, and half of them at corners; rates and accelerations are at corners. Of several payloads those
     count with which the sensors carry most in at least one of the states.
@@ -96,8 +99,20 @@ def binding_limits(case: Case) -> tuple[LimitGroup, ...]:
         every = tuple(range(len(case.bodies)))
         shares = [g.kernel.values(states) for g in state_limits(case, every) if g.name == FORCES]
         largest = np.array([np.abs(share).max(axis=1) for share in shares])
-        loads = tuple(int(n) for n in np.unique(largest.argmax(axis=0)[largest.max(axis=0) > BINDS]))
-    return tuple(g for g in state_limits(case, loads) if np.abs(g.kernel.values(states)).max() > BINDS)
+        loads = tuple(int(n) for n in np.unique(largest.argmax(axis=0)[largest.max(axis=0) > NEAR]))
+    groups = (g._replace(most=float(np.abs(g.kernel.values(states)).max())) for g in state_limits(case, loads))
+    return tuple(g for g in groups if g.most > NEAR)
+
+
+def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
+    """Shares of the limits of poses that a standstill uses, by kind, shapes (n, limits of the kind).
+
+    Args:
+        case: with machine and limits.
+        poses: shape (n, 6) [m, rad].
+    """
+    states = np.hstack([poses, np.zeros((len(poses), STATE - 6))])
+    return {g.name: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.peak is Peak.POSE}
 
 
 def _extreme_states(case: Case) -> Array:

@@ -1,7 +1,7 @@
 """States of a motion as functions of its unknowns, block by block: each block depends on few of them.
 
-A state is (pose, rates, accelerations, share of the duration): 19 numbers. Derivatives are kept as small dense matrices,
-one a block, and only gathered by those who need them.
+A state is (pose, rates, accelerations, share of the duration): 19 numbers. Derivatives are kept as small dense
+matrices, one a block, and only gathered by those who need them.
 """
 
 from collections.abc import Sequence
@@ -62,7 +62,7 @@ class LinearStates:
 
     def at(self, unknowns: Array) -> Array:
         """States, shape (B, S, 19)."""
-        return self.offset + np.einsum("bsdm,bm->bsd", self.slope, unknowns[self.index], optimize=True)
+        return np.asarray(self.offset + np.einsum("bsdm,bm->bsd", self.slope, unknowns[self.index], optimize=True))
 
     def slopes(self, unknowns: Array) -> Array:
         """Constant."""

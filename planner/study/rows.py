@@ -8,7 +8,6 @@ if TYPE_CHECKING:
 SETTINGS = (
     "family",
     "criterion",
-    "solver",
     "model",
     "duration_s",
     "order",
@@ -36,7 +35,6 @@ def schema() -> "pa.Schema":
             ("version", text),
             ("family", text),
             ("criterion", text),
-            ("solver", text),
             ("model", whole),
             ("duration_s", number),
             ("order", whole),

@@ -38,7 +38,6 @@ class Grid(Part):
 
     family: Values[str] = ("fourier",)
     criterion: Values[str] = ("D",)
-    solver: Values[str] = ("ipopt",)
     model: Values[Whole] = (9,)
     duration_s: Values[Positive] = (12.0,)
     order: Values[Whole] = (5,)

@@ -7,10 +7,9 @@ import pytest
 
 from cases.loading import load_case
 from planner.infeasible import require_rest
-from planner.search.state_limits import state_limits
 from tests.bench.machines.description import case_of, reachable, write_machine
 from tests.bench.machines.designed import DESIGNED
-from tests.bench.machines.drawn import HOME, POSE_SHARES, STILL, drawn
+from tests.bench.machines.drawn import HOME, drawn, of_poses
 
 
 @pytest.mark.parametrize("name", DESIGNED)
@@ -18,8 +17,7 @@ def test_a_designed_machine_is_a_case_that_can_stand_still(name: str, tmp_path: 
     case = load_case(str(write_machine(tmp_path, name, DESIGNED[name])))
     assert case == case_of(name, DESIGNED[name])
     require_rest(case)
-    home = state_limits(case).shares(case.machine.home.vector, STILL, STILL).full()
-    assert np.abs(home[POSE_SHARES]).max() < HOME
+    assert of_poses(case, case.machine.home.vector[None])[0] < HOME
 
 
 def test_more_than_half_of_the_boxes_are_not_reachable_as_a_whole():
@@ -34,7 +32,6 @@ def test_a_drawn_machine_is_a_case_whose_home_is_within_reach(seed: int, tmp_pat
     hexapod = drawn(seed)
     case = load_case(str(write_machine(tmp_path, f"drawn_{seed}", hexapod)))
     require_rest(case)
-    home = state_limits(case).shares(case.machine.home.vector, STILL, STILL).full()
-    assert np.abs(home[POSE_SHARES]).max() <= HOME
+    assert of_poses(case, case.machine.home.vector[None])[0] <= HOME
     assert drawn(seed) == hexapod
     assert drawn(seed + 1) != hexapod

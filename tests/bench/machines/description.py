@@ -10,13 +10,12 @@ import numpy as np
 
 from cases.loading import CASE_FILE
 from cases.schema import Case
-from planner.search.state_limits import state_limits
+from planner.search.state_limits import pose_shares
 
 Range = tuple[float, float]
 Six = tuple[float, float, float, float, float, float]
 
 BASE_CENTRES, FRAME_CENTRES = [90.0, 210.0, 330.0], [0.0, 120.0, 240.0]
-STRUT_SHARES = slice(0, 6)  # of the shares of `state_limits`: strut lengths
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -251,7 +250,7 @@ def reachable(case: Case, poses: int = 4000, seed: int = 0) -> Reachable:
     """
     machine, _, limits = case.need_machine("the share of the box within reach")
     low, high = limits.motion.pose
-    places = machine.home.vector[:, None] + np.random.default_rng(seed).uniform(low, high, (poses, 6)).T
-    still = np.zeros((6, poses))
-    shares = np.abs(state_limits(case).shares(places, still, still).full())
-    return Reachable(*(float(np.mean(some.max(axis=0) <= 1.0)) for some in (shares[STRUT_SHARES], shares)))
+    places = machine.home.vector + np.random.default_rng(seed).uniform(low, high, (poses, 6))
+    shares = {kind: share.max(axis=1) for kind, share in pose_shares(case, places).items()}
+    within = (shares["strut length"], np.max(list(shares.values()), axis=0))
+    return Reachable(*(float(np.mean(share <= 1.0)) for share in within))

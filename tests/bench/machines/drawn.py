@@ -3,12 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.hexapod import Hexapod as Kinematics
 from planner.infeasible import require_rest
-from planner.search.state_limits import state_limits
+from planner.search.state_limits import pose_shares
 from tests.bench.machines.description import Hexapod, Range, case_of, reachable
 
 LARGEST_ANGLES = (40.0, 40.0, 60.0)  # [deg] of a, b and c, however far struts and joints let them go
@@ -16,8 +17,7 @@ WIDEST_JOINT = 85.0  # [deg]
 STEPS = 100  # in which the stroke of an axis is searched
 HOME = 0.85  # largest share of a limit of poses that home may use
 LEAST_REACHABLE = 0.05  # of the box
-POSE_SHARES = np.r_[0:6, 18:31]  # of `state_limits`: strut lengths, joints, singularity
-STILL = np.zeros((6, 1))
+MACHINE = ("strut length", "joint angle", "singularity")  # limits of poses, keep-out boxes apart
 
 
 def drawn(seed: int) -> Hexapod:
@@ -123,9 +123,8 @@ def _with_box(draw: np.random.Generator, hexapod: Hexapod) -> Hexapod | None:
 
 def _strokes(case: Case) -> list[Range] | None:
     """How far each coordinate may go alone [mm, deg]; None where home comes too near a limit of poses."""
-    limits = state_limits(case).shares
-    home = case.need_machine("strokes of single axes")[0].home.vector[:, None]
-    if np.abs(limits(home, STILL, STILL).full()[POSE_SHARES]).max() > HOME:
+    home = case.need_machine("strokes of single axes")[0].home.vector
+    if of_poses(case, home[None])[0] > HOME:
         return None
     farthest = [float(np.ptp(case.workspace.strut_length))] * 3 + [float(np.radians(d)) for d in LARGEST_ANGLES]
     units = [1e3] * 3 + [180.0 / np.pi] * 3
@@ -134,14 +133,19 @@ def _strokes(case: Case) -> list[Range] | None:
         ends = []
         for sign in (-1.0, 1.0):
             ways = sign * most * np.arange(1, STEPS + 1) / STEPS
-            poses = np.repeat(home, STEPS, axis=1)
-            poses[axis] += ways
-            still = np.zeros((6, STEPS))
-            kept = np.abs(limits(poses, still, still).full()[POSE_SHARES]).max(axis=0) <= 1.0
+            poses = np.tile(home, (STEPS, 1))
+            poses[:, axis] += ways
+            kept = of_poses(case, poses) <= 1.0
             free = STEPS if kept.all() else int(np.argmin(kept))
             ends.append(unit * ways[max(free - 1, 0)])
         strokes.append((ends[0], ends[1]))
     return strokes
+
+
+def of_poses(case: Case, poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Largest share of a limit of poses that each pose uses, keep-out boxes apart, shape (n,)."""
+    shares = pose_shares(case, poses)
+    return np.asarray(np.max([shares[kind].max(axis=1) for kind in MACHINE], axis=0))
 
 
 def _beside_a_box(draw: np.random.Generator, hexapod: Hexapod) -> Hexapod:

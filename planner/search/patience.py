@@ -1,0 +1,92 @@
+"""When a search has had enough starts.
+
+It ends when starts stop paying: after `FEWEST` of them, as soon as the last `IDLE` did not raise the best by
+`WORTHWHILE`. The starts are counted in the order of their seeds, so that the answer does not depend on which of them
+was done first. `--starts N` asks for N of them instead, `--seconds S` for as many as that time allows.
+"""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from planner.request import Request
+from planner.search.solving import Failed, Start
+
+MOST = 40  # starts, by default; with `--seconds` there is no such end
+FEWEST, IDLE = 4, 3
+WORTHWHILE = 0.005  # of an efficiency
+EXPLORING = 0.6  # share of `--seconds` that goes into explorations, where their best are refined afterwards
+ENDLESS = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How long a round of starts goes on.
+
+    Args:
+        criterion: letter of Table 4.
+        parameters: their number u.
+        most: starts.
+        until: when to stop, on the monotonic clock [s]; None where time does not count.
+        exploring_until: when to stop exploring.
+        counts: whether the round ends when starts stop paying.
+        refined: how many of the explored motions are refined.
+    """
+
+    criterion: str
+    parameters: int
+    most: int
+    until: float | None
+    exploring_until: float | None
+    counts: bool
+    refined: int
+
+    @classmethod
+    def of(cls, request: Request, parameters: int) -> "Patience":
+        """That of a request, from now on."""
+        now = time.monotonic()
+        most = request.starts or (MOST if request.seconds is None else ENDLESS)
+        until = exploring = None
+        if request.seconds is not None:
+            share = 1.0 if request.family == "ptp" else EXPLORING
+            until, exploring = now + request.seconds, now + share * request.seconds
+        refined = 4 if request.family == "fourier" and request.criterion != "D" else 2
+        counts = request.starts is None and request.seconds is None
+        return cls(request.criterion, parameters, most, until, exploring, counts, refined)
+
+    def exploring(self) -> "Patience":
+        """For the round of explorations."""
+        return replace(self, until=self.exploring_until)
+
+    def to_the_end(self) -> "Patience":
+        """For a round that is not cut short because starts stop paying."""
+        return replace(self, counts=False)
+
+    def over(self) -> bool:
+        """Whether time is up."""
+        return self.until is not None and time.monotonic() >= self.until
+
+    def enough(self, results: Sequence[Start | Failed]) -> bool:
+        """Whether more starts are not worth their time.
+
+        Args:
+            results: of all starts until now, in the order of their seeds.
+        """
+        if not self.counts or len(results) < FEWEST:
+            return False
+        best, since = -math.inf, 0
+        for result in results:
+            since += 1
+            if isinstance(result, Start) and gain(self.criterion, self.parameters, best, result.promise) >= WORTHWHILE:
+                best, since = result.promise, 0
+        return since >= IDLE
+
+
+def gain(criterion: str, parameters: int, old: float, new: float) -> float:
+    """By which share a criterion is better, as an efficiency (D) or as the ratio of the variances it stands for."""
+    if old == -math.inf or new == -math.inf:
+        return math.inf if new > old else 0.0
+    if criterion == "D":
+        return math.expm1((new - old) / parameters)
+    return abs(old / new) - 1.0 if new < 0.0 else new / old - 1.0
