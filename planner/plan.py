@@ -100,13 +100,10 @@ class Plan:
     def weaknesses(self) -> list[str]:
         """Why another plan would carry more information, each with what to do; the first thing that a user is told."""
         told = []
-        if (
-            self.rival is not None
-            and (more := float(np.exp((self.rival.logdet - self._weighted) / self._size))) > RIVALS
-        ):
+        if self.rival is not None and self._of_rival > RIVALS:
             told.append(
                 f"weaker than a motion of another family that took seconds: --family {self.rival.family.name} has "
-                f"{more:.2f} times the D-efficiency"
+                f"{self._of_rival:.2f} times the D-efficiency"
             )
         refined = [s for s in self.starts if s.refined]
         if refined and not self.interrupted and not refined[0].converged:

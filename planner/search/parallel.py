@@ -173,5 +173,5 @@ def _result(future: Future[Start | Failed]) -> Start | Failed:
     except BrokenProcessPool:
         return Failed(
             0,
-            "a worker process died, perhaps for want of memory; close other programs, or plan with fewer moves or knots",
+            "a worker process died, perhaps for want of memory; close other programs, or ask for less",
         )
