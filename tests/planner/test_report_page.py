@@ -189,18 +189,15 @@ def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page:
 
 def test_numbers_of_a_chart_reach_the_page_whatever_they_are():
     chart = Chart()
-    chart.add(
-        "heatmap", z=np.array([[1.0, np.nan], [np.inf, 2.0]], np.float32), x=[np.float64(1.0), None, float("nan")]
-    )
+    values = np.array([[1.0, np.nan], [np.inf, 2.0]], np.float32)
+    chart.add("heatmap", z=values, x=[np.float64(1.0), None, float("nan")])
     chart.add("bar", x=np.arange(2), y=np.array([1.5, 2.5]), name="</script>")
     told = script_json({"data": chart.data})
     assert "<" not in told
     heatmap, bar = json.loads(told)["data"]
     assert heatmap["x"] == [1.0, None, None]
     assert (heatmap["z"]["dtype"], heatmap["z"]["shape"]) == ("f4", "2, 2")
-    np.testing.assert_array_equal(
-        np.frombuffer(base64.b64decode(heatmap["z"]["bdata"]), "<f4"), np.float32([1.0, np.nan, np.inf, 2.0])
-    )
+    np.testing.assert_array_equal(np.frombuffer(base64.b64decode(heatmap["z"]["bdata"]), "<f4"), values.ravel())
     assert (bar["x"], bar["name"]) == ([0, 1], "</script>")
     assert np.frombuffer(base64.b64decode(bar["y"]["bdata"]), "<f8").tolist() == [1.5, 2.5]
 

@@ -53,7 +53,7 @@ def test_identify_imports_no_interactive_plots_no_planner_and_no_parts_of_scipy_
     write_recording(file, simulate_recording(case, execution, np.array([[0.3, 3.7]]), seed=1), case)
     needless = ("matplotlib.pyplot", "plotly.graph_objs", "scipy.signal", "scipy.stats", "cvxpy", "toppra", "ruckig")
     words = ("identify", str(file), "--case", "hexapod", "-o", str(tmp_path / "result"), "--json")
-    watch = WATCH.replace(repr(HEAVY), repr((*needless, "planner.search", "planner.bounds")))
+    watch = WATCH.replace(repr(HEAVY), repr((*needless, "planner.planning")))
     run = subprocess.run([sys.executable, "-c", watch, *words], capture_output=True, text=True, timeout=300)
     assert run.stdout.splitlines()[-1] == "LOADED", run.stderr
 
