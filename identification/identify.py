@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
@@ -61,6 +62,9 @@ def identify(
 ) -> Estimate:
     """Identifies the parameters of a model from one recording.
 
+    Its matrices are small: a second thread of BLAS would only wait for the first, and wait long on a busy machine. BLAS
+    therefore has one thread meanwhile; the caller's setting is restored at the end.
+
     Args:
         recording: the run.
         case: machine, sensor frame and gravity.
@@ -76,24 +80,28 @@ def identify(
     """
     model = identification_model(case, default_model(recording) if number is None else number, terms)
     try:
-        if len(recording.forces) > 1:
-            require_alive(recording.forces)
-        if recording.t is None or case.setup == "1a":
-            if conditioning != USUAL:
-                raise RecordingError("is no moving run; --period, --accelerated and --flexible are for moving runs")
-            found = _from_standstills(recording, case, model, how)
-            require_scale(model, found.values, case)
-            return found
-        found = _from_motion(recording, case, model, how, conditioning)
-        softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
-        if softer is not None:
-            found = replace(_from_motion(recording, softer, model, how, conditioning), case_hash=case.hash)
+        with threadpool_limits(limits=1, user_api="blas"):
+            found = _estimated(recording, case, model, how, conditioning)
         require_scale(model, found.values, case)
         return found
     except IdentificationError as error:
         raise IdentificationError(placed(recording.source, error)) from error
     except RecordingError as error:
         raise RecordingError(placed(recording.source, error)) from error
+
+
+def _estimated(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
+    if len(recording.forces) > 1:
+        require_alive(recording.forces)
+    if recording.t is None or case.setup == "1a":
+        if conditioning != USUAL:
+            raise RecordingError("is no moving run; --period, --accelerated and --flexible are for moving runs")
+        return _from_standstills(recording, case, model, how)
+    found = _from_motion(recording, case, model, how, conditioning)
+    softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
+    if softer is None:
+        return found
+    return replace(_from_motion(recording, softer, model, how, conditioning), case_hash=case.hash)
 
 
 def placed(source: str, error: Exception) -> str:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
 
 from cases.disturbances import Disturbances
 from cases.errors import CaseError
@@ -83,6 +82,8 @@ def vibrating(accelerations: Array, step: float, frequency: float, damping: floa
         frequency: of the undamped mode [Hz].
         damping: share of the critical one.
     """
+    from scipy.signal import cont2discrete, lfilter
+
     w = 2.0 * np.pi * frequency
     numerator, denominator = np.array([2.0 * damping * w, w**2]), np.array([1.0, 2.0 * damping * w, w**2])
     discrete = cont2discrete((numerator, denominator), step, method="foh")
@@ -99,6 +100,8 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
     """
     if disturbances.ripple == 0.0:
         return execution
+    from scipy.signal import butter, sosfiltfilt
+
     t = np.arange(0.0, execution.duration + 2 * RIPPLE_STEP, RIPPLE_STEP)
     inside = np.clip(t, 0.0, execution.duration)
     lengths, speeds = execution.struts(inside), execution.struts(inside, 1)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import chdtri
 
 from cases.errors import IdentificationError
 from identification.model import Model
@@ -63,7 +63,7 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
         raise _no_payload(before, after, float(u[0]), std)
     left = (after.values - before.values - matrix @ u) * root
     warnings = _about(before, after, float(u[0]))
-    if float(left @ left) > float(stats.chi2.isf(UNLIKELY, 3)):
+    if float(left @ left) > float(chdtri(3, UNLIKELY)):
         warnings.append("the change of the forces is no weight alone: something pushes, or a sensor has drifted")
     names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
     warnings.append(

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import stdtrit
 
 from cases.schema import Case
 from identification.estimation.biases import AccelerometerBias
@@ -69,7 +69,7 @@ class Value(NamedTuple):
 
     def interval(self, freedom: float, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval from the standard deviation of (28)."""
-        half = float(stats.t.ppf(0.5 + level / 2, freedom)) * self.std
+        half = float(stdtrit(freedom, 0.5 + level / 2)) * self.std
         return self.value - half, self.value + half
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import oaconvolve
+from scipy.fft import irfft, next_fast_len, rfft
 
 from cases.errors import RecordingError
 
@@ -142,7 +142,9 @@ class Filter(NamedTuple):
         self.require(values, delay)
         kernel = self.kernel(order, delay)
         mean = values.mean(axis=0)  # keeps rounding of the FFT small against the oscillation, not against 1 m of strut
-        result = oaconvolve(values - mean, kernel[:, None], mode="valid", axes=0)
+        size = next_fast_len(len(values) + len(kernel) - 1, real=True)
+        spectrum = rfft(values - mean, size, axis=0) * rfft(kernel, size)[:, None]
+        result = irfft(spectrum, size, axis=0)[len(kernel) - 1 : len(values)]
         return np.asarray(result + mean if order == 0 else result)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import fdtrc
 
 from cases.errors import IdentificationError
 from identification.estimation.fit import Fit
@@ -108,7 +108,7 @@ def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit
         return ConsistentFit(None, True, np.inf, 0.0, "the data want a mass below zero; check the sense of the sensor")
     rise, freedoms = float(step @ step), np.linalg.matrix_rank(root[index] / _unit(free.covariance)[index, None])
     # The truth is consistent: it is at least as far from the free estimate as the nearest consistent one.
-    p_value = float(stats.f.sf(rise / freedoms, freedoms, free.freedom))
+    p_value = float(fdtrc(freedoms, free.freedom, rise / freedoms))
     fit = replace(free, values=values, residuals=forces - regressors @ values)
     return ConsistentFit(fit, True, rise, p_value, None)
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
+from scipy.special import chdtri, ndtri
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -61,7 +61,7 @@ class Calm(NamedTuple):
         """By residuals, shape (m, 6), of which contacts may have touched less than half."""
         centre = np.median(residuals, axis=0)
         centred = residuals - centre
-        noise = np.quantile(np.abs(centred), CALM, axis=0) / stats.norm.ppf((1 + CALM) / 2)
+        noise = np.quantile(np.abs(centred), CALM, axis=0) / ndtri((1 + CALM) / 2)
         scale = np.maximum(np.median(np.abs(centred), axis=0), np.finfo(float).tiny)
         scaled = centred / scale
         size = np.sum(scaled**2, axis=1)
@@ -76,9 +76,9 @@ class Calm(NamedTuple):
         if middle <= 0.0:
             return cls(centre, np.zeros((6, 6)), noise)
         # Residuals of a real run have a spread that changes; the upper quartile keeps calm where the median would not.
-        upper = float(np.quantile(size, 0.75)) / float(stats.chi2.ppf(0.75, 6))
-        spread = max(middle / float(stats.chi2.ppf(0.5, 6)), upper)
-        return cls(centre, inverse / np.outer(scale, scale) / spread / float(stats.chi2.isf(CHANCE, 6)), noise)
+        upper = float(np.quantile(size, 0.75)) / float(chdtri(6, 0.25))
+        spread = max(middle / float(chdtri(6, 0.5)), upper)
+        return cls(centre, inverse / np.outer(scale, scale) / spread / float(chdtri(6, CHANCE)), noise)
 
     def distance(self, residuals: Array) -> Array:
         """Squared residuals over what noise exceeds with the probability `CHANCE`, shape (n,)."""

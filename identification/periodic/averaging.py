@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 from scipy.fft import irfft, rfft
 from scipy.ndimage import binary_opening
+from scipy.special import fdtrc
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
@@ -188,7 +188,7 @@ class PeriodicRun:
         noise = float(np.trace(w @ self.scatter.covariance(self.harmonics))) / 6.0
         ratio = fit.s0**2 / max(noise, np.finfo(float).tiny)
         free = 6 * (len(self.scatter.series) - 1) * self.points
-        if ratio < MODEL_ERROR**2 or ratio < float(stats.f.isf(UNLIKELY, fit.freedom, free)):
+        if ratio < MODEL_ERROR**2 or float(fdtrc(fit.freedom, free, ratio)) > UNLIKELY:
             return []
         return [
             f"what the model leaves of the forces is {np.sqrt(ratio):.1f} times what differs between periods: it "

@@ -2,8 +2,8 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 from scipy.fft import rfft
+from scipy.special import chdtri
 
 from cases.errors import RecordingError
 from identification.findings.plausibility import places
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 FEWEST = 2  # harmonics
-MEDIAN_POWER = float(stats.chi2.ppf(0.5, 12)) / 12.0  # over the mean, of a harmonic of six struts
+MEDIAN_POWER = float(chdtri(12, 0.5)) / 12.0  # over the mean, of a harmonic of six struts
 
 
 def longest_window(recording: Recording) -> NDArray[np.int64]:

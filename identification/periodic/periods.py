@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import chdtri
 
 from identification.periodic.finding import Part
 from identification.periodic.fourier import FourierSeries, fit_series
@@ -91,7 +91,7 @@ def strangers(periods: PeriodScatter) -> dict[int, float]:
     values = np.array([s.at(t) for s in periods.series])
     # The median over the period of the variances between periods: a contact moves few of them.
     spread = np.median(values.var(axis=0, ddof=1), axis=0)
-    spread *= (count - 1) / float(stats.chi2.ppf(0.5, count - 1))
+    spread *= (count - 1) / float(chdtri(count - 1, 0.5))
     away = np.abs(values - np.median(values, axis=0))
     least = np.maximum(np.sqrt(spread), 1e-9 * np.abs(values).max(axis=(0, 1)))
     strange = np.flatnonzero((away > STRANGE * least).any(axis=(1, 2)))

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import welch
+from scipy.fft import rfft, rfftfreq
 
 from cases.schema import Case
 from identification.findings.plausibility import scan
@@ -59,13 +59,20 @@ class Residuals:
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitude spectral density of each channel, by Welch's method, shapes (k,) [Hz] and (k, 6) [N/sqrt(Hz)].
 
+        Periodograms of segments under a Hann window that overlap by half, each less its mean, are averaged.
+
         Raises:
             ValueError: standstills have no spectrum.
         """
         if self.step is None:
             raise ValueError("standstills have no spectrum")
-        frequency, power = welch(self.values, 1.0 / self.step, nperseg=min(SEGMENT, len(self.t)), axis=0)
-        return frequency, np.sqrt(power)
+        size = min(SEGMENT, len(self.t))
+        overlapping = np.lib.stride_tricks.sliding_window_view(self.values, size, axis=0)[:: size - size // 2]
+        window = np.hanning(size + 1)[:-1]
+        spectra = rfft((overlapping - overlapping.mean(axis=2, keepdims=True)) * window)
+        power = np.mean(np.abs(spectra) ** 2, axis=0).T * self.step / np.sum(window**2)
+        power[1 : (size + 1) // 2] *= 2.0  # of the frequencies below zero; those in the middle have no such twin
+        return rfftfreq(size, self.step), np.sqrt(power)
 
 
 def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residuals:

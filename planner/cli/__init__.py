@@ -3,6 +3,7 @@
 Heavy imports happen inside the commands, so that `hexcite --help` stays fast.
 """
 
+import gc
 import os
 import sys
 import traceback
@@ -10,7 +11,8 @@ import traceback
 import typer
 
 # Before NumPy is loaded. Matrices here are small: a second thread of its linear algebra only waits for the first, and
-# on a machine that works on something else it waits for long.
+# on a machine that works on something else it waits for long. `identify` of the library limits itself; the planner does
+# not, and its worker processes take the setting from here.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cases.errors import HexciteError
@@ -62,6 +64,7 @@ app.command("demo")(demo.demo)
 
 def main() -> None:
     """Entry point: 0 done, 1 one line on stderr says why not, 2 wrong usage, 130 interrupted."""
+    gc.set_threshold(100_000)  # the usual 700 looks through all that imports create, again and again
     try:
         with ctrl_c_raises():
             app()

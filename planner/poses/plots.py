@@ -4,7 +4,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from scipy.stats import norm
 
 from cases.schema import Case
 from cases.units import MM
@@ -80,8 +79,8 @@ def density_figure(case: Case, model: Model, deviations: dict[str, float], every
         scale, unit = (1e3, "mm") if units[name] == "m" else (1.0, units[name])
         middle, std = centre[name] * scale, deviations[name] * scale
         x = np.linspace(middle - 4 * std, middle + 4 * std, 200)
-        ax.fill_between(x, norm.pdf(x, middle, every[name] * scale), color="0.8")
-        ax.fill_between(x, norm.pdf(x, middle, std), color="C0", alpha=0.6)
+        ax.fill_between(x, _normal_density(x, middle, every[name] * scale), color="0.8")
+        ax.fill_between(x, _normal_density(x, middle, std), color="C0", alpha=0.6)
         ax.set_title(f"{name} ± {std:.2g} {unit} (all ± {every[name] * scale:.2g})", fontsize="small")
         ax.set_yticks([])
         ax.tick_params(labelsize=7)
@@ -90,3 +89,7 @@ def density_figure(case: Case, model: Model, deviations: dict[str, float], every
     for ax in figure.axes[len(names) :]:
         ax.set_axis_off()
     return figure
+
+
+def _normal_density(x: Array, mean: float, std: float) -> Array:
+    return np.asarray(np.exp(-(((x - mean) / std) ** 2) / 2) / (std * np.sqrt(2 * np.pi)))

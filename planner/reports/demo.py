@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
 from cases.schema import Case
 from identification.identifiability import Identifiability
@@ -12,6 +11,7 @@ from identification.result import Estimate
 from identification.runs.residuals import Residuals
 from identification.trajectories.path import instants
 from planner.precision import std_text, value_text
+from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, errors_plot, limits_plot, motion_plots
 from planner.reports.identify import identifiability_items, noise_tile, residual_items, run_inputs
 from planner.reports.machine import moving_machine
@@ -136,13 +136,13 @@ def _executed(answer: dict[str, Any], outcome: Outcome) -> tuple[Item, ...]:
     t = instants(outcome.run.trigger, RECORDED_RATE)
     executed = outcome.run.execution.kinematics(np.clip(t, 0.0, outcome.run.execution.duration))
     planned = sample(outcome.planned, DRAWN_RATE)
-    figure = go.Figure()
+    figure = Chart()
     for k in range(3):
         x, y = thinned(t - t[0], executed.twist_rate[:, k])
         figure.add_scatter(x=x, y=y, name=f"{AXES[k]} executed", line={"color": COLOURS[k], "width": 1})
         x, y = thinned(planned.t, planned.accelerations[:, k])
         figure.add_scatter(x=x, y=y, name=f"{AXES[k]} planned", line={"color": COLOURS[k], "width": 2, "dash": "dot"})
-    figure.update_xaxes(title_text="time since the trigger [s]")
-    figure.update_yaxes(title_text="acceleration [m/s²]")
+    figure.update_xaxes(title="time since the trigger [s]")
+    figure.update_yaxes(title="acceleration [m/s²]")
     note = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
     return (Plot("executed", figure.update_layout(height=380), note),)

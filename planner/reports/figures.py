@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from cases.schema import Case
@@ -16,6 +15,7 @@ from identification.identifiability import Identifiability
 from identification.motion import Motion
 from identification.runs.residuals import Residuals
 from planner.precision import std_text, value_text
+from planner.reports.charts import Chart
 from planner.reports.page import Plot, plain, thinned
 from planner.reports.plots import AXES
 
@@ -39,13 +39,13 @@ def motion_plots(case: Case, motion: Motion) -> list[Plot]:
     plots = []
     for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
         for axes, unit, factor in ((range(3), length_unit, to_length), (range(3, 6), angle_unit, to_angle)):
-            figure = go.Figure()
+            figure = Chart()
             for k in axes:
                 x, y = thinned(motion.t, values[:, k] * factor)
                 figure.add_scatter(x=x, y=y, name=AXES[k], line={"color": COLOURS[k], "width": 1.6})
             _add_limits(figure, limit[:, list(axes)] * factor, [COLOURS[k] for k in axes])
-            figure.update_xaxes(title_text="time [s]")
-            figure.update_yaxes(title_text=f"{name} [{unit}]")
+            figure.update_xaxes(title="time [s]")
+            figure.update_yaxes(title=f"{name} [{unit}]")
             kind = "rotation" if axes.start else "translation"
             plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), half=True))
     return plots
@@ -55,7 +55,7 @@ def _both(limit: Array) -> Array:
     return np.array([-limit, limit])
 
 
-def _add_limits(figure: go.Figure, limits: Array, colours: Sequence[str]) -> None:
+def _add_limits(figure: Chart, limits: Array, colours: Sequence[str]) -> None:
     """Dashed lines at limits, shape (2, axes): in the colour of their axis, grey where all axes share them."""
     for row in limits:
         shared = bool(np.ptp(row) <= 1e-9 * np.abs(row).max())
@@ -69,26 +69,26 @@ def limits_plot(limits: dict[str, dict[str, Any]]) -> Plot:
     names = [plain(v["at"]) for v in proven.values()][::-1]
     shares = [100 * v["ratio"] for v in proven.values()][::-1]
     words = [f"{v['worst']:.4g} of {v['limit']:.4g} {v['unit']}" for v in proven.values()][::-1]
-    figure = go.Figure(
-        go.Bar(
-            x=shares,
-            y=names,
-            orientation="h",
-            text=words,
-            textposition="inside",
-            insidetextanchor="start",
-            marker_color=COLOURS[5],
-            textfont_color="#102a43",
-        )
+    figure = Chart()
+    figure.add(
+        "bar",
+        x=shares,
+        y=names,
+        orientation="h",
+        text=words,
+        textposition="inside",
+        insidetextanchor="start",
+        marker={"color": COLOURS[5]},
+        textfont={"color": "#102a43"},
     )
     figure.add_vline(x=100, line={"color": COLOURS[1], "width": 2})
-    figure.update_xaxes(title_text="share of the limit [%]", range=[0, 108])
+    figure.update_xaxes(title="share of the limit [%]", range=[0, 108])
     return Plot("limits", figure.update_layout(height=110 + 30 * len(names)))
 
 
 def forces_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
     """Forces as the estimator saw them (lines) and the model's (dotted)."""
-    figure = go.Figure()
+    figure = Chart()
     for k, name in enumerate(channels):
         x, y = thinned(residuals.t, residuals.seen[:, k])
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 1}, legendgroup=str(k))
@@ -96,19 +96,19 @@ def forces_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
         dotted = {"color": COLOURS[k], "width": 2, "dash": "dot"}
         figure.add_scatter(x=x, y=y, name="model", line=dotted, legendgroup=str(k), showlegend=False)
     _over_samples(figure, residuals)
-    figure.update_yaxes(title_text=f"force [{_unit(channels)}]")
+    figure.update_yaxes(title=f"force [{_unit(channels)}]")
     how = "recorded" if residuals.filtered is None else "recorded, behind the evaluation's low-pass"
     return Plot("forces", figure.update_layout(height=340), f"Lines: {how}. Dotted: the identified model.")
 
 
 def residuals_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
     """What the model leaves of each channel over time; a long run is drawn by its extremes."""
-    figure = go.Figure()
+    figure = Chart()
     for k, name in enumerate(channels):
         x, y = thinned(residuals.t, residuals.left[:, k])
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
     _over_samples(figure, residuals)
-    figure.update_yaxes(title_text=f"recorded - model [{_unit(channels)}]")
+    figure.update_yaxes(title=f"recorded - model [{_unit(channels)}]")
     return Plot("residuals", figure.update_layout(height=320))
 
 
@@ -118,18 +118,19 @@ def distribution_plot(residuals: Residuals) -> Plot:
     scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
     density, edges = np.histogram(scaled, bins=81, range=(-5, 5), density=True)
     x = (edges[1:] + edges[:-1]) / 2
-    figure = go.Figure(go.Bar(x=x, y=density, marker_color=GREY, name="residuals"))
+    figure = Chart()
+    figure.add("bar", x=x, y=density, marker={"color": GREY}, name="residuals")
     normal = np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
     figure.add_scatter(x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
-    figure.update_xaxes(title_text="residual / rms of its channel")
-    figure.update_yaxes(title_text="density")
+    figure.update_xaxes(title="residual / rms of its channel")
+    figure.update_yaxes(title="density")
     return Plot("distribution", figure.update_layout(height=320, bargap=0.0), half=True)
 
 
 def spectrum_plot(residuals: Residuals, channels: Sequence[str], cutoff: float | None) -> Plot:
     """Amplitude spectral density of the residuals; what stands above the cut-off the evaluation does not see."""
     frequency, density = residuals.spectrum()
-    figure = go.Figure()
+    figure = Chart()
     for k, name in enumerate(channels):
         line = {"color": COLOURS[k], "width": 1.2}
         figure.add_scatter(
@@ -137,8 +138,8 @@ def spectrum_plot(residuals: Residuals, channels: Sequence[str], cutoff: float |
         )
     if cutoff is not None:
         figure.add_vline(x=cutoff, line={"color": GREY, "dash": "dash", "width": 1})
-    figure.update_xaxes(title_text="frequency [Hz]", type="log")
-    figure.update_yaxes(title_text=f"residual [{_unit(channels)}/√Hz]", type="log")
+    figure.update_xaxes(title="frequency [Hz]", type="log")
+    figure.update_yaxes(title=f"residual [{_unit(channels)}/√Hz]", type="log")
     note = (
         "Of the forces as recorded."
         if cutoff is None
@@ -148,10 +149,10 @@ def spectrum_plot(residuals: Residuals, channels: Sequence[str], cutoff: float |
     return Plot("spectrum", figure.update_layout(height=320), note, half=True)
 
 
-def _over_samples(figure: go.Figure, residuals: Residuals) -> None:
+def _over_samples(figure: Chart, residuals: Residuals) -> None:
     if residuals.step is None:
-        figure.update_traces(mode="lines+markers", marker_size=4)
-    figure.update_xaxes(title_text="standstill" if residuals.step is None else "time [s]")
+        figure.update_traces(mode="lines+markers", marker={"size": 4})
+    figure.update_xaxes(title="standstill" if residuals.step is None else "time [s]")
 
 
 def _unit(channels: Sequence[str]) -> str:
@@ -160,7 +161,7 @@ def _unit(channels: Sequence[str]) -> str:
 
 
 def identifiability_plots(found: Identifiability) -> list[Plot]:
-    """Figure 3 of the paper: correlation of the columns, and R of the scaled regressor, both as magnitudes."""
+    """Chart 3 of the paper: correlation of the columns, and R of the scaled regressor, both as magnitudes."""
     panels = (
         ("correlation", np.abs(found.correlation), "Magnitude of the correlation of the regressor's columns."),
         ("qr", np.abs(found.r), "Magnitude of R of the scaled regressor: what stands right of the diagonal is shared."),
@@ -169,13 +170,12 @@ def identifiability_plots(found: Identifiability) -> list[Plot]:
     plots = []
     for name, values, note in panels:
         bar = {"thickness": 12, "outlinewidth": 0}
-        figure = go.Figure(
-            go.Heatmap(
-                z=values.astype(np.float32), x=names, y=names, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar
-            )
+        figure = Chart()
+        figure.add(
+            "heatmap", z=values.astype(np.float32), x=names, y=names, zmin=0, zmax=1, colorscale=MAGNITUDE, colorbar=bar
         )
-        figure.update_yaxes(autorange="reversed", tickfont_size=10)
-        figure.update_xaxes(tickfont_size=10, tickangle=-90)
+        figure.update_yaxes(autorange="reversed", tickfont={"size": 10})
+        figure.update_xaxes(tickfont={"size": 10}, tickangle=-90)
         plots.append(Plot(name, figure.update_layout(height=460), note, half=True))
     return plots
 
@@ -184,16 +184,16 @@ def errors_plot(rows: Sequence[dict[str, Any]]) -> Plot:
     """Estimate less truth in standard deviations, with the 95 % and the 4 sigma band."""
     names = [plain(r["name"]) for r in rows]
     errors = [r["error"] / r["std"] for r in rows]
-    figure = go.Figure()
+    figure = Chart()
     for half, opacity in ((4.0, 0.10), (1.96, 0.16)):
-        figure.add_hrect(y0=-half, y1=half, fillcolor=COLOURS[0], opacity=opacity, line_width=0, layer="below")
+        figure.add_hrect(y0=-half, y1=half, fillcolor=COLOURS[0], opacity=opacity, line={"width": 0}, layer="below")
     bars = {"type": "constant", "value": 1.0, "thickness": 1.2, "width": 5}
     figure.add_scatter(
         x=names, y=errors, mode="markers", marker={"color": COLOURS[0], "size": 9}, error_y=bars, showlegend=False
     )
     reach = max(5.0, 1.15 * max(abs(e) for e in errors))
     figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title_text="(estimate - truth) / std", range=[-reach, reach])
+    figure.update_yaxes(title="(estimate - truth) / std", range=[-reach, reach])
     note = (
         "Points: estimate less truth in reported standard deviations, one standard deviation as the bar; bands: 95 % "
     )
@@ -206,7 +206,7 @@ def parameters_plot(parameters: dict[str, dict[str, Any]]) -> Plot:
     largest: dict[str, float] = {}
     for p in parameters.values():
         largest[p["unit"]] = max(largest.get(p["unit"], 0.0), abs(p["value"]), 1e-300)
-    figure = go.Figure()
+    figure = Chart()
     for key, label, colour in (("std_robust", "robust", COLOURS[1]), ("std", "(28)", COLOURS[0])):
         width = [1.96 * parameters[n][key] / largest[parameters[n]["unit"]] * 100 for n in names]
         text = [
@@ -219,6 +219,6 @@ def parameters_plot(parameters: dict[str, dict[str, Any]]) -> Plot:
             hovertext=text, hoverinfo="text+name",
         )  # fmt: skip
     figure.update_xaxes(tickangle=-45)
-    figure.update_yaxes(title_text="half width of the 95 % interval [%]", type="log", dtick="D2")
+    figure.update_yaxes(title="half width of the 95 % interval [%]", type="log", dtick="D2")
     note = "Error bars of all parameters on one scale: as a share of the largest parameter of the same unit."
     return Plot("parameters", figure.update_layout(height=360), note)

@@ -1,6 +1,5 @@
 """The hexapod along a motion, as data for the page's 3-D picture."""
 
-import base64
 from typing import Any
 
 import numpy as np
@@ -59,8 +58,8 @@ def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:
     low, high = room(low, high, workspace.keep_out)
     return {
         "steps": steps,
-        "t": _packed(t),
-        "poses": _packed(poses * unit),
+        "t": t.astype(np.float32),
+        "poses": (poses * unit).astype(np.float32),
         "base": np.round(base, 3).tolist(),
         "platform": np.round(platform, 3).tolist(),
         "lower": [] if bars is None else np.round(bars.lower.points / MM, 3).tolist(),
@@ -69,9 +68,3 @@ def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:
         "boxes": [np.round(line, 2).tolist() for line in box_outlines(workspace.keep_out, low, high)],
         "range": np.column_stack([low, high]).round(1).tolist(),
     }
-
-
-def _packed(values: Array) -> dict[str, str]:
-    """Numbers as plotly packs them: a third of the size of decimal digits."""
-    raw = np.ascontiguousarray(values, dtype="<f4").tobytes()
-    return {"dtype": "f4", "bdata": base64.b64encode(raw).decode("ascii")}

@@ -7,15 +7,15 @@ are part of the file. Text from outside that goes into a figure passes `plain`, 
 import html
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import resources
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from numpy.typing import NDArray
-from plotly.io.json import to_json_plotly
-from plotly.offline import get_plotlyjs
+
+from planner.reports.charts import Chart, script_json
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ class Plot:
     """
 
     name: str
-    figure: go.Figure
+    figure: Chart
     note: str = ""
     half: bool = False
     kind: str = "plot"
@@ -93,9 +93,7 @@ class Plot:
     @property
     def data(self) -> Markup:
         """The figure as JSON that is safe inside a script element."""
-        content = self.figure.to_dict()
-        content["layout"].pop("template", None)
-        return Markup(to_json_plotly(content))  # escapes <, > and /
+        return script_json({"data": self.figure.data, "layout": self.figure.layout})
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +112,7 @@ class Machine:
     @property
     def data(self) -> Markup:
         """The scene as JSON that is safe inside a script element."""
-        return Markup(to_json_plotly(self.scene))
+        return script_json(self.scene)
 
 
 Item = Tiles | Note | Answers | Table | Plot | Machine
@@ -149,6 +147,7 @@ class Page:
 
 def render(page: Page) -> str:
     """The page as HTML."""
+    plotly = resources.files("plotly") / "package_data" / "plotly.min.js"
     environment = Environment(
         loader=PackageLoader("planner.reports"),
         autoescape=True,
@@ -156,7 +155,7 @@ def render(page: Page) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("page.html.j2").render(page=page, plotly=Markup(get_plotlyjs()))
+    return environment.get_template("page.html.j2").render(page=page, plotly=Markup(plotly.read_text(encoding="utf-8")))
 
 
 def plain(text: str) -> str:

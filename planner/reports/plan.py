@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from cases.schema import Case
@@ -21,6 +20,7 @@ from identification.reference import reference_scaling
 from planner.comparison.beside_manual import Beside
 from planner.plan import Plan
 from planner.precision import std_text
+from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY, limits_plot, motion_plots
 from planner.reports.identify import identifiability_items
 from planner.reports.machine import moving_machine
@@ -148,16 +148,16 @@ def _bound_by(plan: Plan) -> tuple[Item, ...]:
     return (Note(words),)
 
 
-def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[float, ...], height: int) -> go.Figure:
+def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[float, ...], height: int) -> Chart:
     """Six lines over time, with the limits that they share."""
-    figure = go.Figure()
+    figure = Chart()
     for k, name in enumerate(names):
         thin_x, thin_y = thinned(x, values[:, k])
         figure.add_scatter(x=thin_x, y=thin_y, name=plain(name), line={"color": COLOURS[k], "width": 1.3})
     for limit in limits:
         figure.add_hline(y=limit, line={"color": GREY, "dash": "dash", "width": 1})
-    figure.update_xaxes(title_text="time [s]")
-    figure.update_yaxes(title_text=unit)
+    figure.update_xaxes(title="time [s]")
+    figure.update_yaxes(title=unit)
     return figure.update_layout(height=height)
 
 
@@ -214,11 +214,11 @@ def _information(plan: Plan, model: Model) -> tuple[Item, ...]:
     alone = 1.0 / np.sqrt(np.diag(information))
     together = np.sqrt(np.diag(np.linalg.inv(information)))
     names = [plain(name) for name in model.names]
-    figure = go.Figure()
-    figure.add_bar(x=names, y=together, name="with all others unknown", marker_color=COLOURS[0])
-    figure.add_bar(x=names, y=alone, name="if all others were known", marker_color=COLOURS[5])
+    figure = Chart()
+    figure.add("bar", x=names, y=together, name="with all others unknown", marker={"color": COLOURS[0]})
+    figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
     figure.update_xaxes(tickangle=-60)
-    figure.update_yaxes(title_text="std of one sample, scaled")
+    figure.update_yaxes(title="std of one sample, scaled")
     words = "In reference scaling, for a noise of 1. The gap is what telling a parameter from the others costs."
     return (Plot("information", figure.update_layout(height=360, barmode="group"), words), _progress(plan, matrices))
 
@@ -232,7 +232,8 @@ def _progress(plan: Plan, matrices: Array) -> Plot:
     whole = logdet[-1]
     share = np.where(sign > 0, np.exp(np.minimum(0.0, (logdet - whole) / matrices.shape[2])), 0.0)
     t = _instants(plan.motion)[steps]
-    figure = go.Figure(go.Scatter(x=t, y=100 * share, line={"color": COLOURS[0], "width": 2}, name="gathered"))
+    figure = Chart()
+    figure.add_scatter(x=t, y=100 * share, line={"color": COLOURS[0], "width": 2}, name="gathered")
     figure.add_scatter(
         x=[0.0, plan.motion.duration],
         y=[0.0, 100.0],
@@ -240,8 +241,8 @@ def _progress(plan: Plan, matrices: Array) -> Plot:
         name="at an even pace",
     )
     figure.update_traces(mode="lines")
-    figure.update_xaxes(title_text="time [s]", range=[0.0, plan.motion.duration])
-    figure.update_yaxes(title_text="information gathered [%]", range=[0, 105])
+    figure.update_xaxes(title="time [s]", range=[0.0, plan.motion.duration])
+    figure.update_yaxes(title="information gathered [%]", range=[0, 105])
     words = "(det F)^(1/u) of all that was measured until then, as a share of the whole motion's."
     return Plot("progress", figure.update_layout(height=300), words)
 

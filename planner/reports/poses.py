@@ -1,13 +1,12 @@
 """The page of a pose set: the machine in each pose, what the set promises, and what its poses determine."""
 
-import plotly.graph_objects as go
-
 from identification.identifiability import Identifiability
 from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.provenance import provenance
 from planner.poses.plan import PosePlan
 from planner.precision import std_text
+from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.identify import identifiability_items
 from planner.reports.machine import posing_machine
@@ -55,13 +54,13 @@ def _deviations(plan: PosePlan) -> tuple[Item, ...]:
 
 
 def _places(plan: PosePlan) -> Plot:
-    figure = go.Figure()
+    figure = Chart()
     for poses, name, size, colour in (
         (plan.candidates.poses, "candidates", 5, GREY),
         (plan.poses, "chosen", 10, COLOURS[1]),
     ):
         marker = {"size": size, "color": colour}
         figure.add_scatter(x=poses[:, 0] * 1e3, y=poses[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
-    figure.update_xaxes(title_text="x [mm]", constrain="domain")
-    figure.update_yaxes(title_text="y [mm]", scaleanchor="x", constrain="domain")
+    figure.update_xaxes(title="x [mm]", constrain="domain")
+    figure.update_yaxes(title="y [mm]", scaleanchor="x", constrain="domain")
     return Plot("places", figure.update_layout(height=460), "Seen from above; several orientations share a place.")

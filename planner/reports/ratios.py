@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-import plotly.graph_objects as go
-
+from planner.reports.charts import Chart
 from planner.reports.page import plain
 
 SPREAD = 0.7  # of the distance between two parameters, over which the markers of one stand side by side
@@ -26,12 +25,12 @@ class Series(NamedTuple):
     symbol: str = "circle"
 
 
-def ratio_figure(series: Sequence[Series]) -> go.Figure:
+def ratio_figure(series: Sequence[Series]) -> Chart:
     """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is left out."""
     names = list(dict.fromkeys(n for s in series for n in s.deviations))
     known = {n: [s.deviations[n] for s in series if s.deviations.get(n, 0.0) > 0.0] for n in names}
     best = {n: min(values) for n, values in known.items() if values}
-    figure = go.Figure()
+    figure = Chart()
     for k, one in enumerate(series):
         told = [n for n in one.deviations if n in best and one.deviations[n] > 0.0]
         aside = SPREAD * ((k + 0.5) / len(series) - 0.5)
@@ -44,9 +43,9 @@ def ratio_figure(series: Sequence[Series]) -> go.Figure:
             text=[f"{plain(n)}: {one.deviations[n]:.3g}" for n in told],
             hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
         )
-    ticks = {"tickvals": list(range(len(names))), "ticktext": [plain(n) for n in names], "tickangle": -90}
-    figure.update_xaxes(range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, **ticks)
-    figure.update_yaxes(
-        title_text="times the smallest", type="log", tickvals=[1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]
-    )
+    figure.update_xaxes(
+        range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, tickvals=list(range(len(names))),
+        ticktext=[plain(n) for n in names], tickangle=-90,
+    )  # fmt: skip
+    figure.update_yaxes(title="times the smallest", type="log", tickvals=[1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
     return figure

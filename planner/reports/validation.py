@@ -4,12 +4,12 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-import plotly.graph_objects as go
 from matplotlib.figure import Figure
 
 from cases.schema import Case
 from identification.provenance import provenance
 from planner.precision import with_deviation
+from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.reports.ratios import Series, ratio_figure
@@ -198,8 +198,10 @@ def _error_plots(steps: Sequence[Step]) -> list[Item]:
     """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
     plots: list[Item] = []
     for name in COMPARED:
-        figure = go.Figure()
-        figure.add_hrect(y0=-SUSPICIOUS, y1=SUSPICIOUS, fillcolor=COLOURS[0], opacity=0.12, line_width=0, layer="below")
+        figure = Chart()
+        figure.add_hrect(
+            y0=-SUSPICIOUS, y1=SUSPICIOUS, fillcolor=COLOURS[0], opacity=0.12, line={"width": 0}, layer="below"
+        )
         drawn = False
         for k, method in enumerate(_methods(steps)):
             own = [(s.load, s.error(name)) for s in steps if s.method == method]
@@ -209,8 +211,8 @@ def _error_plots(steps: Sequence[Step]) -> list[Item]:
                 line = {"color": (*COLOURS, GREY)[k % 7]}
                 figure.add_scatter(x=x, y=y, name=plain(method), mode="lines+markers", line=line)
                 drawn = True
-        figure.update_xaxes(title_text="load [kg]")
-        figure.update_yaxes(title_text=f"error of {name} / std")
+        figure.update_xaxes(title="load [kg]")
+        figure.update_yaxes(title=f"error of {name} / std")
         if drawn:
             plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), half=True))
     if plots:
@@ -220,7 +222,7 @@ def _error_plots(steps: Sequence[Step]) -> list[Item]:
 
 
 def _s0_plot(steps: Sequence[Step]) -> Plot:
-    figure = go.Figure()
+    figure = Chart()
     for k, method in enumerate(_methods(steps)):
         own = [s for s in steps if s.method == method]
         line = {"color": (*COLOURS, GREY)[k % 7]}
@@ -231,10 +233,8 @@ def _s0_plot(steps: Sequence[Step]) -> Plot:
             mode="lines+markers",
             line=line,
         )
-    figure.update_xaxes(title_text="load [kg]")
-    figure.update_yaxes(
-        title_text="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)]
-    )
+    figure.update_xaxes(title="load [kg]")
+    figure.update_yaxes(title="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
     return Plot("s0", figure.update_layout(height=340, showlegend=True))
 
 

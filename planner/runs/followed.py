@@ -4,15 +4,15 @@ import hashlib
 from pathlib import Path
 from typing import NamedTuple
 
-from cases.errors import HexciteError, ProgramError
+from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
-from identification.motion import Trajectory
+from identification.motion import Joined, Standstill, Trajectory
 from planner.runs.about import about_recording
-from planner.runs.running import planned_excitation
 from planner.saved_plan import load_plan
-from postprocessors.files import read_program
+from postprocessors.files import ProgramFile, read_program
 from postprocessors.proving.measured import measures_at_poses
-from postprocessors.proving.stretches import stretches
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.stretches import Timed, Untimed, stretches
 
 
 class Followed(NamedTuple):
@@ -57,3 +57,28 @@ def followed_by_recording(path: Path, case: Case) -> Followed | None:
         return Followed(program.name, planned_excitation(read, case))
     except (ProgramError, OSError):  # another program stands there now
         return None
+
+
+def planned_excitation(read: ProgramFile, case: Case) -> Trajectory:
+    """The motion that the program asks for while its trigger is on.
+
+    Raises:
+        ExecutionError: nothing moves then.
+    """
+    limits = case.need_machine("a run")[2].motion
+    excited: list[Trajectory] = []
+    for part in stretches(read.reading):
+        if not part.trigger:
+            continue
+        if isinstance(part, Timed):
+            excited.append(part.points)
+        elif isinstance(part, Untimed):
+            motion = predicted(part, limits, read.guarantees)
+            excited += [] if motion is None else [motion]
+        elif excited and part.duration > 0.0:  # a pause between moves
+            excited.append(Standstill(excited[-1].at([excited[-1].duration]).pose[0], part.duration))
+    while excited and isinstance(excited[-1], Standstill):
+        excited.pop()
+    if not excited:
+        raise ExecutionError(f"{read.path}: nothing moves with the trigger on; write it with hexcite post")
+    return excited[0] if len(excited) == 1 else Joined(tuple(excited))

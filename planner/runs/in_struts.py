@@ -10,7 +10,7 @@ from identification.model import identification_model
 from identification.reference import reference_scaling
 from identification.trajectories.strut_move import StrutMove
 from planner.bounds.kept import box_bound
-from planner.runs.running import planned_excitation
+from planner.runs.followed import planned_excitation
 from planner.search.problem import mean_information
 from postprocessors.files import ProgramFile
 from postprocessors.proving.measured import measures_at_poses

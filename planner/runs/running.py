@@ -14,7 +14,7 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.loaded import UNDISTURBED, Circumstances
 from identification.model import identification_model
-from identification.motion import Joined, Standstill, Trajectory
+from identification.motion import Trajectory
 from identification.peaks import executed_peaks
 from identification.recording import Recording, write_recording
 from identification.reference import reference_scaling
@@ -23,6 +23,7 @@ from identification.trajectories.executed import StrutExecution
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.runs.fingerprints import plan_of_program
+from planner.runs.followed import planned_excitation
 from planner.runs.standing import stood, way_of
 from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import ExecutedRun, moving_windows
@@ -33,9 +34,8 @@ from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import ProgramFile, read_program
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.measured import measured_poses, measures_at_poses
-from postprocessors.proving.predicted import predicted
 from postprocessors.proving.proof import prove_program
-from postprocessors.proving.stretches import Stretch, Timed, Untimed, stretches
+from postprocessors.proving.stretches import Stretch, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
 SLOWER = 4.0  # speed-up of a second session
@@ -156,31 +156,6 @@ def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[
     if not len(run.trigger):
         raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
     return read, parts, run
-
-
-def planned_excitation(read: ProgramFile, case: Case) -> Trajectory:
-    """The motion that the program asks for while its trigger is on.
-
-    Raises:
-        ExecutionError: nothing moves then.
-    """
-    limits = case.need_machine("a run")[2].motion
-    excited: list[Trajectory] = []
-    for part in stretches(read.reading):
-        if not part.trigger:
-            continue
-        if isinstance(part, Timed):
-            excited.append(part.points)
-        elif isinstance(part, Untimed):
-            motion = predicted(part, limits, read.guarantees)
-            excited += [] if motion is None else [motion]
-        elif excited and part.duration > 0.0:  # a pause between moves
-            excited.append(Standstill(excited[-1].at([excited[-1].duration]).pose[0], part.duration))
-    while excited and isinstance(excited[-1], Standstill):
-        excited.pop()
-    if not excited:
-        raise ExecutionError(f"{read.path}: nothing moves with the trigger on; write it with hexcite post")
-    return excited[0] if len(excited) == 1 else Joined(tuple(excited))
 
 
 def _on_linuxcnc(read: ProgramFile, case: Case) -> ExecutedRun:

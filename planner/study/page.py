@@ -4,8 +4,8 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import plotly.graph_objects as go
 
+from planner.reports.charts import Chart
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
 from planner.study.rows import FAILED
 from planner.study.spec import command_of
@@ -124,10 +124,11 @@ def _map(letter: str, these: list[Group], row: str, column: str) -> Plot:
         if row in g.settings and column in g.settings:
             scores.setdefault((g.settings[row], g.settings[column]), []).extend(g.scores)
     z = [[float(np.median(scores[y, x])) if (y, x) in scores else None for x in xs] for y in ys]
-    figure = go.Figure(go.Heatmap(x=[str(x) for x in xs], y=[str(y) for y in ys], z=z, colorscale="Viridis"))
-    figure.update_xaxes(type="category")
-    figure.update_yaxes(type="category")
-    figure.update_layout(xaxis_title=column, yaxis_title=row, title=f"criterion {letter}")
+    figure = Chart()
+    figure.add("heatmap", x=[str(x) for x in xs], y=[str(y) for y in ys], z=z, colorscale="Viridis")
+    figure.update_xaxes(title=column, type="category")
+    figure.update_yaxes(title=row, type="category")
+    figure.update_layout(title={"text": f"criterion {letter}"})
     return Plot(f"map-{letter}-{row}-{column}", figure, half=True)
 
 
@@ -139,10 +140,11 @@ def _boxes(found: list[Group]) -> tuple[Item, ...]:
         if not these:
             continue
         varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in these}) > 1]
-        figure = go.Figure()
+        figure = Chart()
         for g in these:
             name = ", ".join(f"{n} {g.settings[n]}" for n in varied if n in g.settings) or "all"
-            figure.add_trace(go.Box(y=g.scores, name=name, boxpoints="all" if len(g.scores) <= 50 else "outliers"))
-        figure.update_layout(showlegend=False, yaxis_title=f"criterion {letter}")
+            figure.add("box", y=g.scores, name=name, boxpoints="all" if len(g.scores) <= 50 else "outliers")
+        figure.update_yaxes(title=f"criterion {letter}")
+        figure.update_layout(showlegend=False)
         plots.append(Plot(f"spread-{letter}", figure, note=f"{len(these)} best settings for {letter}, a box each."))
     return tuple(plots)

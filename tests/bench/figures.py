@@ -37,6 +37,7 @@ from tests.bench.single_moves import single_moves_rows
 from tests.bench.solvers import paper_study
 from tests.bench.study import study_rows
 from tests.bench.validation import validation_rows
+from tests.bench.wall_times import wall_time_rows
 
 HEXCITE = Path(sys.executable).parent / "hexcite"
 SEEDS = 100
@@ -58,7 +59,7 @@ def demos(folder: Path) -> list[list[str]]:
         answer = json.loads(printed)
         run, plan = answer["run"], answer["plan"]
         rows += [
-            [f"hexcite demo on {controller}", f"{seconds:.1f} s", "60 s"],
+            [f"hexcite demo on {controller}", f"{seconds:.1f} s", "25 s"],
             ["  worst error in reported standard deviations", f"{answer['worst_error_in_std']:.2f}", "4"],
             ["  Fourier order 5, 8 starts, solving", f"{plan['solve_s']:.1f} s", "30 s"],
             ["  D-efficiency planned / executed", f"{plan['d_efficiency']:.3f} / {run['d_efficiency']:.3f}", ""],
@@ -108,6 +109,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     starts = [command("--help")[0] for _ in range(7)]
     with tempfile.TemporaryDirectory() as name:
         yield "The chain", [["hexcite --help, median of 7", f"{np.median(starts):.2f} s", "0.4 s"], *demos(Path(name))]
+        yield "Wall times of identification", wall_time_rows(Path(name), command)
         yield "Identification of 20 000 samples, and coverage", identification(Path(name))
     with tempfile.TemporaryDirectory() as name:
         yield "Programs", programs(Path(name), command)

@@ -4,13 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import cho_factor
 from scipy.spatial.transform import Rotation
+from threadpoolctl import threadpool_info, threadpool_limits
 
+from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
+from identification.noise import restricted
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording
@@ -132,3 +136,30 @@ def test_by_default_the_model_is_what_the_recording_can_carry() -> None:
     assert identify(recording, CASE).model == 9
     standing = replace(recording, t=None, struts=recording.struts[::50], forces=recording.forces[::50])
     assert identify(standing, CASE).model == 5
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_blas_has_one_thread_meanwhile_and_the_callers_setting_again_afterwards(
+    monkeypatch: pytest.MonkeyPatch, threads: int
+) -> None:
+    """Every pool, for NumPy and SciPy bring one each; after a refused run too."""
+
+    def pools() -> set[int]:
+        return {pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"}
+
+    during: list[set[int]] = []
+
+    def factorised(matrix: np.ndarray, lower: bool) -> tuple[np.ndarray, bool]:
+        during.append(pools())
+        return cho_factor(matrix, lower=lower)
+
+    monkeypatch.setattr(restricted, "cho_factor", factorised)
+    moving = run(CASE)
+    with threadpool_limits(limits=threads, user_api="blas"):
+        identify(moving, CASE)
+        assert pools() == {threads}
+        with pytest.raises(IdentificationError):
+            identify(replace(moving, forces=0.0 * moving.forces), CASE)
+        assert pools() == {threads}
+    assert during
+    assert set.union(*during) == {1}

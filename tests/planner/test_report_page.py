@@ -1,5 +1,7 @@
 """The report page in a real browser: no network, fits every width, reads in the dark, shows text as text."""
 
+import base64
+import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +16,7 @@ from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
+from planner.reports.charts import Chart, script_json
 from planner.reports.figures import motion_plots
 from planner.reports.machine import moving_machine, posing_machine
 from planner.reports.page import Note, Page, Section, Table, plain, render, thinned
@@ -24,6 +27,7 @@ from tests.postprocessors.changed_case import changed
 from tests.simulated_machine import PoseExecution
 
 HOSTILE = "<img src=x onerror=\"document.title='taken over'\"><b>column</b></script>"
+CHART = re.compile(r'data-plot="[^"]+">(.*?)</script>', re.DOTALL)
 FITS = "document.documentElement.scrollWidth <= window.innerWidth"
 STICKS_OUT = """[...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll, .plot')
     && e.getBoundingClientRect().right > window.innerWidth + 1).map(e => e.outerHTML.slice(0, 80))"""
@@ -171,6 +175,31 @@ def test_an_identification_has_its_page(browser: Browser, result_page: Path):
         assert "onerror" in tab.page.locator(".lead").inner_text()
         assert tab.page.locator("img").count() == 0
         assert (tab.errors, tab.requests) == ([], [])
+
+
+def test_plotly_accepts_every_attribute_of_a_chart(page_file: Path, result_page: Path):
+    """Its Python classes refuse what its JavaScript would overlook."""
+    from plotly.graph_objects import Figure
+
+    charts = [c for file in (page_file, result_page) for c in CHART.findall(file.read_text(encoding="utf-8"))]
+    assert len(charts) == 8 + 7
+    for chart in charts:
+        Figure(json.loads(chart))
+
+
+def test_numbers_of_a_chart_reach_the_page_whatever_they_are():
+    chart = Chart()
+    values = np.array([[1.0, np.nan], [np.inf, 2.0]], np.float32)
+    chart.add("heatmap", z=values, x=[np.float64(1.0), None, float("nan")])
+    chart.add("bar", x=np.arange(2), y=np.array([1.5, 2.5]), name="</script>")
+    told = script_json({"data": chart.data})
+    assert "<" not in told
+    heatmap, bar = json.loads(told)["data"]
+    assert heatmap["x"] == [1.0, None, None]
+    assert (heatmap["z"]["dtype"], heatmap["z"]["shape"]) == ("f4", "2, 2")
+    np.testing.assert_array_equal(np.frombuffer(base64.b64decode(heatmap["z"]["bdata"]), "<f4"), values.ravel())
+    assert (bar["x"], bar["name"]) == ([0, 1], "</script>")
+    assert np.frombuffer(base64.b64decode(bar["y"]["bdata"]), "<f8").tolist() == [1.5, 2.5]
 
 
 def test_figures_for_papers_lie_beside_the_page(result_page: Path):

@@ -4,10 +4,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from cases.loading import load_case
+from identification.hexapod import Hexapod
+from identification.recording import write_recording
+from identification.simulate import simulate_recording
+from tests.helpers import Harmonic
 from tests.planner.command_line import call
 from tests.postprocessors.programs import typed
+from tests.simulated_machine import PoseExecution
 
 HEAVY = ("casadi", "scipy", "matplotlib", "plotly", "pyarrow", "numpy", "jinja2", "toppra", "ruckig")
 WATCH = f"""
@@ -36,6 +43,19 @@ def test_a_check_of_moves_imports_what_proves_them_and_no_more(tmp_path: Path):
     words = ("check", str(program), "--case", "hexapod", "--json")
     run = subprocess.run([sys.executable, "-c", WATCH, *words], capture_output=True, text=True, timeout=300)
     assert run.stdout.splitlines()[-1].split()[1:] == ["casadi", "numpy"]
+
+
+def test_identify_imports_no_interactive_plots_no_planner_and_no_parts_of_scipy_for_single_functions(tmp_path: Path):
+    """Each of them takes as long to import as an identification takes."""
+    case = load_case("hexapod")
+    execution = PoseExecution(Hexapod.of(case), Harmonic(seed=3, duration=4.0))
+    file = tmp_path / "run.csv"
+    write_recording(file, simulate_recording(case, execution, np.array([[0.3, 3.7]]), seed=1), case)
+    needless = ("matplotlib.pyplot", "plotly.graph_objs", "scipy.signal", "scipy.stats", "cvxpy", "toppra", "ruckig")
+    words = ("identify", str(file), "--case", "hexapod", "-o", str(tmp_path / "result"), "--json")
+    watch = WATCH.replace(repr(HEAVY), repr((*needless, "planner.planning")))
+    run = subprocess.run([sys.executable, "-c", watch, *words], capture_output=True, text=True, timeout=300)
+    assert run.stdout.splitlines()[-1] == "LOADED", run.stderr
 
 
 def test_help_lists_every_command_in_a_whole_sentence():

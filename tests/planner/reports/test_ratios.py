@@ -14,22 +14,22 @@ SERIES = (
 
 def test_each_parameter_is_measured_by_its_smallest_deviation():
     a, b, c = ratio_figure(SERIES).data
-    assert a.y == pytest.approx([2.0, 2.0])
-    assert b.y == pytest.approx([1.0, 1.0])
-    assert c.y == pytest.approx([1.0])
-    assert "zC: 3e-05" in a.text
+    assert a["y"] == pytest.approx([2.0, 2.0])
+    assert b["y"] == pytest.approx([1.0, 1.0])
+    assert c["y"] == pytest.approx([1.0])
+    assert "zC: 3e-05" in a["text"]
 
 
 def test_markers_stand_at_their_parameter_and_side_by_side():
     figure = ratio_figure(SERIES)
-    ticks = figure.layout.xaxis.ticktext
-    assert ticks == ("m", "zC", "k0", "IC33")
-    places = np.concatenate([trace.x for trace in figure.data])
+    ticks = figure.layout["xaxis"]["ticktext"]
+    assert ticks == ["m", "zC", "k0", "IC33"]
+    places = np.concatenate([trace["x"] for trace in figure.data])
     assert len(np.unique(places.round(6))) == len(places)
-    named = [label.split(":")[0] for trace in figure.data for label in trace.text]
+    named = [label.split(":")[0] for trace in figure.data for label in trace["text"]]
     assert [ticks[round(x)] for x in places] == named
     assert np.abs(places - places.round()).max() < SPREAD / 2
 
 
 def test_names_are_text():
-    assert "<b>" not in ratio_figure(SERIES).data[2].name
+    assert "<b>" not in ratio_figure(SERIES).data[2]["name"]
