@@ -237,12 +237,11 @@ class Plan:
         }
 
 
-def save_plan(plan: Plan, folder: Path) -> None:
-    """Writes a plan folder: plan.json, motion.csv, report.html, plots/."""
+def save_plan(plan: Plan, folder: Path, plots: bool = False) -> None:
+    """Writes a plan folder: plan.json, motion.csv, report.html; where asked for, figures for papers in plots/."""
     from planner.comparison.beside_manual import beside_manual
     from planner.reports.page import render
     from planner.reports.plan import plan_page
-    from planner.reports.plots import save_figure, trajectory_figure
 
     motion = sample(plan.motion, SAMPLE_RATE)
     with atomic_folder(folder, PLAN) as part:
@@ -250,7 +249,10 @@ def save_plan(plan: Plan, folder: Path) -> None:
         (part / "motion.csv").write_text(motion_csv(motion), encoding="utf-8")
         page = plan_page(plan, beside_manual(plan) if plan.family != "manual" else "it is the motion itself")
         (part / "report.html").write_text(render(page), encoding="utf-8")
-        save_figure(trajectory_figure(motion, plan.case), part / "plots", "trajectory")
+        if plots:
+            from planner.reports.plots import save_figure, trajectory_figure  # Matplotlib takes a second
+
+            save_figure(trajectory_figure(motion, plan.case), part / "plots", "trajectory")
 
 
 def motion_csv(motion: Motion) -> str:

@@ -16,6 +16,7 @@ EVERY = 10.0  # [s] between two lines of progress where there is no terminal
 WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Plots = Annotated[bool, typer.Option("--plots", help="Write figures for papers too, as SVG and PNG.")]
 Criterion = Annotated[
     str,
     typer.Option(

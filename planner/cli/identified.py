@@ -9,6 +9,7 @@ from cases.files import RESULT, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.force import external_force
+from identification.identifiability import Identifiability
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.long.blocks import fits_blocks
@@ -25,7 +26,6 @@ from planner.cli.wishes import Wish, method_of
 from planner.precision import std_text, value_text
 from planner.reports.identify import about_inputs, identify_page
 from planner.reports.page import render
-from planner.reports.plots import identifiability_figure, residual_figure, save_figure
 from planner.runs.fingerprints import plan_of_recording
 from planner.runs.recorded import UNSAID, Still, about_run, case_of, knows_poses, standing_of, with_feed
 
@@ -44,6 +44,7 @@ def make_result(
     quiet: bool,
     still: Still = UNSAID,
     plan: Path | None = None,
+    plots: bool = False,
 ) -> tuple[dict[str, Any], Estimate]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.
 
@@ -55,6 +56,7 @@ def make_result(
         quiet: print nothing.
         still: what is said about standstills.
         plan: that the run followed; a recording folder knows its program.
+        plots: whether to write figures for papers too.
     """
     paths = [paths] if isinstance(paths, Path) else list(paths)
     wish = wish if isinstance(wish, Wish) else Wish(wish)
@@ -83,14 +85,21 @@ def make_result(
         with atomic_folder(folder, RESULT) as part:
             (part / "result.json").write_text(json_text(content), encoding="utf-8")
             (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")
-            save_figure(residual_figure(estimate), part / "plots", "residuals")
-            save_figure(identifiability_figure(found), part / "plots", "identifiability")
+            if plots:
+                _save_plots(estimate, found, part / "plots")
             left = residuals_of(recording, loaded, estimate)
             page = identify_page(loaded, estimate, found, left, about_inputs(paths[0], content))
             (part / "report.html").write_text(render(page), encoding="utf-8")
     if not quiet:
         show_result(answer)
     return answer, estimate
+
+
+def _save_plots(estimate: Estimate, found: Identifiability, folder: Path) -> None:
+    from planner.reports.plots import identifiability_figure, residual_figure, save_figure  # Matplotlib takes a second
+
+    save_figure(residual_figure(estimate), folder, "residuals")
+    save_figure(identifiability_figure(found), folder, "identifiability")
 
 
 def _for_blocks(paths: Sequence[Path], wish: Wish, case: Case, plan: Path | None) -> Method | None:

@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Criterion, Json, limit_rows, print_json, print_table, remarks, status
+from planner.cli.console import (
+    LIMIT_COLUMNS,
+    Criterion,
+    Json,
+    Plots,
+    limit_rows,
+    print_json,
+    print_table,
+    remarks,
+    status,
+)
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -65,6 +75,7 @@ def plan(
         float | None, typer.Option(help="Time for the search in s; by default until more starts stop paying.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
+    plots: Plots = False,
     output: Out = None,
     json: Json = False,
 ) -> None:
@@ -99,7 +110,7 @@ def plan(
         seconds=seconds,
         seed=seed,
     )
-    answer = make_plan(request, output, quiet=json)
+    answer = make_plan(request, output, quiet=json, plots=plots)
     if json:
         print_json(answer)
 
@@ -122,7 +133,7 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
             raise HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 
-def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str, Any]:
+def make_plan(request: "Request", output: Path | None, quiet: bool, plots: bool = False) -> dict[str, Any]:
     """Plans, saves, prints unless `quiet`; returns the JSON answer."""
     from cases.files import PLAN, check_folder
     from cases.loading import find_case, load_case
@@ -158,7 +169,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
 
         result = shortest_plan(request, loaded, make) if request.targets else make(request)
     with status("writing", quiet), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_plan(result, folder)
+        save_plan(result, folder, plots)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | result.to_json()
     if not quiet:
         _show(answer, loaded)

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Criterion, Json, print_json, print_table, progress, status
+from planner.cli.console import Criterion, Json, Plots, print_json, print_table, progress, status
 
 
 def poses(
@@ -28,6 +28,7 @@ def poses(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; named after the case by default.")
     ] = None,
+    plots: Plots = False,
     json: Json = False,
 ) -> None:
     """Choose the poses that tell most when measured standing still.
@@ -37,12 +38,12 @@ def poses(
     from planner.poses.request import PoseRequest
 
     request = PoseRequest(case, criterion, count, method, model, candidates, seed, noise)
-    answer = make_poses(request, output, quiet=json)
+    answer = make_poses(request, output, quiet=json, plots=plots)
     if json:
         print_json(answer)
 
 
-def make_poses(request: Any, output: Path | None, quiet: bool) -> dict[str, Any]:
+def make_poses(request: Any, output: Path | None, quiet: bool, plots: bool = False) -> dict[str, Any]:
     """Plans, saves, prints unless `quiet`; returns the JSON answer."""
     from cases.files import PLAN, check_folder
     from cases.loading import find_case, load_case
@@ -59,7 +60,7 @@ def make_poses(request: Any, output: Path | None, quiet: bool) -> dict[str, Any]
     with progress("choosing poses", steps, quiet) as counted:
         plan = plan_poses(request, loaded, case_file, lambda left: counted(f"{left} poses"))
     with status("writing", quiet):
-        save_pose_plan(plan, folder)
+        save_pose_plan(plan, folder, plots)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if not quiet:

@@ -14,9 +14,9 @@ from cases.files import PLAN, atomic_folder, json_text
 from cases.recording_columns import POSE
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.identifiability import analyse
+from identification.identifiability import Identifiability, analyse
 from identification.limits import LimitReport, prove, worst_of
-from identification.model import identification_model
+from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from planner.deviations import SAMPLES_PER_SECOND, predicted_std_at_poses
 from planner.families.saved import motion_entries
@@ -242,11 +242,9 @@ def _in_units(poses: Array) -> Array:
     return np.asarray(np.round(poses / np.r_[np.full(3, MM), np.full(3, DEG)], 9))
 
 
-def save_pose_plan(plan: PosePlan, folder: Path) -> None:
-    """Writes a plan folder: plan.json, poses.csv, report.html, plots/."""
-    from planner.poses.plots import density_figure, pose_figure
+def save_pose_plan(plan: PosePlan, folder: Path, plots: bool = False) -> None:
+    """Writes a plan folder: plan.json, poses.csv, report.html; where asked for, figures for papers in plots/."""
     from planner.reports.page import render
-    from planner.reports.plots import identifiability_figure, save_figure
     from planner.reports.poses import poses_page
 
     model = identification_model(plan.case, plan.request.model)
@@ -254,9 +252,16 @@ def save_pose_plan(plan: PosePlan, folder: Path) -> None:
     with atomic_folder(folder, PLAN) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
         (part / "poses.csv").write_text("\n".join([",".join(("pose", *POSE)), *rows]) + "\n", encoding="utf-8")
-        plots = part / "plots"
-        save_figure(pose_figure(plan.case, plan.candidates.poses, plan.poses), plots, "poses")
-        save_figure(density_figure(plan.case, model, plan.predicted_std, plan.std_of_all), plots, "densities")
         found = analyse(pose_regressors(model, plan.poses), model.names)
-        save_figure(identifiability_figure(found), plots, "identifiability")
+        if plots:
+            _save_plots(plan, model, found, part / "plots")
         (part / "report.html").write_text(render(poses_page(plan, found)), encoding="utf-8")
+
+
+def _save_plots(plan: PosePlan, model: Model, found: Identifiability, folder: Path) -> None:
+    from planner.poses.plots import density_figure, pose_figure  # Matplotlib takes a second
+    from planner.reports.plots import identifiability_figure, save_figure
+
+    save_figure(pose_figure(plan.case, plan.candidates.poses, plan.poses), folder, "poses")
+    save_figure(density_figure(plan.case, model, plan.predicted_std, plan.std_of_all), folder, "densities")
+    save_figure(identifiability_figure(found), folder, "identifiability")

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
-HOT, COLD = 0.04, 0.002  # temperatures in units of log det F: above walks forget, below nothing moves any more
+HOT, COLD = 0.05, 0.003  # temperatures in units of log det F: above walks forget, below nothing moves any more
 EXCESS = 2.0  # of log det F for each whole limit of a rate or acceleration that a move exceeds: the solver mends these
 RIDGE = 1e-9  # on the diagonal of F in reference scaling: a walk that stands still has a value too
 TEMPERATURES = 40
