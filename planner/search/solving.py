@@ -23,8 +23,8 @@ from planner.families.ptp import PointToPointFamily
 from planner.infeasible import remedy, require_rest
 from planner.noise import expected_noise, seen_through
 from planner.search.annealing import annealed_start
-from planner.search.ipopt import Reached, Watch, solve
-from planner.search.problem import Problem, build_problem, mean_information
+from planner.search.ipopt import Watch, solve
+from planner.search.problem import build_problem, mean_information
 
 Array = NDArray[np.float64]
 
@@ -241,88 +241,116 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         InfeasiblePlan: no motion satisfies the limits.
     """
     began = time.perf_counter()
-    require_rest(task.case)
-    model = identification_model(task.case, task.model)
-    scaling = reference_scaling(task.case, model)
-    model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
-    family, stopped = task.family, False
-
-    def told(objective: float) -> bool:
-        nonlocal stopped
-        stopped = watch(objective) or stopped
-        return stopped
-
+    run = _Run(task, watch)
+    unknowns = run.begin()
+    before = run.rate(unknowns)
     exploring = task.begin is None and not task.moves
-    begin = _start(task, model, scaling, told)
-    problem = build_problem(task.case, model, family, scaling, MARGIN)
-    unknowns = family.start(np.random.default_rng(task.seed), problem.worst) if begin is None else begin
-    before = rate(model, scaling, family, unknowns, task.criterion)
-    if task.begin is not None:
-        problem = problem.with_rows_above(unknowns, NEAR)
     best: tuple[Rating, Inside] | None = None
-    iterations, reached = 0, None
     for stage in _stages(task):
-        if stopped and best is not None:
+        if run.stopped and best is not None:
             break
-        reached = _solve(problem, unknowns, stage, told)
-        iterations, unknowns = iterations + reached.iterations, reached.unknowns
-        family = family.refined(unknowns)
-        problem = problem.within(family.layout(task.case, MARGIN))
-        for round_ in range(0 if exploring else TIGHTER):
-            slips = problem.slips(family.motion(unknowns))
-            if stopped or (max(slips) <= 1.0 - MARGIN + SLIPPED and problem.outside(unknowns) < SLIPPED):
-                break
-            problem = problem.with_rows_above(unknowns, NEAR)
-            if round_ or task.begin is not None:
-                problem = problem.tightened(slips, 1.0 - MARGIN)
-            reached = _solve(problem, unknowns, stage._replace(convex=False, iterations=REFINE, options=_AT_HAND), told)
-            iterations, unknowns = iterations + reached.iterations, reached.unknowns
-        inside = keep_limits(task.case, family, unknowns, QUICK_RATE)
-        if inside.share < DRAWN_BACK and not (stopped or exploring):
-            problem = problem.with_rows_above(unknowns, 0.0)
-            reached = _solve(problem, inside.unknowns, stage._replace(convex=False, options=_NEAR), told)
-            iterations += reached.iterations
-            other = keep_limits(task.case, family, reached.unknowns, QUICK_RATE)
-            scores = [rate(model, scaling, family, m.unknowns, stage.letter).score for m in (inside, other)]
-            if scores[1] >= scores[0]:
-                inside = other
-        after = rate(model, scaling, family, inside.unknowns, task.criterion)
+        unknowns = run.solve(unknowns, stage)
+        if exploring:
+            inside = keep_limits(task.case, run.family, unknowns, QUICK_RATE)
+        else:
+            inside = run.inside(run.constrained(unknowns, stage), stage)
+            unknowns = inside.unknowns
+        after = run.rate(inside.unknowns)
         if best is None or after.score > best[0].score:
             best = after, inside
-        if not exploring:
-            unknowns = inside.unknowns
     assert best is not None
-    assert reached is not None
     after, inside = best
     if not np.isfinite(after.score):
         raise InfeasiblePlan(
             f"start {task.seed} found no motion inside the limits that determines all parameters of model "
             f"{task.model}; widen [limits.motion], allow a longer --duration or choose a smaller --model"
         )
-    promise = rate(model, scaling, family, unknowns, task.criterion).score if exploring else after.score
-    seconds = time.perf_counter() - began
     return Start(
-        task.seed, before.logdet, after.logdet, after.score, reached.status, reached.converged, iterations, seconds,
-        inside.unknowns, family, inside.share, unknowns, promise, not exploring,
-    )  # fmt: skip
+        seed=task.seed,
+        start_logdet=before.logdet,
+        logdet=after.logdet,
+        score=after.score,
+        status=run.status,
+        converged=run.converged,
+        iterations=run.iterations,
+        seconds=time.perf_counter() - began,
+        unknowns=inside.unknowns,
+        family=run.family,
+        shrunk=inside.share,
+        begin=unknowns,
+        promise=run.rate(unknowns).score if exploring else after.score,
+        refined=not exploring,
+    )
 
 
-def _start(task: Task, model: Model, scaling: Array, watch: Watch) -> Array | None:
-    """Where the solver begins; None for a random start."""
-    family = task.family
-    if task.begin is not None or not isinstance(family, PointToPointFamily):
-        return task.begin
-    draw = np.random.default_rng(task.seed)
-    proposals = (QUICK if task.rival else PROPOSALS) * family.moves**2
-    return annealed_start(task.case, model, scaling, family, draw, proposals, watch)
+class _Run:
+    """One start on its way: its problem as it stands, and what the solver has said and used."""
 
+    def __init__(self, task: Task, watch: Watch) -> None:
+        require_rest(task.case)
+        model = identification_model(task.case, task.model)
+        self.task, self.family, self.watch = task, task.family, watch
+        self.scaling = reference_scaling(task.case, model)
+        self.model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
+        self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN)
+        self.iterations, self.status, self.converged, self.stopped = 0, "", False, False
 
-def _solve(problem: Problem, unknowns: Array, stage: _Stage, watch: Watch) -> Reached:
-    program = replace(problem.program, letter=stage.letter, halvings=stage.halvings, convex=stage.convex)
-    reached = solve(program, unknowns, stage.iterations, watch, stage.options)
-    if not np.isfinite(reached.unknowns).all():
-        return replace(reached, unknowns=unknowns, converged=False)
-    return replace(reached, unknowns=np.clip(reached.unknowns, program.lower, program.upper))
+    def told(self, objective: float) -> bool:
+        """Passes on that the solver has come further; true where it is to stop."""
+        self.stopped = self.watch(objective) or self.stopped
+        return self.stopped
+
+    def rate(self, unknowns: Array, letter: str | None = None) -> Rating:
+        """What a motion is worth by the criterion asked for, or another."""
+        return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion)
+
+    def begin(self) -> Array:
+        """Where the solver begins."""
+        task, draw = self.task, np.random.default_rng(self.task.seed)
+        if task.begin is not None:
+            self.problem = self.problem.with_rows_above(task.begin, NEAR)
+            return task.begin
+        if not isinstance(self.family, PointToPointFamily):
+            return self.family.start(draw, self.problem.worst)
+        proposals = (QUICK if task.rival else PROPOSALS) * self.family.moves**2
+        return annealed_start(task.case, self.model, self.scaling, self.family, draw, proposals, self.told)
+
+    def solve(self, unknowns: Array, stage: _Stage) -> Array:
+        """Runs the solver once."""
+        program = replace(self.problem.program, letter=stage.letter, halvings=stage.halvings, convex=stage.convex)
+        reached = solve(program, unknowns, stage.iterations, self.told, stage.options)
+        self.iterations += reached.iterations
+        self.status, self.converged = reached.status, reached.converged
+        if not np.isfinite(reached.unknowns).all():
+            self.converged = False
+            return unknowns
+        return np.asarray(np.clip(reached.unknowns, program.lower, program.upper))
+
+    def constrained(self, unknowns: Array, stage: _Stage) -> Array:
+        """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
+        self.family = self.family.refined(unknowns)
+        self.problem = self.problem.within(self.family.layout(self.task.case, MARGIN))
+        again = stage._replace(convex=False, iterations=REFINE, options=_AT_HAND)
+        for number in range(TIGHTER):
+            slips = self.problem.slips(self.family.motion(unknowns))
+            kept = max(slips) <= 1.0 - MARGIN + SLIPPED and self.problem.outside(unknowns) < SLIPPED
+            if self.stopped or kept:
+                break
+            self.problem = self.problem.with_rows_above(unknowns, NEAR)
+            if number > 0 or self.task.begin is not None:
+                self.problem = self.problem.tightened(slips, 1.0 - MARGIN)
+            unknowns = self.solve(unknowns, again)
+        return unknowns
+
+    def inside(self, unknowns: Array, stage: _Stage) -> Inside:
+        """Draws a motion back inside the limits; where much is lost by that, searches once more from there."""
+        first = keep_limits(self.task.case, self.family, unknowns, QUICK_RATE)
+        if first.share >= DRAWN_BACK or self.stopped:
+            return first
+        self.problem = self.problem.with_rows_above(unknowns, 0.0)
+        second = self.solve(first.unknowns, stage._replace(convex=False, options=_NEAR))
+        other = keep_limits(self.task.case, self.family, second, QUICK_RATE)
+        return max((first, other), key=lambda found: self.rate(found.unknowns, stage.letter).score)
 
 
 def run_safely(task: Task, watch: Watch) -> Start | Failed:
