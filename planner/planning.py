@@ -82,7 +82,7 @@ def _explore(request: Request, case: Case, seed: int) -> Task:
 
 def _rival(request: Request, case: Case, seed: int) -> Task | None:
     """One start of another family that takes seconds, to compare with."""
-    if request.starts == 1:  # one start was asked for
+    if request.starts == 1 or request.criterion != "D":  # one start was asked for, or what D does not measure
         return None
     other = "ptp" if request.family == "fourier" else "fourier"
     wanted = replace(
