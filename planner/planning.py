@@ -1,5 +1,6 @@
 """Plans an excitation from start to proof."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from threading import Event
@@ -31,14 +32,15 @@ from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.choices import choices
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
-from planner.search.patience import Patience
+from planner.search.patience import FEWEST, Patience
 from planner.search.problem import mean_information
-from planner.search.solving import Failed, Start, Task, keep_limits, seeds_of
+from planner.search.solving import Failed, Start, Step, Task, keep_limits, seeds_of
 
 Array = NDArray[np.float64]
 
 AT_REST = 1e-6  # [m/s, rad/s; m/s^2, rad/s^2] of rounding
-KEPT = 3  # of several orders and periods, the best are looked at from all starts
+KEPT = 3  # of several orders and periods, the best get more starts
+ROUND = max(2, min(8, os.cpu_count() or 1))  # starts at a time
 
 
 class Found(NamedTuple):
@@ -76,11 +78,7 @@ def first_family(request: Request, case: Case) -> Family:
     return PointToPointFamily.of(case, request.move_count, request.duration)
 
 
-def _explore(request: Request, case: Case, seed: int) -> Task:
-    return Task(case, request.model, first_family(request, case), request.criterion, seed, request.payload)
-
-
-def _rival(request: Request, case: Case, seed: int) -> Task | None:
+def _rival(request: Request, case: Case) -> Task | None:
     """One start of another family that takes seconds, to compare with."""
     if request.starts == 1 or request.criterion != "D":  # one start was asked for, or what D does not measure
         return None
@@ -92,7 +90,7 @@ def _rival(request: Request, case: Case, seed: int) -> Task | None:
         require_plannable(replace(wanted, targets=()), case)
     except HexciteError:  # too short for it, or too fast for the filter
         return None
-    return replace(_explore(wanted, case, seed), criterion="D", rival=True)
+    return Task(case, request.model, first_family(wanted, case), "D", request.seed, request.payload, Step.GLANCE)
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> Found:
@@ -102,18 +100,13 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
-    watch = Patience.of(request, len(identification_model(case, request.model).names))
-    rival = _rival(request, case, request.seed)
-    results, interrupted = _explored(request, case, listener, run, watch.exploring(), rival)
-    rivals = [r for r in results if isinstance(r, Start) and rival is not None and r.family.name != request.family]
-    results = [r for r in results if r not in rivals]
-    starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)
-    rough = [s for s in starts if not s.refined][: watch.refined]
-    if rough and not interrupted:
-        again = [
-            Task(case, request.model, s.family, request.criterion, s.seed, request.payload, s.begin) for s in rough
-        ]
-        second = run(again, listener, watch.to_the_end())
+    patience = Patience.of(request, len(identification_model(case, request.model).names))
+    results, rivals, interrupted = _explored(request, case, listener, run, patience.exploring())
+    rough = sorted((s for s in results if isinstance(s, Start) and not s.refined), key=lambda s: -s.promise)
+    best = [Task(case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
+            for s in rough[: patience.refined]]  # fmt: skip
+    if best and not interrupted:
+        second = run(best, listener, patience)
         results, interrupted = results + second.results, second.interrupted
     starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.score)
     failed = [r for r in results if isinstance(r, Failed)]
@@ -137,29 +130,38 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
 
 
 def _explored(
-    request: Request, case: Case, listener: Listener, run: Runner, watch: Patience, rival: Task | None
-) -> Outcome:
-    """All starts; of several choices each is looked at once, and the other starts go to the best of them."""
-    seeds = seeds_of(request.seed, watch.most)
-    among = choices(request, case)
-    beside = [] if rival is None else [rival]
-    if len(among) == 1:
-        tasks = [_explore(among[0], case, seed) for seed in seeds]
-        return run([*tasks[:1], *beside, *tasks[1:]], listener, watch)
-    look = run([*(_explore(choice, case, seeds[0]) for choice in among), *beside], listener, watch.to_the_end())
-    best = sorted((r for r in look.results if isinstance(r, Start)), key=lambda s: -s.promise)
-    kept = [start.family.settings for start in best if start.family.name == request.family][:KEPT]
-    families = [first_family(choice, case) for choice in among]
-    more = [
-        _explore(choice, case, seed)
-        for seed in seeds[1:]
-        for choice, family in zip(among, families, strict=True)
-        if family.settings in kept
-    ]
-    if look.interrupted or not more:
-        return look
-    rest = run(more, listener, watch)
-    return Outcome([*look.results, *rest.results], rest.interrupted)
+    request: Request, case: Case, listener: Listener, run: Runner, patience: Patience
+) -> tuple[list[Start | Failed], list[Start], bool]:
+    """Results of all starts, of other families to compare with, and whether Ctrl-C ended them.
+
+    Of several orders and periods each is looked at once; the starts that follow go to the best of them.
+    """
+    families = [first_family(choice, case) for choice in choices(request, case)]
+    seeds, several = iter(seeds_of(request.seed, patience.most + len(families))), len(families) > 1
+
+    def fresh(family: Family) -> Task:
+        return Task(case, request.model, family, request.criterion, next(seeds), request.payload)
+
+    first = max(len(families), min(FEWEST, patience.most))
+    tasks = [fresh(families[k % len(families)]) for k in range(first)]
+    rival = _rival(request, case)
+    results: list[Start | Failed] = []
+    rivals: list[Start] = []
+    while True:
+        found = run([*tasks, *([] if rival is None else [rival])], listener, patience)
+        for result in found.results:
+            if isinstance(result, Start) and rival is not None and result.family.name != request.family:
+                rivals.append(result)
+            else:
+                results.append(result)
+        rival = None
+        if found.interrupted or patience.over() or patience.enough(results) or len(results) >= patience.most:
+            return results, rivals, found.interrupted
+        starts = sorted((r for r in results if isinstance(r, Start)), key=lambda s: -s.promise)
+        names = [family.settings for family in families]
+        ranked = dict.fromkeys(names.index(s.family.settings) for s in starts) if several else {}
+        best = [families[k] for k in ranked] or families
+        tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(ROUND, patience.most - len(results)))]
 
 
 def _made_by_hand(request: Request, case: Case) -> Found:

@@ -88,14 +88,12 @@ Runner = Callable[[Sequence[Task], Listener, Patience], Outcome]
 def run_here(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
     """Runs tasks one after the other in this process: for those who bring processes of their own."""
     results: list[Start | Failed] = []
-    counted: list[Start | Failed] = []
     for task in tasks:
+        if patience.over() and results:
+            break
         result = run_safely(task, lambda objective: patience.over())
         listener.done(result)
         results.append(result)
-        counted += [] if task.rival else [result]
-        if patience.over() or patience.enough(counted):
-            break
     return Outcome(results, False)
 
 
@@ -104,13 +102,12 @@ def workers() -> Iterator[Runner]:
     """Processes, one a core, that run rounds of starts until the context is left.
 
     The first Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of
-    the time. Where starts stop paying, what still runs is dropped.
+    the time.
     """
     # Spawned, not forked: MUMPS and threads of a parent do not survive a fork.
     context = get_context("spawn")
     stop, news = context.Event(), context.SimpleQueue()
-    count = os.cpu_count() or 1
-    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin, initargs=(stop, news))
+    pool = ProcessPoolExecutor(os.cpu_count() or 1, mp_context=context, initializer=_begin, initargs=(stop, news))
 
     def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
         pressed = False
@@ -121,10 +118,10 @@ def workers() -> Iterator[Runner]:
             stop.set()
 
         stop.clear()
+        results: dict[int, Start | Failed] = {}
         with first_ctrl_c_calls(press):
             with ctrl_c_waits():
                 places = {pool.submit(_work, task): k for k, task in enumerate(tasks)}
-            results: dict[int, Start | Failed] = {}
             pending = set(places)
             while pending:
                 finished, pending = wait(pending, POLL, FIRST_COMPLETED)
@@ -133,11 +130,6 @@ def workers() -> Iterator[Runner]:
                 for future in finished:
                     results[places[future]] = _result(future)
                     listener.done(results[places[future]])
-                if enough := _counted(tasks, results, patience):
-                    stop.set()
-                    wait([f for f in pending if not f.cancel()])
-                    others = [r for k, r in sorted(results.items()) if tasks[k].rival]
-                    return Outcome([*enough, *others], False)
                 if patience.over():
                     stop.set()
                 if stop.is_set():
@@ -149,22 +141,6 @@ def workers() -> Iterator[Runner]:
     finally:
         stop.set()
         pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _counted(
-    tasks: Sequence[Task], results: dict[int, Start | Failed], patience: Patience
-) -> list[Start | Failed] | None:
-    """The results of the first starts, where they are enough."""
-    counted: list[Start | Failed] = []
-    for k, task in enumerate(tasks):
-        if task.rival:
-            continue
-        if k not in results:
-            return None
-        counted.append(results[k])
-        if patience.enough(counted):
-            return counted
-    return None
 
 
 def _result(future: Future[Start | Failed]) -> Start | Failed:

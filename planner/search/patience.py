@@ -1,8 +1,8 @@
 """When a search has had enough starts.
 
 It ends when starts stop paying: after `FEWEST` of them, as soon as the last `IDLE` did not raise the best by
-`WORTHWHILE`. The starts are counted in the order of their seeds, so that the answer does not depend on which of them
-was done first. `--starts N` asks for N of them instead, `--seconds S` for as many as that time allows.
+`WORTHWHILE`. They are counted in an order that does not depend on which of them was done first. `--starts N` asks for N
+of them instead, `--seconds S` for as many as that time allows.
 """
 
 import math
@@ -14,7 +14,7 @@ from planner.request import Request
 from planner.search.solving import Failed, Start
 
 MOST = 40  # starts, by default; with `--seconds` there is no such end
-FEWEST, IDLE = 4, 3
+FEWEST, IDLE = 4, 4
 WORTHWHILE = 0.005  # of an efficiency
 EXPLORING = 0.6  # share of `--seconds` that goes into explorations, where their best are refined afterwards
 ENDLESS = 1000
@@ -56,12 +56,8 @@ class Patience:
         return cls(request.criterion, parameters, most, until, exploring, counts, refined)
 
     def exploring(self) -> "Patience":
-        """For the round of explorations."""
+        """For the explorations."""
         return replace(self, until=self.exploring_until)
-
-    def to_the_end(self) -> "Patience":
-        """For a round that is not cut short because starts stop paying."""
-        return replace(self, counts=False)
 
     def over(self) -> bool:
         """Whether time is up."""
@@ -73,6 +69,8 @@ class Patience:
         Args:
             results: of all starts until now, in the order of their seeds.
         """
+        if len(results) >= self.most:
+            return True
         if not self.counts or len(results) < FEWEST:
             return False
         best, since = -math.inf, 0

@@ -7,6 +7,7 @@ that exceeds a limit between the instants at which it was constrained is drawn b
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
@@ -93,6 +94,14 @@ class Failed:
     reason: str
 
 
+class Step(Enum):
+    """How thoroughly one start is optimised."""
+
+    EXPLORE = "explored"
+    REFINE = "refined"
+    GLANCE = "looked at"  # another family, to compare with
+
+
 @dataclass(frozen=True, slots=True)
 class Task:
     """What a worker process needs to run one start.
@@ -104,8 +113,8 @@ class Task:
         criterion: letter of Table 4.
         seed: of the random start.
         payload: number of the case's payloads that are mounted, for the noise.
+        step: what to do.
         begin: the result of an exploration that is to be refined.
-        rival: whether this is a quick look at another family, to compare with.
     """
 
     case: Case
@@ -114,8 +123,8 @@ class Task:
     criterion: str
     seed: int
     payload: int = 0
+    step: Step = Step.EXPLORE
     begin: Array | None = None
-    rival: bool = False
 
     @property
     def moves(self) -> bool:
@@ -218,14 +227,14 @@ _AT_HAND: dict[str, object] = {"mu_init": 1e-5}
 def _stages(task: Task) -> Iterator[_Stage]:
     """First by D, which is smooth everywhere, then, when refining, by the criterion asked for."""
     afar = _NEAR if task.moves else _FAR
-    if task.rival:
+    if task.step is Step.GLANCE:
         yield _Stage("D", 0, not task.moves, GLANCE, afar)
         return
-    if task.begin is None:
+    if task.step is Step.EXPLORE:
         yield _Stage("D", 0, not task.moves, EXPLORE[task.family.name], afar)
-    if task.begin is None and not task.moves:
-        return
-    if task.criterion == "D" and task.begin is not None:
+        if not task.moves:
+            return
+    if task.criterion == "D" and task.step is Step.REFINE:
         yield _Stage("D", 0, False, REFINE, _AT_HAND)
     elif task.criterion == "A":
         yield _Stage("A", 0, not task.moves, OTHERWISE, afar)
@@ -244,7 +253,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     run = _Run(task, watch)
     unknowns = run.begin()
     before = run.rate(unknowns)
-    exploring = task.begin is None and not task.moves
+    exploring = task.step is not Step.REFINE and not task.moves
     best: tuple[Rating, Inside] | None = None
     for stage in _stages(task):
         if run.stopped and best is not None:
@@ -312,7 +321,7 @@ class _Run:
             return task.begin
         if not isinstance(self.family, PointToPointFamily):
             return self.family.start(draw, self.problem.worst)
-        proposals = (QUICK if task.rival else PROPOSALS) * self.family.moves**2
+        proposals = (QUICK if task.step is Step.GLANCE else PROPOSALS) * self.family.moves**2
         return annealed_start(task.case, self.model, self.scaling, self.family, draw, proposals, self.told)
 
     def solve(self, unknowns: Array, stage: _Stage) -> Array:
@@ -337,7 +346,7 @@ class _Run:
             if self.stopped or kept:
                 break
             self.problem = self.problem.with_rows_above(unknowns, NEAR)
-            if number > 0 or self.task.begin is not None:
+            if number > 0 or self.task.step is Step.REFINE:
                 self.problem = self.problem.tightened(slips, 1.0 - MARGIN)
             unknowns = self.solve(unknowns, again)
         return unknowns
