@@ -11,8 +11,9 @@ from identification.reference import reference_scaling
 from identification.trajectories.profile import StraightMove
 from planner.families.ptp import PointToPointFamily
 from planner.search.problem import Problem, build_problem, mean_information
-from planner.search.rows import BlockRows
+from planner.search.rows import BlockRows, StateRows
 from planner.search.solving import MARGIN, Start, Task, keep_limits, run_start
+from planner.search.state_limits import pose_shares
 
 MOVES = 9
 
@@ -127,3 +128,17 @@ def test_every_phase_lasts_three_cycles_of_the_controller_or_is_absent(found: St
         for phase in part.profile[1:]:
             assert phase == 0.0 or phase >= 0.003 - 1e-12
         assert part.profile.jerk_time >= 0.003 - 1e-12
+
+
+def test_limits_of_poses_are_constrained_at_every_waypoint(
+    start: np.ndarray, family: PointToPointFamily, problem: Problem, hexapod_case: Case
+):
+    """At the first as well, where no move ends: drawn out of reach alone, it is outside a row."""
+    for waypoint in range(MOVES + 1):
+        far = start.copy()
+        far[6 * waypoint : 6 * waypoint + 6] = 3.0
+        poses = family.middle + family.split(far)[0] * family.half
+        shares = pose_shares(hexapod_case, poses)["strut length"].max(axis=1)
+        assert np.flatnonzero(shares > 1.0).tolist() == [waypoint]
+        rows = [part for part in problem.program.rows if isinstance(part, StateRows)]
+        assert max(np.abs(part.values(far)).max(initial=0.0) for part in rows) > 1.0

@@ -152,10 +152,10 @@ def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
             assert np.all(new.upper <= old.upper)
             assert np.all(new.lower >= old.lower)
     factors = [min(1.0, (1.0 - MARGIN) / slip) for slip in slips]
-    state_rows = [(o, n) for o, n in zip(problem.program.rows, tighter.program.rows, strict=True)
-                  if isinstance(o, StateRows)]  # fmt: skip
-    assert len(state_rows) == len(problem.limits)
-    for (old, new), factor in zip(state_rows, factors[4:], strict=True):
+    last = list(zip(problem.program.rows, tighter.program.rows, strict=True))[-len(problem.limits) :]
+    for (old, new), factor in zip(last, factors[4:], strict=True):
+        assert isinstance(old, StateRows)
+        assert isinstance(new, StateRows)
         assert new.bound == pytest.approx(old.bound * factor)
     for old, new in zip(problem.program.rows, tighter.program.rows, strict=True):
         if isinstance(old, LinearRows) and old.equal is None:
