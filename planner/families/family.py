@@ -27,6 +27,7 @@ class Layout:
         rows: limits of the coordinates, linear ones and those of the family.
         lower: bound of each unknown, shape (n,).
         upper: bound of each unknown, shape (n,).
+        standing: states besides, at which limits of poses are constrained.
     """
 
     states: States
@@ -35,6 +36,7 @@ class Layout:
     rows: tuple[Rows, ...]
     lower: Array
     upper: Array
+    standing: States | None = None
 
 
 class Family(Protocol):

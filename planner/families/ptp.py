@@ -21,7 +21,7 @@ from planner.families.family import Layout, box_middle
 from planner.search.kernel import Kernel
 from planner.search.peaks import Peak
 from planner.search.rows import BlockRows, LinearRows
-from planner.search.states import KernelStates
+from planner.search.states import STATE, KernelStates, LinearStates
 
 Array = NDArray[np.float64]
 
@@ -184,7 +184,15 @@ class PointToPointFamily:
             ),
             lower=np.r_[-edge, lower.ravel()],
             upper=np.r_[edge, upper.ravel()],
+            standing=self._first_waypoint(),
         )
+
+    def _first_waypoint(self) -> LinearStates:
+        """It ends no move, so that no critical state is there."""
+        offset, slope = np.zeros((1, 1, STATE)), np.zeros((1, 1, STATE, 6))
+        offset[0, 0, :6] = self.middle
+        slope[0, 0, :6] = np.diag(self.half)
+        return LinearStates(np.arange(6)[None], offset, slope)
 
     def _time_bounds(self) -> tuple[Array, Array]:
         shortest = SHORTEST_PHASE * self.cycle / self.unit

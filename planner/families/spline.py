@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.motion import Trajectory
 from identification.trajectories.polynomial import Piece, PolynomialMotion
 from planner.families.family import Layout, box_middle
 from planner.families.linear import linear_layout
@@ -181,15 +180,6 @@ class SplineFamily:
     def shrunk(self, unknowns: Array, share: float) -> Array:
         """Smaller about the middle of the box."""
         return unknowns * share
-
-    def through(self, motion: Trajectory) -> Array:
-        """Unknowns of the spline that comes closest to a motion of the same duration, in pose, rates, accelerations."""
-        basis, t = self._basis(), self._at(tuple((np.arange(FINE) + 0.5) / FINE))
-        step, wanted = self.duration / self.intervals, motion.at(t)
-        poses, rates, accelerations = wanted.pose - self.middle, wanted.rates, wanted.accelerations
-        values = [v * step**order for order, v in enumerate((poses, rates, accelerations))]
-        matrix = np.vstack([basis(t, nu=order) * step**order for order in range(3)])
-        return np.asarray(np.linalg.lstsq(matrix, np.vstack(values) / self.half, rcond=None)[0]).ravel()
 
     def motion(self, unknowns: Array) -> PolynomialMotion:
         """The motion of unknowns of shape (q * 6,), row by row."""

@@ -112,7 +112,12 @@ def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.S
 
 
 # A jerk-limited move uses most of an acceleration where a phase of constant acceleration begins or ends.
-_PLACES = {Peak.POSE: ((3, 0.5), (6, 1.0)), Peak.VELOCITY: ((3, 0.5),), Peak.ACCELERATION: ((1, 0.5), (5, 0.5))}
+# Both ends count: the first waypoint of a walk is the end of no move.
+_PLACES = {
+    Peak.POSE: ((0, 0.0), (3, 0.5), (6, 1.0)),
+    Peak.VELOCITY: ((3, 0.5),),
+    Peak.ACCELERATION: ((1, 0.5), (5, 0.5)),
+}
 
 
 def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:

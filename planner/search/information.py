@@ -1,34 +1,10 @@
-"""Information of a motion as CasADi functions: what each sample adds to F = A^T A, and log det of the sum."""
+"""Log det of an information matrix as a CasADi function."""
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
-
-from identification.model import Model
-
-Array = NDArray[np.float64]
 
 
 def _lower(size: int) -> ca.Sparsity:
     return ca.Sparsity.lower(size)
-
-
-def sample_information(model: Model, scaling: Array) -> ca.Function:
-    """(pose, rates, accelerations) -> lower triangle of H A^T A H of one sample, column by column, shape (u (u+1)/2,).
-
-    Args:
-        model: gives A (21).
-        scaling: diagonal of H (25), shape (u,).
-    """
-    pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
-    scaled = model.coordinate_regressor(pose, rates, accelerations) @ ca.diag(ca.DM(scaling))
-    product = ca.densify(scaled.T @ scaled)
-    return ca.Function(
-        "sample_information",
-        [pose, rates, accelerations],
-        [product[_lower(len(scaling)).find()]],
-        {"cse": True},
-    )
 
 
 def log_determinant(size: int) -> ca.Function:

@@ -12,6 +12,7 @@ from identification.evaluate import over_samples
 from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
+from planner.search.peaks import Peak
 from planner.search.program import Program, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows
 from planner.search.state_limits import BINDS, LimitGroup, near_limits
@@ -78,13 +79,13 @@ class Problem:
     def tightened(self, slips: Sequence[float], bound: float) -> "Problem":
         """The same with bounds lowered by what `slips` exceed one that all should satisfy."""
         factors = [min(1.0, bound / slip) for slip in slips]
-        of_states = iter(factors[4:])
+        before = len(self.program.rows) - len(self.limits)
         rows: list[Rows] = []
-        for part in self.program.rows:
+        for k, part in enumerate(self.program.rows):
             if isinstance(part, LinearRows) and part.equal is None:
                 part = replace(part, bound=part.bound * np.array(factors)[part.order])
-            elif isinstance(part, StateRows):
-                part = replace(part, bound=part.bound * next(of_states))
+            elif isinstance(part, StateRows) and k >= before:
+                part = replace(part, bound=part.bound * factors[4 + k - before])
             rows.append(part)
         return replace(self, program=replace(self.program, rows=tuple(rows)))
 
@@ -113,8 +114,16 @@ def build_problem(case: Case, model: Model, family: Family, scaling: Array, marg
         )
         for group in limits
     )
+    first: tuple[Rows, ...] = ()
+    if (standing := layout.standing) is not None:
+        shape = standing.index.shape[0], standing.at(np.zeros(len(layout.lower))).shape[1]
+        first = tuple(
+            StateRows(standing, group.kernel, np.ones((*shape, group.kernel.size), dtype=bool), 1.0 - margin)
+            for group in limits
+            if group.peak is Peak.POSE
+        )
     program = Program(
-        layout.states, regressor_kernel(model, scaling), (*layout.rows, *rows), layout.lower, layout.upper
+        layout.states, regressor_kernel(model, scaling), (*layout.rows, *first, *rows), layout.lower, layout.upper
     )
     return Problem(layout, program, limits, case.need_machine("planning")[2].motion, *box_middle(case))
 

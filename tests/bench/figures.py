@@ -20,7 +20,6 @@ from planner.cli.console import print_table
 from planner.runs.running import execute
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing
 from tests.bench.anytime import anytime
-from tests.bench.building import building_rows
 from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised
 from tests.bench.criteria import criteria_table
@@ -121,7 +120,6 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
-    yield "Planner", building_rows()
 
 
 def main() -> None:

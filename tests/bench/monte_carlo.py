@@ -8,7 +8,7 @@ from identification.motion import Trajectory
 from planner.cli.console import print_table
 from planner.planning import search
 from planner.request import Request
-from planner.search.parallel import Listener
+from planner.search.parallel import Listener, workers
 from tests.planner.monte_carlo import monte_carlo, vibrating, vibrating_runs
 
 ACCELERATION_NOISE = 0.1  # [m/s^2, rad/s^2] of measured accelerations, in the regressor
@@ -19,7 +19,8 @@ def monte_carlo_table() -> None:
     """Prints both for a planned Fourier motion of 3 s."""
     case = load_case("hexapod")
     request = Request("hexapod", duration=3.0, starts=2)
-    motion = search(request, case, Listener(lambda start: None, lambda news: None)).motion
+    with workers() as run:
+        motion = search(request, case, Listener(lambda start: None, lambda news: None), run).motion
     white = monte_carlo(case, motion, 500, 1.0, 0.0)
     noisy = monte_carlo(case, motion, 50, 1.0, ACCELERATION_NOISE)
     rows = [

@@ -10,7 +10,7 @@ from planner.families.manual import manual_motion, sequence_file
 from planner.planning import search
 from planner.request import Request
 from planner.retiming.retimed import Method, retimed
-from planner.search.parallel import Listener
+from planner.search.parallel import Listener, run_here
 
 SILENT = Listener(lambda start: None, lambda news: None)
 SPLINE = ("ipopt", "toppra")
@@ -19,9 +19,11 @@ MOVES = ("ruckig", "ipopt", "toppra")
 
 def motions(case: Case) -> dict[str, tuple[Trajectory, tuple[str, ...]]]:
     """A motion of each family, and the methods that it can be re-timed with."""
-    fourier = search(Request("hexapod", criterion="N", starts=2), case, SILENT).motion
-    ptp = search(Request("hexapod", family="ptp", moves=12, duration=4.0, starts=1), case, SILENT).motion
-    spline = search(Request("hexapod", family="spline", knots=40, duration=4.0, starts=1), case, SILENT).motion
+    fourier = search(Request("hexapod", criterion="N", starts=2), case, SILENT, run_here).motion
+    ptp = search(Request("hexapod", family="ptp", moves=12, duration=4.0, starts=1), case, SILENT, run_here).motion
+    spline = search(
+        Request("hexapod", family="spline", knots=40, duration=4.0, starts=1), case, SILENT, run_here
+    ).motion
     return {
         "manual, 23 s": (manual_motion(case, sequence_file("hexapod")), MOVES),
         "fourier, order 5, for N": (fourier, SPLINE),

@@ -27,8 +27,6 @@ from identification.reference import reference_scaling
 from planner.bounds.design import improved_weights
 from planner.bounds.kept import box_bound
 from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, states_of_move
-from planner.planning import STAGES
-from planner.search.information import sample_information
 from planner.search.solving import Task, run_start, seeds_of
 from planner.search.state_limits import state_limits
 
@@ -37,7 +35,7 @@ Array = NDArray[np.float64]
 MOVES, DURATION = 40, 12.0  # of the plan that gives the first moves; times count in its mean move
 ROUNDS, STARTS = 8, 40
 NEGLIGIBLE = 1e-4  # weights below are dropped
-STRUTS = 18  # components of the non-linear limits
+STRUTS = 3  # groups of the non-linear limits: lengths, velocities, accelerations
 LONGEST = 4.0  # time of a phase, in mean moves
 MOVED = 0.4  # share of the coordinates in which a new start differs from a known move, and by how much
 FULL = 0.97  # share of what the design's moves carry, from which a plan's move counts as one of them
@@ -67,17 +65,22 @@ class Moves:
         tj, th, tc = (x[k] for k in (12, 13, 14))
         lengths = (tj, th, tj, tc, tj, th, tj)
         total = 4 * tj + 2 * th + tc
-        sample, triangle = sample_information(model, scaling), ca.SX(0)
+        total_information = ca.SX(0)
         states = states_of_move(INFORMATION_POINTS)(start, end, x[12:] * family.unit)
         for k, (phase, _) in enumerate(INFORMATION_POINTS):
-            triangle += lengths[phase] / (2 * total) * sample(*(m[:, k] for m in states))
+            scaled = model.coordinate_regressor.call([m[:, k] for m in states], True, False)[0] @ ca.diag(
+                ca.DM(scaling)
+            )
+            total_information += lengths[phase] / (2 * total) * (scaled.T @ scaled)
+        triangle = ca.densify(total_information)[ca.Sparsity.lower(len(scaling)).find()]
         velocity = (x[6:12] - x[:6]) / (2 * tj + th + tc)
         peaks = (velocity, velocity / (tj + th), velocity / (tj + th) / tj)
         scales = (family.half / limit / family.unit**order for order, limit in enumerate(family.limits, start=1))
         rows = [ca.DM(scale) * peak for scale, peak in zip(scales, peaks, strict=True)]
         critical = states_of_move(CRITICAL_POINTS)(start, end, x[12:] * family.unit)
-        shares = state_limits(case).shares
-        rows += [shares(*(m[:, k] for m in critical))[:STRUTS] for k in range(len(CRITICAL_POINTS))]
+        for group in state_limits(case)[:STRUTS]:
+            limit = ca.Function("limit", [group.kernel.variables], [group.kernel.expression])
+            rows += [limit(ca.vertcat(*(m[:, k] for m in critical), 0)) for k in range(len(CRITICAL_POINTS))]
         value, limits = ca.cse([-ca.dot(weights, triangle), ca.vertcat(*rows)])
         problem = {"x": x, "p": weights, "f": value, "g": limits}
         quiet = {"print_level": 0, "sb": "yes", "hessian_approximation": "limited-memory", "max_iter": 300}
@@ -120,7 +123,7 @@ def single_moves_rows() -> list[list[str]]:
     bound, scaling = box_bound(case, model), reference_scaling(case, model)
     size, draw = len(scaling), np.random.default_rng(0)
     moves = Moves.of(case, model, scaling)
-    plan = run_start(Task(case, 9, moves.family, "D", "ipopt", STAGES["ptp"][0], seeds_of(0, 1)[0]))
+    plan = run_start(Task(case, 9, moves.family, "D", seeds_of(0, 1)[0]))
     points, times = moves.family.split(plan.unknowns)
     walked = known = np.hstack([points[:-1], points[1:], times])
     weights = np.full(len(known), 1.0 / len(known))

@@ -70,7 +70,7 @@ def _many_rows() -> list[list[str]]:
             completed(
                 {
                     "cell": str(k), "noise_seed": PLANNED, "family": "fourier", "criterion": "ADKN"[k % 4],
-                    "solver": ("ipopt", "sqp")[k % 2], "model": 9, "duration_s": 12.0, "order": 2 + k % 6,
+                    "model": 9, "duration_s": 12.0, "order": 2 + k % 6,
                     "period_s": 3.0 + k % 5, "seed": k, "status": DONE, "converged": True, "iterations": 100,
                     "score": float(draw.normal()), "seconds": 2.0,
                 }

@@ -13,7 +13,6 @@ from identification.keep_out import distance_of_points, distance_of_segments, di
 from identification.limits import prove
 from identification.trajectories.profile import StraightMove
 from planner.poses.validity import valid_poses
-from planner.search.solving import enters_a_box
 from planner.search.state_limits import CLEARANCE, ROUNDING, VICINITY, state_limits
 from tests.helpers import HOME
 from tests.postprocessors.changed_case import changed
@@ -141,7 +140,8 @@ def test_what_the_optimiser_takes_for_outside_is_outside(seed: int):
     ranges = {f"{axis}_mm": [1e3 * corner[k], 1e3 * corner[k] + 150.0] for k, axis in enumerate("xyz")}
     case = changed(CASE, workspace__keep_out=[{"name": "post", **ranges}], workspace__tool=[SPINDLE])
     pose = HOME + draw.uniform(-1.0, 1.0, 6) * np.r_[0.4, 0.4, 0.3, 0.3, 0.3, 0.3]
-    shares = state_limits(case).shares(pose, np.zeros(6), np.zeros(6)).full()[:, 0][31:]
+    (group,) = (g for g in state_limits(case) if g.name == "keep-out box")
+    shares = group.kernel.values(np.r_[pose, np.zeros(13)][None])[0]
     turn = Rotation.from_euler("xyz", pose[3:]).as_matrix()
     ends = np.array([[0.03, 0.0, 0.0], [0.03, -0.02, 0.25]]) @ turn.T
     places = pose[:3] + np.vstack([np.zeros(3), case.machine.platform.points @ turn.T, ends])
@@ -151,11 +151,3 @@ def test_what_the_optimiser_takes_for_outside_is_outside(seed: int):
     assert len(shares) == 28
     assert np.all(shares[of_these] >= bounds * (1.0 - 1e-12))
     assert np.all(shares[of_these] <= bounds * np.exp((CLEARANCE + ROUNDING * np.log(3.0)) / VICINITY) * (1.0 + 1e-12))
-
-
-@pytest.mark.parametrize(("gap", "enters"), [(20.0, True), (40.0, False)])
-def test_a_search_knows_what_was_drawn_back_out_of_a_box(gap: float, enters: bool):
-    case = changed(CASE, workspace__keep_out=[above_the_tool(gap)], workspace__tool=[SPINDLE])
-    move = StraightMove.fastest(HOME, HOME + np.r_[0.0, 0.0, 0.03, 0.0, 0.0, 0.0], *rate_limits(case))
-    assert enters_a_box(case, move) == enters
-    assert not enters_a_box(CASE, move)

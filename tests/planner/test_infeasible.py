@@ -9,16 +9,14 @@ from cases.errors import CaseError, HexciteError, InfeasiblePlan, ProgramError
 from cases.schema import Case
 from identification.model import identification_model
 from planner.families.fourier import FourierFamily
-from planner.search.solving import Stage, Task, keep_limits, run_start
+from planner.search.solving import Task, keep_limits, run_start
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
-
-REFINE = Stage("refine", 150, True)
 
 
 def family(case: Case) -> FourierFamily:
     half = (case.limits.motion.pose[1] - case.limits.motion.pose[0]) / 2
-    return FourierFamily(2, 3.0, 1, case.machine.home.vector, half, 12)
+    return FourierFamily(2, 3.0, 1, case.machine.home.vector, half)
 
 
 @pytest.mark.parametrize(
@@ -33,7 +31,7 @@ def family(case: Case) -> FourierFamily:
 def test_a_home_out_of_reach_makes_every_motion_infeasible(key: str, value: object, limit: str, hexapod_case: Case):
     case = changed(hexapod_case, **{key: value})
     with pytest.raises(InfeasiblePlan, match=rf"no feasible motion: {limit} .* reaches .*, limit .*; widen") as caught:
-        run_start(Task(case, 0, family(case), "D", "ipopt", REFINE, seed=1))
+        run_start(Task(case, 0, family(case), "D", seed=1))
     one_line(caught.value)
 
 
@@ -52,11 +50,11 @@ def test_limits_a_billion_times_too_narrow_end_in_one_line(
     slow = {"controller__safe_feed_mm_min": 1e-9}  # the case demands a feed that the limits allow
     case = changed(hexapod_case, **{f"limits__motion__{limit}": [1e-9] * 3}, **slow)
     try:
-        start = run_start(Task(case, 0, family(case), "D", "ipopt", REFINE, seed=1))
+        start = run_start(Task(case, 0, family(case), "D", seed=1))
     except HexciteError as error:
         one_line(error)
     else:
-        _, report = keep_limits(case, family(case), start.unknowns, 1000.0)
+        report = keep_limits(case, family(case), start.unknowns, 1000.0).report
         assert report.kept
     assert capfd.readouterr() == ("", "")
 

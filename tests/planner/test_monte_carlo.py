@@ -15,7 +15,7 @@ RUNS = 600
 
 @pytest.fixture(scope="module")
 def motion(hexapod_case: Case) -> FourierMotion:
-    family = FourierFamily(5, 3.0, 1, *box_middle(hexapod_case), 12)
+    family = FourierFamily(5, 3.0, 1, *box_middle(hexapod_case))
     draw = np.random.default_rng(2).normal(size=family.unknowns * 6)
     return family.motion(keep_limits(hexapod_case, family, draw, 1000.0)[0])
 

@@ -16,7 +16,6 @@ from tests.helpers import one_line
     [
         ("criterion", "E", "criterion 'E' is unknown; choose A, D, K, N"),
         ("family", "chirp", "family 'chirp' is unknown; choose manual, fourier, ptp, spline"),
-        ("solver", "knitro", "solver 'knitro' is unknown; choose ipopt, sqp, slsqp"),
         ("order", 0, "order 0 is outside 1 to 7"),
         ("order", 50, "order 50 is outside 1 to 7"),
         ("period", 0.0, "period 0 s is not positive; choose about 2 s"),
@@ -32,6 +31,8 @@ from tests.helpers import one_line
         ("duration", 3e9, "duration 3e+09 s"),
         ("starts", 0, "0 starts; choose 1 to 1000"),
         ("starts", 1001, "1001 starts"),
+        ("seconds", 0.0, "seconds 0 is outside 0 to 86400; choose about 30"),
+        ("seconds", float("nan"), "seconds nan is outside"),
         ("seed", -1, "seed -1 is negative; choose 0 or more"),
     ],
 )

@@ -111,7 +111,7 @@ def test_the_time_of_a_plan_comes_back_from_the_words(typed: Typed, case, speed:
     from planner.families.fourier import FourierFamily
     from postprocessors.composing import excitation_program
 
-    motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05), 12).motion(np.random.default_rng(0).normal(size=18) / 30)
+    motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
     program = excitation_program(motion, case, (), speed)
     read = [s for s in stretches(typed.read(text_of(typed, program, case), case)) if isinstance(s, Timed)]
     planned = [

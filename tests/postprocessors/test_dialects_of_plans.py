@@ -32,7 +32,7 @@ def poses():
 
 
 MOTIONS = {
-    "fourier": lambda: FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05), 12).motion(
+    "fourier": lambda: FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(
         np.random.default_rng(0).normal(size=18) / 30
     ),
     "moves": moves,

@@ -63,7 +63,7 @@ def test_seven_segment_moves_are_met_exactly_by_their_segments():
 
 @pytest.mark.parametrize(("degree", "order"), [(3, 4), (5, 6)])
 def test_other_motions_are_approached_with_the_order_of_hermite_interpolation(degree: int, order: int):
-    motion = FourierFamily(3, 2.0, 1, HOME, np.full(6, 0.1), 12).motion(np.random.default_rng(1).normal(size=30) / 9)
+    motion = FourierFamily(3, 2.0, 1, HOME, np.full(6, 0.1)).motion(np.random.default_rng(1).normal(size=30) / 9)
     lengths = np.array([0.1, 0.05, 0.025])
     off = [even_deviation(pieces(motion, degree, h, (1.0, 1.0)), motion).position for h in lengths]
     slope = np.polyfit(np.log(lengths), np.log(off), 1)[0]
@@ -71,7 +71,7 @@ def test_other_motions_are_approached_with_the_order_of_hermite_interpolation(de
 
 
 def test_pieces_are_cut_until_the_tolerance_is_kept_or_it_is_said_that_none_keeps_it():
-    motion = FourierFamily(3, 2.0, 1, HOME, np.full(6, 0.1), 12).motion(np.random.default_rng(1).normal(size=30) / 9)
+    motion = FourierFamily(3, 2.0, 1, HOME, np.full(6, 0.1)).motion(np.random.default_rng(1).normal(size=30) / 9)
     tolerance = (1e-6, 1e-5)
     found = pieces(motion, 3, 0.5, tolerance)
     assert len(found.coefficients) > 4

@@ -64,7 +64,7 @@ def test_lines_keep_the_length_that_the_controller_reads(program: Program):
 def test_an_excitation_begins_and_ends_at_home_and_has_the_trigger_on_just_while_it_runs(hexapod_case: Case):
     from planner.families.fourier import FourierFamily
 
-    motion = FourierFamily(2, 3.0, 1, HOME, np.full(6, 0.05), 12).motion(np.random.default_rng(0).normal(size=18) / 9)
+    motion = FourierFamily(2, 3.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 9)
     text = linuxcnc_text(excitation_program(motion, hexapod_case, ()))
     read = stretches(read_linuxcnc(text, "p.ngc"))
     approach, excitation, back = (s for s in read if isinstance(s, Timed))

@@ -54,7 +54,7 @@ def moves(case=CASE) -> Program:
 def harmonic() -> Program:
     from planner.families.fourier import FourierFamily
 
-    motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05), 12).motion(np.random.default_rng(0).normal(size=18) / 30)
+    motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
     return excitation_program(motion, CASE, ())
 
 

@@ -31,7 +31,7 @@ def proven_text(motion, case, language, file, header, speed=1.0):
 def motion(hexapod_case: Case) -> FourierMotion:
     """A motion that uses 90 % of its tightest limit."""
     box = hexapod_case.limits.motion
-    family = FourierFamily(2, 1.0, 1, hexapod_case.machine.home.vector, (box.pose[1] - box.pose[0]) / 2, 12)
+    family = FourierFamily(2, 1.0, 1, hexapod_case.machine.home.vector, (box.pose[1] - box.pose[0]) / 2)
     unknowns = np.random.default_rng(4).normal(size=18)
     for _ in range(6):
         unknowns *= 0.9 / prove(family.motion(unknowns), hexapod_case, 2000.0).worst_ratio

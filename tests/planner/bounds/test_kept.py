@@ -126,7 +126,7 @@ def test_no_design_of_states_in_the_box_passes_the_bound(seed: int, count: int, 
 @pytest.mark.parametrize("seed", range(6))
 def test_no_motion_inside_the_limits_passes_the_bound(seed: int, found: Bound):
     half = np.ptp(CASE.limits.motion.pose, axis=0) / 2
-    family = FourierFamily(2 + seed, 3.0, 1, CASE.machine.home.vector, half, 12)
+    family = FourierFamily(2 + seed, 3.0, 1, CASE.machine.home.vector, half)
     unknowns = np.random.default_rng(seed).normal(size=family.unknowns * 6)
     unknowns /= prove(family.motion(unknowns), CASE, 1000.0).worst_ratio
     logdet = np.linalg.slogdet(mean_information(MODEL, SCALING, family.motion(unknowns)))[1]

@@ -19,11 +19,10 @@ from planner.bounds.moments import combined, motion_moments
 from planner.bounds.tight import TightDesign, climb, tight_design
 from planner.bounds.tight_certificate import TightDerivative, first_tight_cells
 from planner.families.family import box_middle
-from planner.families.fourier import COARSE, FourierFamily
+from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
-from planner.planning import STAGES
 from planner.search.problem import mean_information
 from planner.search.solving import Task, keep_limits, run_start
 from tests.planner.bounds.test_moments import CASE, FAMILIES
@@ -81,7 +80,7 @@ def feasible(name: str, seed: int, folder: Path) -> Trajectory:
         return manual_motion(CASE, file)
     order, period = int(draw.integers(1, 8)), float(draw.uniform(1.0, 4.0))
     family = {
-        "fourier": FourierFamily.lasting(order, period, 2 if order == 1 else 1, *box_middle(CASE), COARSE),
+        "fourier": FourierFamily.lasting(order, period, 2 if order == 1 else 1, *box_middle(CASE)),
         "ptp": PointToPointFamily.of(CASE, int(draw.integers(8, 17)), float(draw.uniform(2.0, 6.0))),
         "spline": SplineFamily.of(CASE, int(draw.integers(20, 41)), float(draw.uniform(2.0, 4.0))),
     }[name]
@@ -103,10 +102,10 @@ def test_no_random_feasible_motion_of_any_family_passes_either_bound(
 
 @pytest.mark.parametrize("model", [MODEL, ALL], ids=["model 0", "model 9"])
 def test_nor_does_an_optimised_one(model: Model, found: TightDesign):
-    """Two hundred iterations towards the bounds leave them out of reach."""
+    """Thirty iterations towards the bounds leave them out of reach."""
     number = 0 if model is MODEL else 9
-    family = FourierFamily(3, 3.0, 1, *box_middle(CASE), COARSE)
-    start = run_start(Task(CASE, number, family, "D", "ipopt", STAGES["fourier"][0], seed=1))
+    family = FourierFamily(3, 3.0, 1, *box_middle(CASE))
+    start = run_start(Task(CASE, number, family, "D", seed=1))
     drawn = family.motion(family.start(np.random.default_rng(1), lambda values: float(np.abs(values).max())))
     scaling = reference_scaling(CASE, model)
     assert start.logdet > np.linalg.slogdet(mean_information(model, scaling, drawn))[1]

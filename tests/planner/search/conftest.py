@@ -1,4 +1,4 @@
-"""What tests of the search share: model 9 of the built-in hexapod, and its reference scaling."""
+"""What tests of the search share: model 9 of the built-in hexapod, its reference scaling, and small motions."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,14 @@ import pytest
 from cases.schema import Case
 from identification.model import Model, identification_model
 from identification.reference import reference_scaling
+from planner.families.family import Family, box_middle
+from planner.families.fourier import FourierFamily
+from planner.families.ptp import PointToPointFamily
+from planner.families.spline import SplineFamily
+from planner.search.problem import Problem, build_problem
+
+Small = tuple[Family, Problem, np.ndarray]
+"""A family, its problem, and unknowns inside the limits."""
 
 
 @pytest.fixture(scope="package")
@@ -16,3 +24,22 @@ def model(hexapod_case: Case) -> Model:
 @pytest.fixture(scope="package")
 def scaling(hexapod_case: Case, model: Model) -> np.ndarray:
     return reference_scaling(hexapod_case, model)
+
+
+def family_of(case: Case, name: str) -> Family:
+    """A small family by name."""
+    if name == "fourier":
+        return FourierFamily(3, 3.0, 1, *box_middle(case))
+    if name == "led":
+        return FourierFamily.lasting(1, 1.5, 2, *box_middle(case))
+    return PointToPointFamily.of(case, 8, 3.0) if name == "ptp" else SplineFamily.of(case, 20, 2.0)
+
+
+@pytest.fixture(scope="package", params=["fourier", "led", "ptp", "spline"])
+def small(request: pytest.FixtureRequest, hexapod_case: Case) -> Small:
+    """Model 5, and every limit a row at some states."""
+    model = identification_model(hexapod_case, 5)
+    family = family_of(hexapod_case, request.param)
+    problem = build_problem(hexapod_case, model, family, reference_scaling(hexapod_case, model), 1e-3)
+    unknowns = family.start(np.random.default_rng(4), problem.worst)
+    return family, problem.with_rows_above(unknowns, 0.2), unknowns

@@ -1,20 +1,25 @@
 """Annealed walks of equal moves: inside box and limits, worth what they say, better than chance, reproducible."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 from cases.schema import Case
 from identification.limits import prove
-from identification.model import Model
+from identification.model import Model, identification_model
+from identification.reference import reference_scaling
 from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily
-from planner.search.annealing import EXCESS, NEW, Walk, annealed_start
-from planner.search.equal_moves import EqualMoves
+from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, EqualMoves, Proposals, Walk, annealed_start
 from planner.search.problem import build_problem, mean_information
-from planner.search.solving import random_start
+from planner.search.state_limits import pose_shares
+from tests.bench.machines.description import case_of, reachable
+from tests.bench.machines.designed import DESIGNED
 
 MOVES = 12
 DURATION = 4.0
+KINDS = ("_shifted", "_with_new_waypoint", "_with_moved_excursion")
 
 
 @pytest.fixture(scope="module")
@@ -27,9 +32,9 @@ def moves(hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointTo
     return EqualMoves.of(hexapod_case, model, scaling, family)
 
 
-def standing(moves: EqualMoves) -> Walk:
+def standing(moves: EqualMoves, size: float = 0.5) -> Walk:
     draw = np.random.default_rng(5)
-    return Walk(moves, np.tile(draw.uniform(-0.5, 0.5, 6), (MOVES + 1, 1)), draw)
+    return Walk(moves, np.tile(draw.uniform(-size, size, 6), (MOVES + 1, 1)), draw)
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +45,26 @@ def walk(moves: EqualMoves) -> Walk:
     return some
 
 
+@pytest.fixture(scope="module")
+def tight() -> Case:
+    """A machine whose box is not within reach as a whole."""
+    case = case_of("small", DESIGNED["small"])
+    assert reachable(case, 1000).struts < 0.5
+    return case
+
+
 def unknowns_of(points: np.ndarray, moves: EqualMoves, family: PointToPointFamily) -> np.ndarray:
     return np.concatenate([points.ravel(), np.tile(moves.times / family.unit, MOVES)])
+
+
+def logdet_anew(moves: EqualMoves, points: np.ndarray) -> float:
+    """Move by move, without what a walk remembers."""
+    rows = np.vstack([moves.rows(np.r_[a, b]).full() for a, b in zip(points[:-1], points[1:], strict=True)])
+    return float(np.linalg.slogdet(rows.T @ rows / MOVES + RIDGE * np.eye(moves.size))[1])
+
+
+def excess_anew(moves: EqualMoves, points: np.ndarray) -> np.ndarray:
+    return np.array([moves.excess(np.r_[a, b]).full()[:, 0] for a, b in zip(points[:-1], points[1:], strict=True)])
 
 
 def test_a_full_step_takes_the_duration_and_one_limit_of_each_coordinate(moves: EqualMoves, family: PointToPointFamily):
@@ -61,7 +84,7 @@ def test_a_walk_stays_in_the_box_and_no_move_is_longer_than_a_step(walk: Walk, m
     assert ways.max() > 0.5 * moves.steps.min()
 
 
-def test_its_motion_keeps_the_limits_of_the_coordinates_and_nearly_the_others(
+def test_its_motion_satisfies_the_limits_of_the_coordinates_and_nearly_the_others(
     walk: Walk, moves: EqualMoves, family: PointToPointFamily, hexapod_case: Case
 ):
     report = prove(family.motion(unknowns_of(walk.best_points, moves, family)), hexapod_case, 1000.0)
@@ -69,45 +92,73 @@ def test_its_motion_keeps_the_limits_of_the_coordinates_and_nearly_the_others(
         assert check.ratio <= (1.05 if "strut" in check.name or "joint" in check.name else 1.0 + 1e-6), check.name
 
 
-def test_what_was_added_up_move_by_move_is_the_information_of_the_walk(walk: Walk, moves: EqualMoves):
-    anew = standing(moves)
-    parts = anew.rate(walk.points[:-1], walk.points[1:])
-    assert walk.total == pytest.approx(parts.mean(axis=0), rel=1e-9, abs=1e-12)
-    assert walk.value == pytest.approx(anew.worth(parts.mean(axis=0)), abs=1e-6)
+def test_no_waypoint_of_a_walk_exceeds_a_limit_of_poses_on_a_box_that_is_not_within_reach(tight: Case):
+    """At any temperature, at every step of the way: limits of poses are no matter of a price."""
+    model = identification_model(tight, 9)
+    family = PointToPointFamily.of(tight, MOVES, DURATION)
+    some = standing(EqualMoves.of(tight, model, reference_scaling(tight, model), family), 0.1)
+    seen = 0
+    for temperature in (1.0, 0.1, 0.01):
+        for _ in range(20):
+            before = some.points
+            some.anneal(temperature, 40)
+            seen += some.points is not before
+            poses = family.middle + some.points * family.half
+            for kind, shares in pose_shares(tight, poses).items():
+                assert shares.max() <= POSE_REACHED + 1e-12, kind
+    assert seen > 10
 
 
-def test_the_value_of_a_walk_is_log_det_less_what_it_passes(walk: Walk):
-    information = walk.total[:-1].reshape(20, 20)
-    logdet = np.linalg.slogdet(information)[1]
-    assert walk.value == pytest.approx(logdet - EXCESS * MOVES * walk.total[-1], abs=1e-5)
-    assert walk.worth(walk.total + np.r_[np.zeros(400), 0.1]) == pytest.approx(walk.value - EXCESS * MOVES * 0.1)
-    assert walk.worth(np.r_[-information.ravel(), 0.0]) == -np.inf
+def test_what_a_walk_remembers_is_what_is_computed_anew(walk: Walk, moves: EqualMoves):
+    assert walk.logdet == pytest.approx(logdet_anew(moves, walk.points), abs=1e-9)
+    excess = excess_anew(moves, walk.points)
+    assert walk.passed == pytest.approx(excess[:, 0], abs=1e-12)
+    assert excess[:, 1].max() <= POSE_REACHED
+    assert walk.value == pytest.approx(walk.logdet - EXCESS * excess[:, 0].sum(), abs=1e-9)
+    assert walk.best == pytest.approx(
+        logdet_anew(moves, walk.best_points) - EXCESS * excess_anew(moves, walk.best_points)[:, 0].sum(), abs=1e-9
+    )
+    assert walk.best >= walk.value
+    inverse = np.linalg.inv(walk.total)
+    for k in range(MOVES):
+        assert walk.traces[k] == pytest.approx(np.trace(inverse @ walk.rows[k].T @ walk.rows[k]), rel=1e-6)
 
 
-@pytest.mark.parametrize("kind", ["_shifted", "_with_new_waypoint", "_with_moved_excursion"])
-def test_every_proposal_is_a_walk_whose_moves_are_new_or_those_of_before(kind: str, walk: Walk, moves: EqualMoves):
-    proposals = [p for _ in range(2000) if (p := getattr(walk, kind)()) is not None]
-    assert len(proposals) > 100
-    before = np.hstack([walk.points[:-1], walk.points[1:]])
-    for points, origins in proposals:
-        assert points.shape == walk.points.shape
-        assert np.abs(points).max() <= 1.0
-        assert (np.abs(np.diff(points, axis=0)) <= moves.steps + 1e-8).all()
-        now = np.hstack([points[:-1], points[1:]])
-        old = origins != NEW
-        assert 0 < (~old).sum() < MOVES + 1
-        assert len(set(origins[old])) == old.sum()
-        assert np.array_equal(now[old], before[origins[old]])
+@pytest.mark.parametrize("kind", KINDS)
+def test_source_and_new_describe_the_points_of_every_proposal(kind: str, walk: Walk, moves: EqualMoves):
+    proposed: Proposals = getattr(walk, kind)(500)
+    assert proposed.points.shape == (500, MOVES + 1, 6)
+    assert np.abs(proposed.points).max() <= 1.0
+    assert proposed.valid.sum() > 20
+    old = ~proposed.new
+    assert np.array_equal(proposed.points[old], walk.points[proposed.source[old]])
+    longest = np.abs(np.diff(proposed.points, axis=1)).max(axis=1)
+    assert np.array_equal(proposed.valid, (longest <= moves.steps + SLACK).all(axis=1))
+    if kind != "_with_moved_excursion":
+        assert np.array_equal(proposed.source, np.tile(np.arange(MOVES + 1), (500, 1)))
+    assert proposed.new.any(axis=1).all()
 
 
 def test_a_moved_excursion_goes_there_and_back(walk: Walk):
-    """Two waypoints less, two more: elsewhere the walk goes out by a move and returns to where it was."""
-    for _ in range(200):
-        if (proposal := walk._with_moved_excursion()) is None:
-            continue
-        points, origins = proposal
-        out = np.flatnonzero((origins[:-1] == NEW) & (origins[1:] == NEW))
-        assert any(np.array_equal(points[k], points[k + 2]) for k in out)
+    """Two waypoints less, two more: the walk goes to a new place and returns to where it was."""
+    proposed = walk._with_moved_excursion(300)
+    index, place = np.nonzero(proposed.new)
+    assert np.array_equal(index, np.arange(300))
+    assert np.array_equal(proposed.points[index, place - 1], proposed.points[index, place + 1])
+
+
+def test_the_bound_by_concavity_is_never_below_the_exact_value(walk: Walk, moves: EqualMoves):
+    """Log det F + trace(F^-1 dF), by which proposals are ruled out."""
+    looked_at = 0
+    for kind in KINDS:
+        proposed: Proposals = getattr(walk, kind)(60)
+        for points in proposed.points[proposed.valid]:
+            rows = np.array([moves.rows(np.r_[a, b]).full() for a, b in zip(points[:-1], points[1:], strict=True)])
+            traces = ((rows.reshape(-1, moves.size) @ walk.root) ** 2).sum()
+            bound = walk.logdet + (traces - walk.traces.sum()) / MOVES
+            assert bound >= logdet_anew(moves, points) - 1e-9
+            looked_at += 1
+    assert looked_at > 30
 
 
 def test_two_instants_a_move_rate_a_walk_well_enough_for_a_choice(
@@ -115,21 +166,29 @@ def test_two_instants_a_move_rate_a_walk_well_enough_for_a_choice(
 ):
     motion = family.motion(unknowns_of(walk.best_points, moves, family))
     logdet = np.linalg.slogdet(mean_information(model, scaling, motion))[1]
-    assert walk.best == pytest.approx(logdet, abs=0.03 * 20)  # 3 % of an efficiency
+    assert logdet_anew(moves, walk.best_points) == pytest.approx(logdet, abs=0.03 * 20)  # 3 % of an efficiency
 
 
-def test_annealing_finds_more_than_chance_and_the_same_again(
+@pytest.fixture(scope="module")
+def annealed(
     hexapod_case: Case, model: Model, scaling: np.ndarray, family: PointToPointFamily
-):
-    def logdet(unknowns: np.ndarray) -> float:
-        return float(np.linalg.slogdet(mean_information(model, scaling, family.motion(unknowns)))[1])
-
+) -> Callable[[int], np.ndarray]:
     def annealed(seed: int) -> np.ndarray:
         draw = np.random.default_rng(seed)
         return annealed_start(hexapod_case, model, scaling, family, draw, 6000, lambda objective: False)
 
-    problem = build_problem(hexapod_case, model, family, scaling)
-    by_chance = max(logdet(random_start(seed, family, problem)) for seed in range(5))
+    return annealed
+
+
+def test_annealing_finds_more_than_chance_and_the_same_again(
+    annealed: Callable[[int], np.ndarray], hexapod_case: Case, model: Model, scaling: np.ndarray,
+    family: PointToPointFamily,
+):  # fmt: skip
+    def logdet(unknowns: np.ndarray) -> float:
+        return float(np.linalg.slogdet(mean_information(model, scaling, family.motion(unknowns)))[1])
+
+    problem = build_problem(hexapod_case, model, family, scaling, 0.0)
+    by_chance = max(logdet(family.start(np.random.default_rng(seed), problem.worst)) for seed in range(5))
     first = annealed(1)
     assert logdet(first) > by_chance + 20 * np.log(2.0)  # twice the efficiency of the best of five
     assert np.array_equal(first, annealed(1))

@@ -7,11 +7,12 @@ import pytest
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from planner.cli.plan import refuse_foreign
-from planner.planning import KEPT, REFINED, REFINED_ANEW, rounds, search
-from planner.request import Request
+from planner.cli.plan import BELONGS, refuse_foreign
+from planner.planning import KEPT, search
+from planner.request import FAMILIES, Request
 from planner.search.choices import choices
 from planner.search.parallel import Listener, Outcome
+from planner.search.patience import Patience
 from planner.search.solving import Start, Task, seeds_of
 from tests.helpers import one_line
 
@@ -73,34 +74,50 @@ def test_fixed_and_free_at_once_is_a_misunderstanding(what: str):
         refuse_foreign([f"free_{what}"], "ptp")
 
 
-@pytest.mark.parametrize(("criterion", "refinements"), [("D", REFINED), ("K", REFINED_ANEW["fourier"])])
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("option", BELONGS)
+def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str, family: str):
+    if family in BELONGS[option]:
+        refuse_foreign([option], family)
+        return
+    with pytest.raises(HexciteError, match=f"--{option.replace('_', '-')} does nothing with --family {family}") as told:
+        refuse_foreign([option], family)
+    assert all(other in one_line(told.value) for other in BELONGS[option])
+
+
+@pytest.mark.parametrize(("criterion", "refinements"), [("D", 2), ("K", 4)])
 def test_each_choice_is_looked_at_and_the_best_get_all_starts(criterion: str, refinements: int, hexapod_case: Case):
-    """With results made up: the shorter the period the better, and later seeds and the second stage better still."""
+    """With results made up: the shorter the period the better, and later seeds and refinements better still."""
     request = Request("hexapod", criterion=criterion, order=2, duration=3.0, free_period=True, starts=2)
     first, second = seeds_of(0, 2)
     tried: list[Task] = []
 
     def start_of(task: Task) -> Start:
-        period = float(task.family.settings["period_s"])
+        period = float(task.family.settings.get("period_s", 100.0))
         promise = -period + 10 * (task.seed == second)
-        score = promise if task.stage.name == "refine" else -100.0  # drawn back, a motion is worth as little as any
-        unknowns = np.full(task.family.sampling(hexapod_case).lower.shape, 0.01)
+        score = promise if task.begin is not None else -100.0  # drawn back, a motion is worth as little as any
+        unknowns = np.full(18, 0.01)
         return Start(
-            task.seed, task.stage.name, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, unknowns, promise
-        )
+            task.seed, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, 1.0, unknowns, promise,
+            task.begin is not None,
+        )  # fmt: skip
 
-    def run(tasks: Sequence[Task], listener: Listener) -> Outcome:
+    def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
         tried.extend(tasks)
         return Outcome([start_of(task) for task in tasks], False)
 
     found = search(request, hexapod_case, SILENT, run)
     periods = [choice.period for choice in choices(request, hexapod_case)]
     assert len(periods) > KEPT
-    seen = [(task.stage.name, task.seed, task.family.settings["period_s"]) for task in tried]
-    looks = [("explore", first, period) for period in periods]
-    more = [("explore", second, period) for period in sorted(periods)[:KEPT]]
+    own = [task for task in tried if not task.rival]
+    seen = [(task.begin is not None, task.seed, task.family.settings["period_s"]) for task in own]
+    looks = [(False, first, period) for period in periods]
+    more = [(False, second, period) for period in sorted(periods)[:KEPT]]
     best = [(second, period) for period in sorted(periods)[:KEPT]] + [(first, min(periods))]
-    refined = [("refine", *choice) for choice in best[:refinements]]
+    refined = [(True, *choice) for choice in best[:refinements]]
     assert sorted(seen) == sorted([*looks, *more, *refined])
-    assert len(tried) == rounds(request, hexapod_case)
+    assert [task.family.name for task in tried if task.rival] == ["ptp"]
+    assert found.rival is not None
+    assert found.rival.family.name == "ptp"
+    assert all(start.family.name == "fourier" for start in found.starts)
     assert found.settings["period_s"] == min(periods)

@@ -1,37 +1,48 @@
-"""The optimiser's rows are the limits of the motion, and its random starts keep them."""
+"""Rows are the limits of the motion; random starts keep them; what is drawn back keeps them and no more than needed."""
 
-import casadi as ca
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.limits import prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
+from planner.families.family import Family, box_middle
 from planner.families.fourier import START_SHARE, FourierFamily
 from planner.search.problem import Problem, build_problem
-from planner.search.solving import keep_limits, random_start, seeds_of
+from planner.search.rows import LinearRows, Rows, StateRows
+from planner.search.solving import CLOSE_ENOUGH, MARGIN, keep_limits, seeds_of
+from planner.search.state_limits import near_limits, state_limits
+from planner.search.states import STATE
+from tests.bench.machines.description import case_of
+from tests.bench.machines.designed import DESIGNED
+from tests.planner.search.conftest import Small, family_of
+from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
 
 
-def family(case: Case, order: int = 4, period: float = 2.0) -> FourierFamily:
-    half = np.ptp(case.limits.motion.pose, axis=0) / 2
-    return FourierFamily(order, period, 1, case.machine.home.vector, half, 12)
+def fourier(case: Case, order: int = 4, period: float = 2.0) -> FourierFamily:
+    return FourierFamily(order, period, 1, *box_middle(case))
 
 
 @pytest.fixture(scope="module")
 def problem(hexapod_case: Case) -> Problem:
     model = identification_model(hexapod_case, 0)
-    return build_problem(hexapod_case, model, family(hexapod_case), reference_scaling(hexapod_case, model))
+    return build_problem(hexapod_case, model, fourier(hexapod_case), reference_scaling(hexapod_case, model), MARGIN)
 
 
 @pytest.fixture(scope="module")
 def unknowns(hexapod_case: Case) -> np.ndarray:
-    return np.random.default_rng(8).normal(size=family(hexapod_case).unknowns * 6)
+    return np.random.default_rng(8).normal(size=fourier(hexapod_case).unknowns * 6)
 
 
-def rows(problem: Problem, unknowns: np.ndarray) -> np.ndarray:
-    return np.abs(ca.Function("rows", [problem.unknowns], [problem.sampling.rows])(unknowns).full()[:, 0])
+def linear(problem: Problem) -> LinearRows:
+    part = problem.program.rows[0]
+    assert isinstance(part, LinearRows)
+    return part
 
 
 def box_shares(case: Case, some: FourierFamily, unknowns: np.ndarray) -> np.ndarray:
@@ -44,65 +55,124 @@ def box_shares(case: Case, some: FourierFamily, unknowns: np.ndarray) -> np.ndar
 
 
 def test_rows_are_shares_of_the_limits(problem: Problem, unknowns: np.ndarray, hexapod_case: Case):
-    assert rows(problem, unknowns).max() == pytest.approx(
-        box_shares(hexapod_case, family(hexapod_case), unknowns).max()
-    )
+    values = np.abs(linear(problem).all_values(unknowns))
+    assert values.max() == pytest.approx(box_shares(hexapod_case, fourier(hexapod_case), unknowns).max())
 
 
 @pytest.mark.parametrize(("order", "period"), [(2, 12.0), (3, 6.0), (5, 3.0), (7, 2.0)])
-def test_limits_without_rows_are_kept_by_every_motion_that_keeps_the_rows(
+def test_limits_without_rows_are_satisfied_by_every_motion_that_satisfies_the_rows(
     order: int, period: float, hexapod_case: Case
 ):
     """Bernstein: a slow series cannot reach the limits of the higher derivatives; the optimiser saves their rows."""
-    some = family(hexapod_case, order, period)
+    some = fourier(hexapod_case, order, period)
     model = identification_model(hexapod_case, 0)
-    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model))
-    count = len(some.grid)
+    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
     for seed in range(20):
         draw = np.random.default_rng(seed).normal(size=some.unknowns * 6)
-        draw /= rows(problem, draw).max()
-        allowed = 1.0 / np.cos(np.pi / 12)  # limits slip between the samples of the grid
-        assert box_shares(hexapod_case, some, draw).max() <= allowed
-    assert problem.sampling.rows.shape[0] <= 4 * 6 * count
+        draw /= np.abs(linear(problem).all_values(draw)).max()
+        assert box_shares(hexapod_case, some, draw).max() <= 1.0 / np.cos(np.pi / 24)  # it slips between samples
+    assert linear(problem).matrix.shape[0] <= 4 * 6 * len(some.grid)
 
 
-def test_strut_rows_are_the_struts_of_the_motion(problem: Problem, unknowns: np.ndarray, hexapod_case: Case):
+def test_strut_limits_are_the_struts_of_the_motion(problem: Problem, unknowns: np.ndarray, hexapod_case: Case):
     """Velocities and accelerations against differences of lengths that follow from the definition."""
-    some, h = family(hexapod_case), 1e-4
+    some, h = fourier(hexapod_case), 1e-4
     motion = some.motion(0.1 * unknowns)
     before, now, after = (strut_lengths(motion.at(some.grid + d).pose, hexapod_case) for d in (-h, 0.0, h))
     box = hexapod_case.limits.motion
     short, long = box.strut_length
-    length = (now - (short + long) / 2) / ((long - short) / 2)
-    velocity = (after - before) / (2 * h) / box.strut_velocity_m_s
-    acceleration = (after - 2 * now + before) / h**2 / box.strut_acceleration_m_s2
-    expected = np.abs(np.hstack([length, velocity, acceleration]).T)
-    assert np.allclose(problem.limit_shares(0.1 * unknowns)[:18], expected, atol=1e-5)
+    expected = {
+        "strut length": (now - (short + long) / 2) / ((long - short) / 2),
+        "strut velocity": (after - before) / (2 * h) / box.strut_velocity_m_s,
+        "strut acceleration": (after - 2 * now + before) / h**2 / box.strut_acceleration_m_s2,
+    }
+    states = problem.layout.critical.at(0.1 * unknowns).reshape(-1, STATE)
+    for group in state_limits(hexapod_case):
+        if group.name in expected:
+            assert group.kernel.values(states) == pytest.approx(expected.pop(group.name), abs=1e-5)
+    assert not expected
 
 
-def test_strut_rows_enter_only_where_they_are_named(problem: Problem, unknowns: np.ndarray):
-    shares = problem.limit_shares(unknowns)
-    active = np.zeros(shares.shape, dtype=bool)
-    active[[0, 7, 16], [3, 0, 20]] = True
-    function = ca.Function("rows", [problem.unknowns], [problem.constraints(active).rows])
-    added = np.abs(function(unknowns).full()[len(rows(problem, unknowns)) :, 0])
-    assert sorted(added) == pytest.approx(sorted(shares[active]))
-    assert problem.constraints(np.zeros_like(active)).rows.shape == problem.sampling.rows.shape
+@pytest.mark.parametrize("name", DESIGNED)
+def test_limits_that_are_left_out_are_not_near_anywhere_in_the_box(name: str):
+    """States of the box other than those by which limits are judged: to the proof is left what hardly ever binds."""
+    case = case_of(name, DESIGNED[name])
+    machine, _, limits = case.need_machine("this test")
+    box, draw = limits.motion, np.random.default_rng(1)
+    signs = draw.choice((-1.0, 1.0), (2, 500, 6))
+    table = np.zeros((500, STATE))
+    table[:, :18] = np.hstack(
+        [machine.home.vector + draw.uniform(*box.pose, (500, 6)), signs[0] * box.rate, signs[1] * box.acceleration]
+    )
+    near = [group.name for group in near_limits(case)]
+    for group in state_limits(case):
+        assert group.name in near or np.abs(group.kernel.values(table)).max() <= 1.0, group.name
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_a_random_start_is_inside_all_limits_and_far_from_rest(seed: int, problem: Problem, hexapod_case: Case):
-    some = family(hexapod_case)
-    start = random_start(seed, some, problem)
-    worst = max(rows(problem, start).max(), problem.limit_shares(start).max())
-    assert worst <= START_SHARE * (1 + 1e-9)
-    assert rows(problem, start).max() > 0.1
+def chosen(part: Rows) -> np.ndarray | None:
+    return part.chosen.ravel() if isinstance(part, LinearRows | StateRows) and part is not None else None
 
 
-def test_a_random_start_depends_on_its_seed_alone(problem: Problem, hexapod_case: Case):
-    some = family(hexapod_case)
-    assert np.array_equal(random_start(3, some, problem), random_start(3, some, problem))
-    assert not np.allclose(random_start(3, some, problem), random_start(4, some, problem))
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.8])
+def test_rows_above_a_share_are_added_and_none_is_taken_away(share: float, small: Small):
+    _, problem, at = small
+    before = build_problem_without(problem)
+    after = before.with_rows_above(at, share)
+    for old, new in zip(before.program.rows, after.program.rows, strict=True):
+        if (had := chosen(old)) is None or (has := chosen(new)) is None:
+            assert old is new
+            continue
+        values = np.abs(old.all_values(at)).ravel()
+        if isinstance(old, LinearRows) and old.equal is not None:
+            assert np.array_equal(has, had)
+        else:
+            assert np.array_equal(has, had | (values > share))
+        assert len(new.values(at)) == has.sum() == len(new.upper)
+    assert np.all(np.isin(np.round(before.program.row_values(at), 12), np.round(after.program.row_values(at), 12)))
+
+
+def build_problem_without(problem: Problem) -> Problem:
+    """Every third row of what can be left out."""
+    rows = []
+    for part in problem.program.rows:
+        if isinstance(part, StateRows) or (isinstance(part, LinearRows) and part.equal is None):
+            some = part.chosen & (np.arange(part.chosen.size).reshape(part.chosen.shape) % 3 == 0)
+            part = replace(part, chosen=some)
+        rows.append(part)
+    return replace(problem, program=problem.program.with_rows(*rows))
+
+
+def test_tightening_lowers_bounds_of_what_slips_and_never_loosens(small: Small):
+    _, problem, _ = small
+    slips = [1.02, 0.5, 1.0 - MARGIN, 0.99] + [1.1 - 0.2 * (k % 2) for k in range(len(problem.limits))]
+    tighter = problem.tightened(slips, 1.0 - MARGIN)
+    again = tighter.tightened([0.1] * len(slips), 1.0 - MARGIN)
+    for other in (tighter, again):
+        for old, new in zip(problem.program.rows, other.program.rows, strict=True):
+            assert np.all(new.upper <= old.upper)
+            assert np.all(new.lower >= old.lower)
+    factors = [min(1.0, (1.0 - MARGIN) / slip) for slip in slips]
+    last = list(zip(problem.program.rows, tighter.program.rows, strict=True))[-len(problem.limits) :]
+    for (old, new), factor in zip(last, factors[4:], strict=True):
+        assert isinstance(old, StateRows)
+        assert isinstance(new, StateRows)
+        assert new.bound == pytest.approx(old.bound * factor)
+    for old, new in zip(problem.program.rows, tighter.program.rows, strict=True):
+        if isinstance(old, LinearRows) and old.equal is None:
+            assert new.bound == pytest.approx(old.bound * np.array(factors)[old.order])
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("name", ["fourier", "led", "spline"])
+def test_a_random_start_is_inside_all_limits_and_far_from_rest(seed: int, name: str, hexapod_case: Case):
+    model = identification_model(hexapod_case, 0)
+    some = family_of(hexapod_case, name)
+    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    start = some.start(np.random.default_rng(seed), problem.worst)
+    assert problem.worst(start) <= START_SHARE * (1 + 1e-9)
+    assert np.abs(linear(problem).all_values(start)).max() > 0.1
+    assert prove(some.motion(start), hexapod_case, 1000.0).kept
+    assert np.array_equal(start, some.start(np.random.default_rng(seed), problem.worst))
 
 
 def test_more_starts_go_on_where_fewer_ended():
@@ -111,9 +181,50 @@ def test_more_starts_go_on_where_fewer_ended():
     assert set(seeds_of(7, 8)).isdisjoint(seeds_of(8, 8))
 
 
-def test_scaling_back_ends_inside_every_limit_and_keeps_the_shape(hexapod_case: Case, unknowns: np.ndarray):
-    some = family(hexapod_case)
-    kept, report = keep_limits(hexapod_case, some, 3.0 * unknowns, 1000.0)
-    assert prove(some.motion(kept), hexapod_case, 1000.0).kept
-    assert 0.9 < report.worst_ratio <= 1.0
-    assert np.allclose(kept / kept[0], unknowns / unknowns[0])
+@pytest.mark.parametrize("name", ["fourier", "led", "ptp", "spline"])
+@pytest.mark.parametrize("far", [1.02, 1.3, 3.0])
+def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed(
+    name: str, far: float, hexapod_case: Case
+):
+    some = family_of(hexapod_case, name)
+    model = identification_model(hexapod_case, 0)
+    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    at = some.start(np.random.default_rng(1), problem.worst)
+    at = some.shrunk(at, far / problem.worst(at))
+    inside = keep_limits(hexapod_case, some, at, 1000.0)
+    report = prove(some.motion(inside.unknowns), hexapod_case, 1000.0)
+    assert report.kept
+    assert report.worst_ratio <= 1.0 - MARGIN + 1e-6
+    larger = prove(some.motion(some.shrunk(at, inside.share + 2 * CLOSE_ENOUGH)), hexapod_case, 1000.0)
+    assert larger.worst_ratio > 1.0 - MARGIN
+    assert inside.unknowns == pytest.approx(some.shrunk(at, inside.share))
+
+
+@pytest.mark.parametrize("name", ["fourier", "ptp"])
+def test_what_is_inside_is_not_drawn_back(name: str, hexapod_case: Case):
+    some: Family = family_of(hexapod_case, name)
+    model = identification_model(hexapod_case, 0)
+    problem = build_problem(hexapod_case, model, some, reference_scaling(hexapod_case, model), MARGIN)
+    at = some.start(np.random.default_rng(1), problem.worst)
+    at = some.shrunk(at, 0.9)
+    inside = keep_limits(hexapod_case, some, at, 1000.0)
+    assert inside.share == 1.0
+    assert inside.unknowns == pytest.approx(at, abs=1e-12)
+
+
+def test_a_large_motion_is_drawn_back_on_a_box_that_is_not_within_reach_as_a_whole():
+    case = case_of("small", DESIGNED["small"])
+    some = fourier(case, 2, 3.0)
+    at = 3.0 * np.random.default_rng(2).normal(size=some.unknowns * 6)
+    inside = keep_limits(case, some, at, 1000.0)
+    assert prove(some.motion(inside.unknowns), case, 1000.0).kept
+    assert not prove(some.motion(some.shrunk(at, inside.share + 2 * CLOSE_ENOUGH)), case, 1000.0).worst_ratio <= (
+        1.0 - MARGIN
+    )
+
+
+def test_where_nothing_may_move_the_limit_is_named(hexapod_case: Case):
+    case = changed(hexapod_case, limits__motion__strut_length_mm=[1100.0, 1460.0])
+    some = fourier(case)
+    with pytest.raises(InfeasiblePlan, match="no feasible motion: strut length"):
+        keep_limits(case, some, np.full(some.unknowns * 6, 0.1), 1000.0)

@@ -90,8 +90,8 @@ def test_built_in_studies_can_be_planned(name: str) -> None:
 
 
 def test_the_command_of_a_cell_is_one_that_hexcite_takes() -> None:
-    settings = {"family": "fourier", "criterion": "D", "solver": "sqp", "duration_s": 12.0, "period_s": 3.0, "seed": 4}
-    command = "hexcite plan hexapod --family fourier --criterion D --solver sqp --duration 12.0 --period 3.0"
+    settings = {"family": "fourier", "criterion": "D", "duration_s": 12.0, "period_s": 3.0, "seed": 4}
+    command = "hexcite plan hexapod --family fourier --criterion D --duration 12.0 --period 3.0"
     assert command_of(settings, "hexapod") == command
 
 

@@ -1,0 +1,119 @@
+"""IPOPT on programs in NumPy: the optimum of a small one; stopped, it returns the best that is inside the limits."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_array
+
+from planner.search.ipopt import INSIDE, SETTLED, Reached, solve
+from planner.search.program import Program
+from planner.search.rows import Blocks, LinearRows
+from tests.planner.search.conftest import Small
+
+
+@dataclass(frozen=True)
+class Disc:
+    """x^2 + y^2 over the first two of the unknowns, at most 1."""
+
+    lower: np.ndarray = field(default_factory=lambda: np.array([-1.0]))
+    upper: np.ndarray = field(default_factory=lambda: np.array([1.0]))
+    pattern: Any = (np.zeros(2, dtype=int), np.arange(2))
+
+    def all_values(self, x: np.ndarray) -> np.ndarray:
+        return np.array([x[:2] @ x[:2]])
+
+    values = all_values
+
+    def jacobian(self, x: np.ndarray) -> np.ndarray:
+        return 2 * x[:2]
+
+    def curvature(self, x: np.ndarray, multipliers: np.ndarray) -> Blocks:
+        return Blocks(np.arange(2)[None], 2 * multipliers[0] * np.eye(2)[None])
+
+
+class Valley(Program):
+    """Rosenbrock's valley inside a disc, on a plane."""
+
+    def value(self, x: np.ndarray) -> float:
+        return float((1 - x[0]) ** 2 + 10 * (x[1] - x[0] ** 2) ** 2 + x[2] ** 2 / 100)
+
+    def gradient(self, x: np.ndarray) -> np.ndarray:
+        slope = 20 * (x[1] - x[0] ** 2)
+        return np.array([-2 * (1 - x[0]) - 2 * x[0] * slope, slope, x[2] / 50])
+
+    def hessian(self, x: np.ndarray, factor: float, multipliers: np.ndarray) -> np.ndarray:
+        own = np.diag([2 - 40 * (x[1] - x[0] ** 2) + 80 * x[0] ** 2, 20.0, 0.02])
+        own[0, 1] = own[1, 0] = -40 * x[0]
+        own *= factor
+        own[:2, :2] += 2 * multipliers[1] * np.eye(2)
+        return own
+
+
+def valley() -> Program:
+    plane = LinearRows.equation(csr_array(np.array([[-1.0, -1.0, 1.0]])), 0.0)
+    return Valley(None, None, (plane, Disc()), np.full(3, -2.0), np.full(3, 2.0))  # type: ignore[arg-type]
+
+
+def solved(start: list[float], iterations: int, watch: Any = lambda objective: False) -> Reached:
+    return solve(valley(), np.array(start), iterations, watch, {})
+
+
+def test_it_finds_the_constrained_optimum_and_says_so():
+    reached = solved([0.1, 0.1, 0.2], 200)
+    x = reached.unknowns
+    assert reached.converged
+    assert x[2] == pytest.approx(x[0] + x[1], abs=1e-5)
+    assert x[0] ** 2 + x[1] ** 2 == pytest.approx(1.0, abs=2e-3)
+    assert x[:2] == pytest.approx([0.786, 0.618], abs=0.01)  # the last term moves it little
+    assert 3 < reached.iterations < 100
+
+
+def test_a_watch_that_has_seen_enough_stops_it():
+    seen: list[float] = []
+
+    def watch(objective: float) -> bool:
+        seen.append(objective)
+        return len(seen) >= 3
+
+    reached = solved([-1.5, 1.5, 0.0], 200, watch)
+    assert not reached.converged
+    assert np.isfinite(reached.unknowns).all()
+    assert len(seen) == 3
+
+
+@pytest.mark.parametrize("iterations", [3, 8, 15])
+def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int, small: Small):
+    """Of all iterates that it passed; the last may be worse, or outside."""
+    _, problem, at = small
+    passed: list[tuple[float, np.ndarray]] = []
+
+    class Watched(Program):
+        def gradient(self, unknowns: np.ndarray) -> np.ndarray:  # asked for once an iterate
+            passed.append((self.value(unknowns), unknowns.copy()))
+            return super().gradient(unknowns)
+
+    program = problem.program
+    watched = Watched(**{name: getattr(program, name) for name in Program.__dataclass_fields__})
+    reached = solve(watched, at, iterations, lambda objective: False, {"mu_strategy": "adaptive"})
+    lower, upper = program.row_bounds
+
+    def outside(unknowns: np.ndarray) -> float:
+        rows = program.row_values(unknowns)
+        return float(max((lower - rows).max(), (rows - upper).max()))
+
+    inside = [value for value, unknowns in passed if outside(unknowns) < INSIDE]
+    assert reached.converged == (reached.status == SETTLED) or reached.converged
+    if inside and not reached.converged:
+        assert outside(reached.unknowns) < INSIDE
+        assert program.value(reached.unknowns) <= min(inside) + 1e-9
+
+
+def test_it_ends_where_no_more_is_gained(small: Small):
+    _, problem, at = small
+    program = replace(problem.program, convex=True)
+    reached = solve(program, at, 400, lambda objective: False, {"mu_strategy": "adaptive"})
+    assert reached.converged
+    assert reached.iterations < 400
+    assert program.value(reached.unknowns) < program.value(at) - 0.2

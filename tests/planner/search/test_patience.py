@@ -1,0 +1,126 @@
+"""When a search has had enough starts: counted in the order of their seeds, and only where nothing else was asked."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.families.fourier import FourierFamily
+from planner.request import Request
+from planner.search.parallel import _counted
+from planner.search.patience import ENDLESS, EXPLORING, FEWEST, IDLE, MOST, WORTHWHILE, Patience, gain
+from planner.search.solving import Failed, Start, Task
+
+SIZE = 20
+FAMILY = FourierFamily(2, 3.0, 1, np.zeros(6), np.ones(6))
+STEP = SIZE * np.log1p(WORTHWHILE)  # of log det, just worthwhile
+
+
+def start(promise: float, seed: int = 0) -> Start:
+    return Start(
+        seed, 0.0, promise, promise, "done", True, 1, 0.0, np.zeros(1), FAMILY, 1.0, np.zeros(1), promise, False
+    )
+
+
+def patience(**settings: object) -> Patience:
+    return Patience.of(replace(Request("hexapod"), **settings), SIZE)
+
+
+def ended_after(promises: list[float]) -> int | None:
+    """How many starts it takes until they are enough."""
+    watch, results = patience(), [start(p) for p in promises]
+    return next((k for k in range(len(results) + 1) if watch.enough(results[:k])), None)
+
+
+def test_it_ends_after_so_many_starts_without_a_worthwhile_gain():
+    assert ended_after([-5.0] * 20) == max(FEWEST, 1 + IDLE)
+    climbing = [-5.0 + 1.01 * STEP * k for k in range(10)]
+    assert ended_after(climbing) is None
+    assert ended_after([*climbing, *climbing]) == 10 + IDLE
+    assert ended_after([-5.0 + 0.5 * STEP * k for k in range(20)]) is None  # small gains add up
+    assert ended_after([-5.0 + 0.3 * STEP * k for k in range(20)]) == FEWEST
+
+
+@given(promises=st.lists(st.floats(-50.0, 50.0), min_size=0, max_size=30))
+def test_never_before_the_fewest_and_never_while_one_of_the_last_was_a_gain(promises: list[float]):
+    ended = ended_after(promises)
+    if ended is None:
+        return
+    assert ended >= FEWEST
+    before, last = promises[: ended - IDLE], promises[ended - IDLE : ended]
+    assert len(before) >= 1
+    assert max(last) < max(before) + STEP * (1 + 1e-9)
+
+
+@given(promises=st.lists(st.one_of(st.none(), st.integers(-3, 3)), min_size=1, max_size=12), order=st.randoms())
+def test_the_answer_does_not_depend_on_which_start_was_done_first(promises: list[int | None], order):
+    results = {k: Failed(k, "no") if p is None else start(float(p), k) for k, p in enumerate(promises)}
+    tasks = [Task(None, 9, FAMILY, "D", k) for k in results]  # type: ignore[arg-type]
+    watch = patience()
+    alone = next((n for n in range(1, len(results) + 1) if watch.enough([results[k] for k in range(n)])), None)
+    arrived: dict[int, Start | Failed] = {}
+    answer = None
+    for k in order.sample(sorted(results), len(results)):
+        arrived[k] = results[k]
+        if (answer := _counted(tasks, arrived, watch)) is not None:
+            break
+    assert (answer is None) == (alone is None)
+    assert answer is None or answer == [results[k] for k in range(alone)]
+
+
+def test_a_glance_at_another_family_is_not_counted():
+    tasks = [Task(None, 9, FAMILY, "D", k, rival=k == 1) for k in range(6)]  # type: ignore[arg-type]
+    results: dict[int, Start | Failed] = {k: start(-5.0, k) for k in range(6)}
+    found = _counted(tasks, results, patience())
+    assert found is not None
+    assert [s.seed for s in found] == [0, 2, 3, 4]
+    del results[1]
+    assert _counted(tasks, results, patience()) == found
+
+
+@pytest.mark.parametrize("settings", [{"starts": 30}, {"seconds": 60.0}, {"starts": 30, "seconds": 60.0}])
+def test_what_was_asked_for_is_not_cut_short(settings: dict[str, float]):
+    watch = patience(**settings)
+    assert not any(watch.enough([start(-5.0)] * k) for k in range(40))
+    assert watch.most == settings.get("starts", ENDLESS)
+    assert not patience().to_the_end().enough([start(-5.0)] * 40)
+    assert patience().most == MOST
+
+
+def test_starts_that_all_fail_end_it_too():
+    failed = [Failed(k, "no motion") for k in range(10)]
+    assert not patience().enough(failed[: FEWEST - 1])
+    assert patience().enough(failed[:FEWEST])
+
+
+def test_time_is_shared_between_exploring_and_refining():
+    before = time.monotonic()
+    watch = patience(seconds=100.0)
+    now = time.monotonic()
+    assert before + 100.0 <= watch.until <= now + 100.0
+    assert watch.exploring().until == pytest.approx(before + 100.0 * EXPLORING, abs=1.0)
+    moves = patience(seconds=100.0, family="ptp")
+    assert moves.exploring().until == moves.until  # its starts are refined at once
+    assert not watch.over()
+    assert replace(watch, until=now).over()
+    assert not patience().over()
+
+
+@pytest.mark.parametrize(
+    ("criterion", "old", "new", "expected"),
+    [
+        ("D", -5.0, -5.0 + 20 * np.log(1.1), 0.1),
+        ("D", -5.0, -5.0 - 20 * np.log(2.0), -0.5),
+        ("A", -110.0, -100.0, 0.1),
+        ("K", -100.0, -200.0, -0.5),
+        ("N", 2.0, 2.2, 0.1),
+    ],
+)
+def test_gains_are_ratios_of_what_a_criterion_stands_for(criterion: str, old: float, new: float, expected: float):
+    assert gain(criterion, SIZE, old, new) == pytest.approx(expected)
+    assert gain(criterion, SIZE, -np.inf, new) == np.inf
+    assert gain(criterion, SIZE, old, -np.inf) == 0.0
+    assert gain(criterion, SIZE, -np.inf, -np.inf) == 0.0
