@@ -194,7 +194,7 @@ class Plan:
         }
 
 
-def save_plan(plan: Plan, folder: Path) -> None:
+def save_plan(plan: Plan, folder: Path, overwrite: bool = False) -> None:
     """Writes a plan folder: plan.json, motion.csv, report.html, plots/."""
     from planner.comparison.beside_manual import beside_manual
     from planner.reports.page import render
@@ -202,7 +202,7 @@ def save_plan(plan: Plan, folder: Path) -> None:
     from planner.reports.plots import save_figure, trajectory_figure
 
     motion = sample(plan.motion, SAMPLE_RATE)
-    with atomic_folder(folder, PLAN) as part:
+    with atomic_folder(folder, PLAN, overwrite) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
         (part / "motion.csv").write_text(motion_csv(motion), encoding="utf-8")
         page = plan_page(plan, beside_manual(plan) if plan.family != "manual" else "it is the motion itself")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, limit_rows, print_json, print_table, status
 
 if TYPE_CHECKING:
     from planner.motion_box import MotionBox
@@ -95,16 +95,17 @@ def show(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Picture to write: .svg, .png or .pdf; SVG by default.")
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Draw the machine at home and which part of its motion box it reaches."""
-    from cases.files import atomic_file, check_file
+    from cases.files import atomic_file, check_file, output_place
     from cases.loading import find_case, load_case
 
     loaded = load_case(case)
     loaded.need_machine("the picture of the machine")
-    file = output if output is not None else Path(f"{loaded.name}-machine.svg")
-    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)])
+    file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
+    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_plots import case_figure

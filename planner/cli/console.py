@@ -13,6 +13,7 @@ EDGES, GAP = 2, 3  # characters around a table, and between its columns
 WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what an earlier run wrote there.")]
 Criterion = Annotated[
     str,
     typer.Option(

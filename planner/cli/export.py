@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json
+from planner.cli.console import Json, Overwrite, print_json
 
 
 def export(
@@ -22,6 +22,7 @@ def export(
     ] = False,
     build: Annotated[bool, typer.Option("--build", help="Compile it too (c: gcc; linuxcnc: halcompile).")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write; for c a folder.")] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Write the calibrated model for a controller."""
@@ -33,7 +34,7 @@ def export(
     if to not in TARGETS:
         raise HexciteError(f"target {to!r} is unknown; choose {', '.join(TARGETS)}")
     calibration = load_calibration(result, case, force)
-    files = write(calibration, to, output, build)
+    files = write(calibration, to, output, build, overwrite)
     answer: dict[str, Any] = {
         "file": str(files[0]),
         "files": [str(file) for file in files],

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from cases.recording_columns import WRENCH
-from planner.cli.console import Json, print_json, print_table
+from planner.cli.console import Json, Overwrite, print_json, print_table
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 UNITS = ("N", "N", "N", "N m", "N m", "N m")
@@ -24,10 +24,11 @@ def force(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="CSV file to write; RECORDING-force.csv by default.")
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Compute external force and moment over a recording."""
-    from cases.files import atomic_file, check_file
+    from cases.files import atomic_file, check_file, output_place
     from identification.force import external_force
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
@@ -35,8 +36,9 @@ def force(
     from planner.runs.recorded import case_of
 
     loaded = case_of(recording, case)
-    file = output if output is not None else Path(f"{recording.resolve().stem}-force.csv")
-    check_file(file, [".csv"], [recording, *recording.glob("*")] if recording.is_dir() else [recording])
+    file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
+    inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
+    check_file(file, [".csv"], inputs, overwrite)
     found = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, load_result(parameters))
     with atomic_file(file) as part:
         _write(part, found)
@@ -75,13 +77,14 @@ def tare(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Result folder to write; RESULT-tared by default.")
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Identify the sensor offsets anew from a short standstill.
 
     All other parameters stay as they are.
     """
-    from cases.files import RESULT, atomic_folder, json_text
+    from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
     from identification.force import tare as new_offsets
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
@@ -89,11 +92,12 @@ def tare(
     from planner.runs.recorded import case_of
 
     loaded = case_of(recording, case)
+    folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
+    check_folder(folder, RESULT, [recording, parameters], overwrite)
     saved = load_result(parameters)
     found = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
-    folder = output if output is not None else Path(f"{parameters.resolve().stem}-tared")
     content = with_tare(parameters, saved, loaded, found.values, found.covariance, str(recording))
-    with atomic_folder(folder, RESULT) as part:
+    with atomic_folder(folder, RESULT, overwrite) as part:
         (part / "result.json").write_text(json_text(content), encoding="utf-8")
     if json:
         print_json({"result": str(folder)} | content)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cases.files import RESULT, atomic_folder, check_folder, json_text
+from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.force import external_force
@@ -44,6 +44,7 @@ def make_result(
     quiet: bool,
     still: Still = UNSAID,
     plan: Path | None = None,
+    overwrite: bool = False,
 ) -> tuple[dict[str, Any], Estimate]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.
 
@@ -55,12 +56,13 @@ def make_result(
         quiet: print nothing.
         still: what is said about standstills.
         plan: that the run followed; a recording folder knows its program.
+        overwrite: replace an earlier result.
     """
     paths = [paths] if isinstance(paths, Path) else list(paths)
     wish = wish if isinstance(wish, Wish) else Wish(wish)
     loaded = case_of(paths[0], case)
-    folder = output if output is not None else Path(f"{paths[0].resolve().stem}-result")
-    check_folder(folder, RESULT, paths)
+    folder = output_place(output, Path(f"{paths[0].resolve().stem}-result"), overwrite)
+    check_folder(folder, RESULT, paths, overwrite)
     with status("identifying", quiet):
         standing = None
         how = _for_blocks(paths, wish, loaded, plan)
@@ -80,7 +82,7 @@ def make_result(
         if standing is not None:
             content["standstills"] = answer["standstills"] = standing
         answer["strongest_correlations"] = [{"pair": [a, b], "value": v} for a, b, v in found.strongest()]
-        with atomic_folder(folder, RESULT) as part:
+        with atomic_folder(folder, RESULT, overwrite) as part:
             (part / "result.json").write_text(json_text(content), encoding="utf-8")
             (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")
             save_figure(residual_figure(estimate), part / "plots", "residuals")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from planner.cli.console import Json, print_json
+from planner.cli.console import Json, Overwrite, print_json
 
 
 def identify(
@@ -94,6 +94,7 @@ def identify(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; RECORDING-result by default.")
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Identify parameters from a recorded run.
@@ -115,7 +116,8 @@ def identify(
     )  # fmt: skip
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
-    answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=Still(poses, standstills), plan=plan)
+    still = Still(poses, standstills)
+    answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=still, plan=plan, overwrite=overwrite)
     if verify is not None:
         answer["verify"] = verify_result(verify, case_of(recordings[0], case), Path(answer["result"]), quiet=json)
     if json:

@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Criterion, Json, limit_rows, print_json, print_table, progress, status
+from planner.cli.console import (
+    LIMIT_COLUMNS,
+    Criterion,
+    Json,
+    Overwrite,
+    limit_rows,
+    print_json,
+    print_table,
+    progress,
+    status,
+)
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -64,6 +74,7 @@ def plan(
     starts: Annotated[int, typer.Option(help="Random starts.")] = 8,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
     output: Out = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Find the most informative motion inside the machine's limits.
@@ -97,7 +108,7 @@ def plan(
         starts=starts,
         seed=seed,
     )
-    answer = make_plan(request, output, quiet=json)
+    answer = make_plan(request, output, quiet=json, overwrite=overwrite)
     if json:
         print_json(answer)
 
@@ -120,9 +131,9 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
             raise HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 
-def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str, Any]:
+def make_plan(request: "Request", output: Path | None, quiet: bool, overwrite: bool = False) -> dict[str, Any]:
     """Plans, saves, prints unless `quiet`; returns the JSON answer."""
-    from cases.files import PLAN, check_folder
+    from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
     from planner import planning
     from planner.interruption import first_ctrl_c_calls
@@ -133,8 +144,8 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
     from planner.shortest import shortest_plan
 
     loaded = load_case(request.case_file)
-    folder = output if output is not None else Path(f"{loaded.name}-{request.family}")
-    check_folder(folder, PLAN)
+    folder = output_place(output, Path(f"{loaded.name}-{request.family}"), overwrite)
+    check_folder(folder, PLAN, overwrite=overwrite)
     require_plannable(request, loaded)
     case_file = request.case_file
     if find_case(case_file).is_relative_to(Path.cwd()) or Path(case_file).exists():
@@ -166,7 +177,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool) -> dict[str,
 
         result = shortest_plan(request, loaded, make) if request.targets else make(request)
     with status("writing", quiet), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_plan(result, folder)
+        save_plan(result, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | result.to_json()
     if not quiet:
         _show(answer, loaded)

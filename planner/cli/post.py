@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, limit_rows, print_json, print_table, status
 
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
@@ -31,6 +31,7 @@ def post(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Write a plan as a program for the machine's controller.
@@ -46,7 +47,7 @@ def post(
         else:
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
-    answer = make_program(plan, dialect or "linuxcnc", speed, accept or (), output, json, ptp_struts)
+    answer = make_program(plan, dialect or "linuxcnc", speed, accept or (), output, json, ptp_struts, overwrite)
     if json:
         print_json(answer)
 
@@ -59,12 +60,13 @@ def make_program(
     output: Path | None,
     quiet: bool,
     in_struts: bool = False,
+    overwrite: bool = False,
 ) -> dict[str, Any]:
     """Writes, prints unless `quiet`; returns the JSON answer."""
     from importlib.metadata import version
 
     from cases.errors import HexciteError
-    from cases.files import atomic_file, check_file
+    from cases.files import atomic_file, check_file, output_place
     from planner.runs.fingerprints import case_line, plan_line
     from planner.saved_plan import load_plan
     from postprocessors.dialects import DIALECTS, dialect
@@ -77,8 +79,8 @@ def make_program(
     if in_struts and not language.in_struts:
         able = ", ".join(d.name for d in DIALECTS.values() if d.in_struts)
         raise HexciteError(f"{dialect_name} has no moves straight in the struts; leave out --ptp-struts, or use {able}")
-    file = output if output is not None else Path(f"{plan.resolve().name}{language.suffix}")
-    check_file(file, language.suffixes, [plan, *plan.glob("*")] if plan.is_dir() else [plan])
+    file = output_place(output, Path(f"{plan.resolve().name}{language.suffix}"), overwrite)
+    check_file(file, language.suffixes, [plan, *plan.glob("*")] if plan.is_dir() else [plan], overwrite)
     saved = load_plan(plan)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",

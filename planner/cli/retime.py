@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status_text
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, limit_rows, print_json, print_table, status_text
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -33,13 +33,14 @@ def retime(
         Path | None,
         typer.Option("-o", "--output", help="Plan folder of the re-timed motion; or NAME.csv for its table at 1 kHz."),
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Make a plan of the same path at another pace.
 
     Tells criteria and limits before and after; without -o nothing is written.
     """
-    answer = make_retimed(source, case, method, fastest, model, output, quiet=json)
+    answer = make_retimed(source, case, method, fastest, model, output, quiet=json, overwrite=overwrite)
     if json:
         print_json(answer)
 
@@ -52,6 +53,7 @@ def make_retimed(
     model: int | None,
     output: Path | None,
     quiet: bool,
+    overwrite: bool = False,
 ) -> dict[str, Any]:
     """Re-times, writes, prints unless `quiet`; returns the JSON answer."""
     from time import perf_counter
@@ -67,7 +69,7 @@ def make_retimed(
 
     if method is not None and method not in list(Method):
         raise HexciteError(f"method {method!r} is unknown; choose {', '.join(Method)}")
-    table = _checked(source, output)
+    table = _checked(source, output, overwrite)
     given = _given(source, case, model)
     chosen = Method(method) if method is not None else fitting_method(given.motion)
     if fastest and chosen is Method.RUCKIG:
@@ -88,7 +90,8 @@ def make_retimed(
             write_text(output, motion_csv(sample(found.motion, SAMPLE_RATE)))
         elif output is not None:
             told("writing")
-            save_plan(retimed_plan(found, given.request, given.case, given.case_file, source, seconds), output)
+            made = retimed_plan(found, given.request, given.case, given.case_file, source, seconds)
+            save_plan(made, output, overwrite)
     answer = {
         "source": str(source),
         "method": str(found.method),
@@ -117,7 +120,7 @@ class _Given(NamedTuple):
     request: "Request"
 
 
-def _checked(source: Path, output: Path | None) -> bool:
+def _checked(source: Path, output: Path | None, overwrite: bool) -> bool:
     """Whether a table is to be written; refuses a place that cannot be written before the work starts."""
     from cases.files import PLAN, check_file, check_folder
 
@@ -125,9 +128,9 @@ def _checked(source: Path, output: Path | None) -> bool:
         return False
     inputs = [source, *source.glob("*")] if source.is_dir() else [source]
     if output.suffix and not output.is_dir():
-        check_file(output, [".csv"], inputs)
+        check_file(output, [".csv"], inputs, overwrite)
         return True
-    check_folder(output, PLAN, [source])
+    check_folder(output, PLAN, [source], overwrite)
     return False
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, status
+from planner.cli.console import Json, Overwrite, print_json, status
 
 if TYPE_CHECKING:
     from planner.runs.running import Outcome
@@ -25,13 +25,14 @@ def run(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; PROGRAM-recording by default.")
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Execute a program and write a recording.
 
     Sensors and encoders are simulated for the motion that the controller executed.
     """
-    answer, _ = make_recording(program, case, on, seed, output, json, payload, disturbed)
+    answer, _ = make_recording(program, case, on, seed, output, json, payload, disturbed, overwrite)
     if json:
         print_json(answer)
 
@@ -45,10 +46,11 @@ def make_recording(
     quiet: bool,
     payload: int = 0,
     disturbed: bool = False,
+    overwrite: bool = False,
 ) -> tuple[dict[str, Any], Any]:
     """Runs, saves, prints unless `quiet`; returns the JSON answer and the outcome."""
     from cases.errors import HexciteError
-    from cases.files import RUN, check_folder
+    from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
     from identification.loaded import circumstances
     from planner.runs.running import execute, require_controller, save_recording
@@ -57,13 +59,13 @@ def make_recording(
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")
     require_controller(on)
     case_file = str(find_case(case).resolve()) if Path(case).exists() else case
-    folder = output if output is not None else Path(f"{program.stem}-recording")
-    check_folder(folder, RUN, [program, *([Path(case_file)] if Path(case_file).exists() else [])])
+    folder = output_place(output, Path(f"{program.stem}-recording"), overwrite)
+    check_folder(folder, RUN, [program, *([Path(case_file)] if Path(case_file).exists() else [])], overwrite)
     loaded = load_case(case)
     around = circumstances(loaded, payload, disturbed)
     with status(f"running {program.name} on {on}", quiet):
         outcome = execute(program, loaded, on, seed, around)
-        about = save_recording(folder, outcome, program, loaded, case_file, seed)
+        about = save_recording(folder, outcome, program, loaded, case_file, seed, overwrite)
     answer = {
         "recording": str(folder),
         "controller": about["controller"],

@@ -242,7 +242,7 @@ def _in_units(poses: Array) -> Array:
     return np.asarray(np.round(poses / np.r_[np.full(3, MM), np.full(3, DEG)], 9))
 
 
-def save_pose_plan(plan: PosePlan, folder: Path) -> None:
+def save_pose_plan(plan: PosePlan, folder: Path, overwrite: bool = False) -> None:
     """Writes a plan folder: plan.json, poses.csv, report.html, plots/."""
     from planner.poses.plots import density_figure, pose_figure
     from planner.reports.page import render
@@ -251,7 +251,7 @@ def save_pose_plan(plan: PosePlan, folder: Path) -> None:
 
     model = identification_model(plan.case, plan.request.model)
     rows = [f"{k}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(_in_units(plan.poses), 1)]
-    with atomic_folder(folder, PLAN) as part:
+    with atomic_folder(folder, PLAN, overwrite) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
         (part / "poses.csv").write_text("\n".join([",".join(("pose", *POSE)), *rows]) + "\n", encoding="utf-8")
         plots = part / "plots"

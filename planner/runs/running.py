@@ -228,7 +228,7 @@ def _efficiency(bound: Bound, information: np.ndarray) -> float:
 
 
 def save_recording(
-    folder: Path, outcome: Outcome, program: Path, case: Case, case_file: str, seed: int
+    folder: Path, outcome: Outcome, program: Path, case: Case, case_file: str, seed: int, overwrite: bool = False
 ) -> dict[str, Any]:
     """Writes a recording folder; returns what `recording.json` holds."""
     rating, disturbances = outcome.rating, outcome.around.disturbances
@@ -262,7 +262,7 @@ def save_recording(
         "remark": outcome.run.remark,
         "units": "SI with the unit in each column name",
     }
-    with atomic_folder(folder, RUN) as part:
+    with atomic_folder(folder, RUN, overwrite) as part:
         write_recording(part / "recording.csv", outcome.recording, case)
         (part / "recording.json").write_text(json_text(about), encoding="utf-8")
     return about

@@ -141,7 +141,8 @@ def test_c_is_compiled_on_demand(result: Path, here: Path) -> None:
     answer = call("export", result, "--to", "c", "--build", "-o", "model", "--json").json()
     assert [Path(f).name for f in answer["files"]] == ["hexapod_force.c", "hexapod_force.h", "hexapod_force.o"]
     assert (here / "model" / "hexapod_force.o").stat().st_size > 1000
-    call("export", result, "--to", "c", "-o", "model", "--json").json()  # replaces what is its own
+    assert "--overwrite" in refused("export", result, "--to", "c", "-o", "model")
+    call("export", result, "--to", "c", "-o", "model", "--overwrite", "--json").json()
     shutil.copy(result / "result.json", here / "model")
     assert "is not a C model" in refused("export", result, "--to", "c", "-o", "model")
 
