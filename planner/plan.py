@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.basis import KEPT, plan_basis
 from cases.files import PLAN, atomic_folder, json_text
 from cases.recording_columns import MOTION
 from cases.schema import Case
@@ -145,7 +146,7 @@ class Plan:
             "case": self.case.name,
             "case_file": self.case_file,
             "case_hash": self.case.hash,
-            "case_tables": self.case.table_hashes,
+            KEPT: plan_basis(self.case, self.request.payload),
             "family": self.family,
             "criterion": self.request.criterion,
             "solver": self.request.solver,

@@ -5,14 +5,16 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, Overwrite, print_json, print_table, status
+from planner.cli.console import Json, Overwrite, Stale, print_json, print_table, status
 
 
 def compare(
     folders: Annotated[list[Path], typer.Argument(help="Folders of plan, poses, run and identify, in any mix.")],
+    case: Annotated[str | None, typer.Option(help="Built-in name, folder or file; the folders know theirs.")] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-comparison by default.")
     ] = None,
+    stale: Stale = False,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
@@ -22,12 +24,19 @@ def compare(
 
     A result belongs to the run it was made of, a run to the plan whose path it followed.
     """
-    answer = run_comparison(folders, output, quiet=json, overwrite=overwrite)
+    answer = run_comparison(folders, output, json, overwrite, case, stale)
     if json:
         print_json(answer)
 
 
-def run_comparison(folders: list[Path], output: Path | None, quiet: bool, overwrite: bool = False) -> dict[str, Any]:
+def run_comparison(
+    folders: list[Path],
+    output: Path | None,
+    quiet: bool,
+    overwrite: bool = False,
+    case: str | None = None,
+    stale: bool = False,
+) -> dict[str, Any]:
     """Reads, compares, writes the page, prints unless `quiet`; returns the JSON answer."""
     from cases.errors import HexciteError
     from cases.files import COMPARISON, atomic_folder, check_folder, json_text, output_place
@@ -43,7 +52,7 @@ def run_comparison(folders: list[Path], output: Path | None, quiet: bool, overwr
     output = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(output, COMPARISON, folders, overwrite)
     with status("comparing", quiet):
-        found = groups([read_entry(folder) for folder in folders])
+        found = groups([read_entry(folder, case, stale) for folder in folders])
         advice = recommend(found)
         entries = [e for g in found for e in g]
         answer: dict[str, Any] = {

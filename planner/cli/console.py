@@ -14,6 +14,9 @@ WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what an earlier run wrote there.")]
+Stale = Annotated[
+    bool, typer.Option("--stale", help="Go on although the case has changed since; what is written says so.")
+]
 Criterion = Annotated[
     str,
     typer.Option(

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from cases.basis import KEPT, result_basis
 from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
 from cases.schema import Case
 from identification.estimation.estimators import Method
@@ -45,6 +46,7 @@ def make_result(
     still: Still = UNSAID,
     plan: Path | None = None,
     overwrite: bool = False,
+    stale: bool = False,
 ) -> tuple[dict[str, Any], Estimate]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.
 
@@ -57,10 +59,11 @@ def make_result(
         still: what is said about standstills.
         plan: that the run followed; a recording folder knows its program.
         overwrite: replace an earlier result.
+        stale: go on although the recording's case has changed since.
     """
     paths = [paths] if isinstance(paths, Path) else list(paths)
     wish = wish if isinstance(wish, Wish) else Wish(wish)
-    loaded = case_of(paths[0], case)
+    loaded, remarks = case_of(paths[0], case, stale)
     folder = output_place(output, Path(f"{paths[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, paths, overwrite)
     with status("identifying", quiet):
@@ -77,7 +80,11 @@ def make_result(
             estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
             estimate = with_feed(estimate, recording, loaded, paths[0], plan)
         found = identifiability(recording, loaded, estimate)
-        content = estimate.to_json() | provenance(files_of(paths)) | about_run(paths[0], case, recording, estimate)
+        estimate = replace(estimate, warnings=(*estimate.warnings, *remarks))
+        content: dict[str, Any] = {KEPT: result_basis(loaded), **({"stale": list(remarks)} if remarks else {})}
+        content = (
+            estimate.to_json() | content | provenance(files_of(paths)) | about_run(paths[0], case, recording, estimate)
+        )
         answer = {"result": str(folder), "report": str(folder / "report.html")} | content
         if standing is not None:
             content["standstills"] = answer["standstills"] = standing

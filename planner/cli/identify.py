@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from planner.cli.console import Json, Overwrite, print_json
+from planner.cli.console import Json, Overwrite, Stale, print_json
 
 
 def identify(
@@ -94,6 +94,7 @@ def identify(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; RECORDING-result by default.")
     ] = None,
+    stale: Stale = False,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
@@ -117,8 +118,10 @@ def identify(
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     still = Still(poses, standstills)
-    answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=still, plan=plan, overwrite=overwrite)
+    answer, _ = make_result(recordings, case, wanted, output, json, still, plan, overwrite, stale)
     if verify is not None:
-        answer["verify"] = verify_result(verify, case_of(recordings[0], case), Path(answer["result"]), quiet=json)
+        answer["verify"] = verify_result(
+            verify, case_of(recordings[0], case, stale)[0], Path(answer["result"]), quiet=json
+        )
     if json:
         print_json(answer)

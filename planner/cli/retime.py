@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, limit_rows, print_json, print_table, status_text
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status_text
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -33,6 +33,7 @@ def retime(
         Path | None,
         typer.Option("-o", "--output", help="Plan folder of the re-timed motion; or NAME.csv for its table at 1 kHz."),
     ] = None,
+    stale: Stale = False,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
@@ -40,7 +41,7 @@ def retime(
 
     Tells criteria and limits before and after; without -o nothing is written.
     """
-    answer = make_retimed(source, case, method, fastest, model, output, quiet=json, overwrite=overwrite)
+    answer = make_retimed(source, case, method, fastest, model, output, quiet=json, overwrite=overwrite, stale=stale)
     if json:
         print_json(answer)
 
@@ -54,6 +55,7 @@ def make_retimed(
     output: Path | None,
     quiet: bool,
     overwrite: bool = False,
+    stale: bool = False,
 ) -> dict[str, Any]:
     """Re-times, writes, prints unless `quiet`; returns the JSON answer."""
     from time import perf_counter
@@ -70,7 +72,7 @@ def make_retimed(
     if method is not None and method not in list(Method):
         raise HexciteError(f"method {method!r} is unknown; choose {', '.join(Method)}")
     table = _checked(source, output, overwrite)
-    given = _given(source, case, model)
+    given = _given(source, case, model, stale)
     chosen = Method(method) if method is not None else fitting_method(given.motion)
     if fastest and chosen is Method.RUCKIG:
         raise HexciteError(
@@ -90,7 +92,7 @@ def make_retimed(
             write_text(output, motion_csv(sample(found.motion, SAMPLE_RATE)))
         elif output is not None:
             told("writing")
-            made = retimed_plan(found, given.request, given.case, given.case_file, source, seconds)
+            made = retimed_plan(found, given.request, given.case, given.case_file, source, seconds, given.stale)
             save_plan(made, output, overwrite)
     answer = {
         "source": str(source),
@@ -101,7 +103,7 @@ def make_retimed(
         "jerk_limited": found.method is not Method.TOPPRA,
         "off_path_mm": found.off_path[0] / MM,
         "off_path_deg": found.off_path[1] / DEG,
-        "remarks": list(found.remarks),
+        "remarks": [*found.remarks, *given.stale],
         "solve_s": seconds,
         "output": str(output) if output is not None else None,
         "plan": str(output) if output is not None and not table else None,
@@ -118,6 +120,7 @@ class _Given(NamedTuple):
     case: "Case"
     case_file: str
     request: "Request"
+    stale: tuple[str, ...] = ()
 
 
 def _checked(source: Path, output: Path | None, overwrite: bool) -> bool:
@@ -134,7 +137,7 @@ def _checked(source: Path, output: Path | None, overwrite: bool) -> bool:
     return False
 
 
-def _given(source: Path, case: str | None, model: int | None) -> _Given:
+def _given(source: Path, case: str | None, model: int | None, stale: bool) -> _Given:
     from cases.errors import HexciteError
     from cases.loading import find_case, load_case
     from planner.request import Request
@@ -146,7 +149,7 @@ def _given(source: Path, case: str | None, model: int | None) -> _Given:
             f"{source}: cannot be read (No such file or directory); name a plan folder, or a table of poses"
         )
     if source.is_dir():
-        saved = load_plan(source)
+        saved = load_plan(source, None if case is None else load_case(case), stale)
         data, case_file = saved.data, saved.case_file
         if data["family"] == "poses":
             raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
@@ -161,7 +164,7 @@ def _given(source: Path, case: str | None, model: int | None) -> _Given:
             payload_from=fewest,
         )
         if case is None:
-            return _Given(saved.motion, saved.case, case_file, request)
+            return _Given(saved.motion, saved.case, case_file, request, saved.stale)
         motion, request = saved.motion, replace(request, case_file=case)
     else:
         if case is None:

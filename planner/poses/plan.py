@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.basis import KEPT, plan_basis
 from cases.errors import InfeasiblePlan
 from cases.files import PLAN, atomic_folder, json_text
 from cases.recording_columns import POSE
@@ -95,7 +96,7 @@ class PosePlan:
             "case": self.case.name,
             "case_file": self.case_file,
             "case_hash": self.case.hash,
-            "case_tables": self.case.table_hashes,
+            KEPT: plan_basis(self.case, poses=True),
             "family": "poses",
             "criterion": request.criterion,
             "method": str(request.method),

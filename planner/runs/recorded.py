@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cases.basis import Artefact, recording_basis
 from cases.errors import RecordingError
 from cases.files import another_kind
 from cases.loading import lasting_name, load_case
@@ -38,27 +39,35 @@ class Still(NamedTuple):
 UNSAID = Still()
 
 
-def case_of(path: Path, case: str | None) -> Case:
-    """The case that was named, or the one that a recording folder was made for and that has not changed since.
+def case_of(
+    path: Path, case: str | None, stale: bool = False, result: Artefact | None = None
+) -> tuple[Case, tuple[str, ...]]:
+    """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
+
+    Args:
+        path: of the recording.
+        case: as it was named, which is taken as it is now; None where the folder knows.
+        stale: go on although the case has changed since.
+        result: whose case is taken where the recording names none.
 
     Raises:
-        RecordingError: no recording, nothing says which machine it is from, or its case has changed.
+        RecordingError: no recording, or nothing says which machine it is from.
+        FileProblem: its case has changed, and `stale` is not set.
         CaseError: the case cannot be read.
     """
     recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
     if not recorded and (other := another_kind(path, "recording.json")):
         raise RecordingError(f"{path}: {other}; here a recording is wanted, such as hexcite run writes")
     if case is not None:
-        return load_case(case)
+        return load_case(case), ()
     about = about_recording(path)
     if not about:
+        if result is not None:
+            return result.case(), ()
         raise RecordingError(f"{path}: does not say which machine it is from; name it with --case")
-    loaded = load_case(str(about.get("case_file")))
-    if about.get("case_hash") != loaded.hash:
-        raise RecordingError(
-            f"{path}: case {about.get('case_file')} has changed since the recording; name the right one with --case"
-        )
-    return loaded
+    named = Artefact(path / "recording.json", about, "run the program again")
+    loaded = named.case()
+    return loaded, named.require_unchanged(recording_basis(loaded), loaded, stale)
 
 
 def about_run(path: Path, case: str | None, recording: Recording, estimate: Estimate) -> dict[str, Any]:
@@ -122,7 +131,7 @@ def standing_of(
         StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
         RecordingError: no standstills, though there should be some.
     """
-    expected = poses_of_plan(still.plan) if still.plan is not None else poses_of_recording(path)
+    expected = poses_of_plan(still.plan, case) if still.plan is not None else poses_of_recording(path)
     if recording.t is None:
         if still.plan is None and not still.asked:
             return recording, None

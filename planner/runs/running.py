@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.basis import KEPT, recording_basis
 from cases.errors import ExecutionError, HexciteError
 from cases.files import RUN, atomic_folder, json_text
 from cases.schema import Case
@@ -237,6 +238,7 @@ def save_recording(
         "case": case.name,
         "case_file": case_file,
         "case_hash": case.hash,
+        KEPT: recording_basis(case),
         "controller_hash": case.controller_hash,
         "program": str(program.resolve()),
         "program_hash": outcome.program_hash,

@@ -206,7 +206,9 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
     assert [e.case.name for e in entries] == ["mine", "mine"]
     assert entries[0].duration == pytest.approx(chain["run"]["duration_s"], abs=0.05)
     hexapod_file.write_text(hexapod_file.read_text().replace("range_N = 5000.0", "range_N = 6000.0"))
-    assert "has changed since" in refused("compare", *results, "-o", hexapod_file.parent / "c")
+    assert "has changed since: sensors.range_N was 5000, is 6000" in refused(
+        "compare", *results, "-o", hexapod_file.parent / "c"
+    )
 
 
 def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):

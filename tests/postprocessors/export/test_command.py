@@ -82,7 +82,7 @@ def test_a_wrong_argument_is_named_and_nothing_written(
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"case_hash": "0" * 16}, ("another state of case hexapod", "--case")),
+        ({"case_hash": "0" * 16}, ("case hexapod has changed since", "--stale")),
         ({"case": "my_machine"}, ("my_machine", "--case")),
         ({"warnings": None}, ("missing or damaged", "identify again")),
         ({"parameters": {}}, ("parameters are not those of model 9",)),
