@@ -41,15 +41,31 @@ def check(
     json: Json = False,
 ) -> None:
     """Validate a case and say which part of its motion box the machine reaches."""
+    from cases.errors import CaseError
+    from cases.leftovers import leftovers
+    from cases.loading import load_case
+    from cases.needs import readiness
     from planner.reports.case_figures import case_figures, proposed_box, reach_figures
 
-    figures: dict[str, Any] = case_figures(case)
+    try:
+        figures: dict[str, Any] = case_figures(case)
+    except CaseError as error:
+        if json:
+            print_json({"ok": False, "problems": list(error.problems) or [str(error)]})
+        else:
+            for problem in error.problems if len(error.problems) > 1 else ():
+                print(problem)
+        raise
+    loaded = load_case(case)
+    lacks, remarks = readiness(loaded), leftovers(loaded)
     with status("searching the largest reachable box", json or not propose):
         proposal = proposed_box(case) if propose else None
     reach = reach_figures(case)
     if json:
         parts = {"reach": reach, "proposal": proposal}
-        print_json({"ok": True, "figures": figures} | {k: v.to_json() for k, v in parts.items() if v is not None})
+        ready = {r.command: list(r.missing) for r in lacks}
+        answer = {"ok": True, "figures": figures, "missing": ready, "remarks": list(remarks)}
+        print_json(answer | {k: v.to_json() for k, v in parts.items() if v is not None})
         return
     print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
     print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
@@ -59,6 +75,10 @@ def check(
         print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box", LIMIT_COLUMNS, rows
         )
+    rows = [[r.command, f"misses {', '.join(r.missing)}" if r.missing else "has all that it needs"] for r in lacks]
+    print_table("Commands", ("hexcite ..", "this case"), rows, False)
+    for remark in remarks:
+        print(f"look at {remark}")
     if reach is not None:
         _print_reach(reach, case, proposal is None)
     if proposal is not None:
