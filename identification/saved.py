@@ -15,7 +15,7 @@ from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
 from identification.parameters import physical_form
-from identification.result import SCHEMA_VERSION
+from identification.result import SCHEMA_VERSION, Value
 
 Array = NDArray[np.float64]
 
@@ -161,10 +161,10 @@ def with_tare(
     offsets = [k for k, name in enumerate(data["linear"]["names"]) if name.startswith("f_q0")]
     robust_covariance[offsets, :] = robust_covariance[:, offsets] = 0.0
     robust_covariance[offsets, offsets] = np.diag(covariance)[offsets]
-    parameters = dict(data["parameters"])
+    parameters, freedom = dict(data["parameters"]), float(data.get("degrees_of_freedom", np.inf))
     for p, value, deviation in zip(form.parameters, physical, std, strict=True):
         robust = float(deviation) if p.name.startswith("f_q0") else parameters[p.name]["std_robust"]
-        parameters[p.name] = {"value": float(value), "std": float(deviation), "std_robust": robust, "unit": p.unit}
+        parameters[p.name] = Value(float(value), float(deviation), robust, p.unit).to_json(freedom)
     return data | {
         "parameters": parameters,
         "linear": {"names": data["linear"]["names"], "values": values.tolist()},

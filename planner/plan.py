@@ -187,6 +187,7 @@ class Plan:
             "targets": list(self.request.targets),
             "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],
             "assumed_noise_N": self.noise.sensors,
+            "assumed_rate_Hz": self.case.recording.rate_Hz,
             "assumed_noise_of_channels": self.noise.std.tolist(),
             "noise_of_accelerations": self.noise.shaken,
             "weights": self.noise.weights,

@@ -83,6 +83,7 @@ def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
         warnings.append(f"{places(recording.lines, rows)}: {text}; left out")
         bad |= rows
     warnings += [f"{places(recording.lines, rows)}: {text}" for text, rows in _outside(recording, case)]
+    warnings += _cut_off(recording)
     require_usable(recording.source, int(bad.sum()), count, warnings, most)
     return Scan(tuple(warnings), bad)
 
@@ -261,16 +262,26 @@ def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     if recording.struts is None or case.workspace is None:
         return []
     low, high = case.workspace.strut_length
-    found = []
-    for k in range(6):
-        rows = (recording.struts[:, k] < low) | (recording.struts[:, k] > high)
-        if rows.any():
-            value = recording.struts[np.argmax(rows), k]
-            text = (
-                f"strut {k + 1} of {value / MM:.4g} mm is outside the workspace of {low / MM:g} to {high / MM:g} mm; "
-            )
-            found.append((text + "check offset and order of the struts, or workspace.strut_length_mm", rows))
-    return found
+    beyond = np.maximum(low - recording.struts, recording.struts - high)
+    if not (beyond > 0.0).any():
+        return []
+    row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
+    others = int((beyond > 0.0).any(axis=0).sum()) - 1
+    also = f" (and {others} others)" if others else ""
+    value = recording.struts[row, worst] / MM
+    text = (
+        f"strut {worst + 1} of {value:.4g} mm{also} is outside the workspace of {low / MM:g} to {high / MM:g} mm; "
+        "check offset and order of the struts, or workspace.strut_length_mm"
+    )
+    return [(text, (beyond > 0.0).any(axis=1))]
+
+
+def _cut_off(recording: Recording) -> list[str]:
+    """Whether the recorder stopped before the run did: its trigger, which changes, is still on in the last row."""
+    if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
+        return []
+    last = recording.lines.place(len(recording.trigger) - 1)
+    return [f"{last}: the recording ends while the trigger is on; its end is missing, record until the machine rests"]
 
 
 def _require_standstills(recording: Recording) -> None:

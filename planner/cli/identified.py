@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from cases.basis import KEPT, result_basis
+from cases.errors import IdentificationError
 from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.force import external_force
+from identification.hexapod import StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.long.blocks import fits_blocks
@@ -17,7 +19,7 @@ from identification.long.streaming import identify_long, in_blocks, is_long
 from identification.model import identification_model
 from identification.provenance import provenance
 from identification.recording import files_of, read_recording, read_run
-from identification.result import Estimate
+from identification.result import Estimate, Value
 from identification.runs.rates import on_one_clock
 from identification.runs.residuals import residuals_of
 from identification.saved import load_result
@@ -28,7 +30,7 @@ from planner.reports.identify import about_inputs, identify_page
 from planner.reports.page import render
 from planner.reports.plots import identifiability_figure, residual_figure, save_figure
 from planner.runs.fingerprints import plan_of_recording
-from planner.runs.recorded import UNSAID, Still, about_run, case_of, knows_poses, standing_of, with_feed
+from planner.runs.recorded import UNSAID, Still, about_run, case_of, fitting_case, knows_poses, standing_of, with_feed
 
 NOT_COMPARED = (
     "the run is too long to be compared with its program at once: a feed other than 100 % is told where the recording "
@@ -77,7 +79,12 @@ def make_result(
             recording, standing = standing_of(on_one_clock(read_run(paths, loaded), loaded), loaded, paths[0], still)
             number = default_model(recording) if wish.model is None else wish.model
             how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
-            estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
+            try:
+                estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
+            except StrutsDoNotClose as error:
+                if other := fitting_case(error.lengths, loaded, case):
+                    raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
+                raise
             estimate = with_feed(estimate, recording, loaded, paths[0], plan)
         found = identifiability(recording, loaded, estimate)
         estimate = replace(estimate, warnings=(*estimate.warnings, *remarks))
@@ -137,7 +144,8 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
     rows = []
     for name, p in parameters.items():
         scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
-        deviations = (max(p["std"], p["std_robust"]), p["std"], p["std_robust"])
+        known = Value(p["value"], p["std"], p["std_robust"], p["unit"])
+        deviations = (known.reported, known.std, known.std_robust)
         given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
         shown = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
         value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)

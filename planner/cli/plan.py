@@ -218,7 +218,8 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
     if answer["noise_of_accelerations"]:
         noise += " and noise of the accelerations as the case states it"
-    print(f"predicted standard deviations ({noise}, 1 kHz, {_mounted(answer)}, weights {answer['weights']}):")
+    noise += f", {answer['assumed_rate_Hz']:g} Hz, {_mounted(answer)}"
+    print(f"predicted standard deviations ({noise}, weights {answer['weights']}):")
     for line in _deviations(answer, case):
         print(f"  {line}")
     first, last = (pose_words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))

@@ -53,6 +53,7 @@ def make_recording(
     from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
     from identification.loaded import circumstances
+    from planner.runs.fingerprints import written_for_another
     from planner.runs.running import execute, require_controller, save_recording
 
     if seed < 0:
@@ -66,6 +67,8 @@ def make_recording(
     with status(f"running {program.name} on {on}", quiet):
         outcome = execute(program, loaded, on, seed, around)
         about = save_recording(folder, outcome, program, loaded, case_file, seed, overwrite)
+    other = written_for_another(program.read_bytes(), loaded)
+    remark = "; ".join(text for text in (other and f"the program was {other}", about["remark"]) if text)
     answer = {
         "recording": str(folder),
         "controller": about["controller"],
@@ -77,7 +80,7 @@ def make_recording(
         "d_efficiency_planned": about["d_efficiency_planned"],
         "peak_acceleration_of_limit": about["peak_acceleration_of_limit"],
         "peaks_of_limit": about["peaks_of_limit"],
-        "remark": about["remark"],
+        "remark": remark,
         "payload": about["payload"],
         "disturbances": about["disturbances"],
         "poses": len(about["poses_m_rad"]),

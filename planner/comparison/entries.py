@@ -23,10 +23,11 @@ from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, sample
 from identification.recording import Recording, files_of, read_recording
 from identification.reference import reference_scaling
+from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved import load_result
-from planner.deviations import SAMPLES_PER_SECOND, predicted_std
+from planner.deviations import predicted_std
 from planner.noise import expected_noise
 from planner.poses.regressors import pose_regressors
 from planner.runs.fingerprints import plan_hash
@@ -148,19 +149,21 @@ def _plan(path: Path, case: str | None, stale: bool) -> Entry:
     saved = load_plan(path, None if case is None else load_case(case), stale)
     model = identification_model(saved.case, int(saved.data["model"]))
     scaling = reference_scaling(saved.case, model)
+    rate, assumed = saved.case.recording.rate_Hz, float(saved.data.get("assumed_rate_Hz", 1000.0))
     if saved.data["family"] == "poses" and isinstance(saved.motion, Joined):
         poses = np.array([p.pose for p in saved.motion.parts if isinstance(p, Measurement)])
         matrix = (pose_regressors(model, poses) * scaling).reshape(-1, len(scaling))
         information, samples = matrix.T @ matrix / len(poses), len(poses)
     else:
         information = mean_information(model, scaling, saved.motion)
-        samples = round(saved.motion.duration * SAMPLES_PER_SECOND)
+        samples = round(saved.motion.duration * rate)
     units, noise, weights = _units(model), float(saved.data["assumed_noise_N"]), int(saved.data.get("payload", 0))
     if saved.data["family"] == "poses":  # there it is that of averages
-        noise *= float(np.sqrt(max(float(saved.data["settings"]["average_s"]) * SAMPLES_PER_SECOND, 1.0)))
+        noise *= float(np.sqrt(max(float(saved.data["settings"]["average_s"]) * assumed, 1.0)))
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
-    told = {n: Told(None, float(s), units[n]) for n, s in saved.data["predicted_std"].items()}
+    scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
+    told = {n: Told(None, scale * float(s), units[n]) for n, s in saved.data["predicted_std"].items()}
     return Entry(
         str(path), Level.PLANNED, saved.case, model.number, str(saved.data["family"]), saved.motion.duration, samples,
         _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
@@ -193,7 +196,7 @@ def _run(path: Path, case_name: str | None, stale: bool) -> Entry:
     information = _seen(matrices, None, scaling)
     duration = about.get("executed_s")
     noise = expected_noise(case, model)
-    seconds = samples / SAMPLES_PER_SECOND
+    seconds = samples / case.recording.rate_Hz
     if recording.t is None and recorded.t is not None and recorded.trigger is not None:
         seconds = float(np.count_nonzero(recorded.trigger) * recorded.step)  # of standing still, averaged
     weighted = _seen(matrices, noise.whitening, scaling)
@@ -264,8 +267,9 @@ def _result(path: Path, case_name: str | None, stale: bool) -> Entry:
         except (np.linalg.LinAlgError, IdentificationError):
             criteria = {}
     told = {
-        n: Told(float(p["value"]), max(float(p["std"]), float(p["std_robust"])), str(p["unit"]))
+        n: Told(v.value, v.reported, v.unit)
         for n, p in data["parameters"].items()
+        for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
     }
     seconds = data.get("measuring_s")
     return Entry(

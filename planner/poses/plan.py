@@ -19,7 +19,7 @@ from identification.identifiability import analyse
 from identification.limits import LimitReport, prove, worst_of
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Trajectory
-from planner.deviations import SAMPLES_PER_SECOND, predicted_std_at_poses
+from planner.deviations import predicted_std_at_poses
 from planner.families.saved import motion_entries
 from planner.infeasible import remedy
 from planner.noise import sensor_noise
@@ -125,6 +125,7 @@ class PosePlan:
             "predicted_std": self.predicted_std,
             "predicted_std_of_all_candidates": self.std_of_all,
             "assumed_noise_N": self.noise,
+            "assumed_rate_Hz": self.case.recording.rate_Hz,
             "limits": self.limits.to_json(),
             "select_s": self.select_seconds,
             "solve_s": self.solve_seconds,
@@ -235,7 +236,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
 def _noise(case: Case) -> float:
     """Of a force that is averaged, if its noise is white [N]."""
     sample = sensor_noise(case)
-    averaged = case.need_poses("predicted standard deviations").average_s * SAMPLES_PER_SECOND
+    averaged = case.need_poses("predicted standard deviations").average_s * case.recording.rate_Hz
     return float(sample / np.sqrt(max(averaged, 1.0)))
 
 

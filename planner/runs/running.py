@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.basis import KEPT, recording_basis
-from cases.errors import ExecutionError, HexciteError
+from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.files import RUN, atomic_folder, json_text
 from cases.schema import Case
 from identification.hexapod import Hexapod
@@ -23,7 +23,7 @@ from identification.simulate import TRUE_MODEL, simulate_recording
 from identification.trajectories.executed import StrutExecution
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
-from planner.runs.fingerprints import plan_of_program
+from planner.runs.fingerprints import plan_of_program, written_for_another
 from planner.runs.standing import stood, way_of
 from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import ExecutedRun, moving_windows
@@ -150,8 +150,13 @@ def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
     require_controller(on)
-    read = read_program(program, case)
-    prove_program(read.reading, case, read.guarantees).require()
+    try:
+        read = read_program(program, case)
+        prove_program(read.reading, case, read.guarantees).require()
+    except ProgramError as error:
+        if other := written_for_another(program.read_bytes(), case):
+            raise ProgramError(program, error.line, error.column, f"is {other}; {error.problem}") from error
+        raise
     parts = stretches(read.reading)
     run = run_virtual(read.reading, case, read.guarantees) if on == "virtual" else _on_linuxcnc(read, case)
     if not len(run.trigger):
