@@ -72,10 +72,6 @@ class Value(NamedTuple):
         half = float(stats.t.ppf(0.5 + level / 2, freedom)) * self.reported
         return self.value - half, self.value + half
 
-    def to_json(self, freedom: float) -> dict[str, Any]:
-        """Value, both standard deviations, unit, and the interval of 95 %."""
-        return {**self._asdict(), "interval_95": list(self.interval(freedom))}
-
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
@@ -173,7 +169,8 @@ class Estimate:
             if self.attenuation is None
             else {name: value._asdict() for name, value in self.attenuation.items()},
             "delay_s": None if self.delay is None else {"value": self.delay.value, "std": self.delay.std},
-            "parameters": {name: value.to_json(self.freedom) for name, value in self.physical.items()},
+            "parameters": {name: value._asdict() for name, value in self.physical.items()},
+            "intervals_95": {name: list(value.interval(self.freedom)) for name, value in self.physical.items()},
             "linear": {"names": list(self.names), "values": self.values.tolist()},
             "covariance": self.covariance.tolist(),
             "covariance_robust": self.covariance_robust.tolist(),

@@ -162,11 +162,14 @@ def with_tare(
     robust_covariance[offsets, :] = robust_covariance[:, offsets] = 0.0
     robust_covariance[offsets, offsets] = np.diag(covariance)[offsets]
     parameters, freedom = dict(data["parameters"]), float(data.get("degrees_of_freedom", np.inf))
+    intervals: dict[str, list[float]] = {}
     for p, value, deviation in zip(form.parameters, physical, std, strict=True):
         robust = float(deviation) if p.name.startswith("f_q0") else parameters[p.name]["std_robust"]
-        parameters[p.name] = Value(float(value), float(deviation), robust, p.unit).to_json(freedom)
+        parameters[p.name] = Value(float(value), float(deviation), robust, p.unit)._asdict()
+        intervals[p.name] = list(Value(**parameters[p.name]).interval(freedom))
     return data | {
         "parameters": parameters,
+        "intervals_95": intervals,
         "linear": {"names": data["linear"]["names"], "values": values.tolist()},
         "covariance": covariance.tolist(),
         "covariance_robust": robust_covariance.tolist(),

@@ -98,13 +98,14 @@ def _print_reach(reach: "Reach", case: str, advise: bool) -> None:
 
 def _print_proposal(box: "MotionBox") -> None:
     """The box as lines of a case file, and what is known of it."""
+    from planner.precision import share_text
     from planner.reports.reach import percent
 
     if box.share == 1.0:
         print("Proposal: none is needed, the stated box is reachable.")
         return
     print(f"\nProposal: the largest reachable box found, {percent(box.share)} of the stated box's volume.")
-    print(f"Verified at {box.poses} poses: the worst uses {100 * box.worst:.2f} % of the limit {box.worst_limit}.")
+    print(f"Verified at {box.poses} poses: the worst uses {share_text(box.worst)} of the limit {box.worst_limit}.")
     print("Replace these lines of [limits.motion] (relative to home; home may lie near a side):\n")
     print(box.toml())
 

@@ -163,7 +163,7 @@ def check(
 def check_program(
     program: Path, case: str, dialect: str | None, quiet: bool
 ) -> tuple[dict[str, Any], Exception | None]:
-    """The JSON answer, and the error where a limit is passed."""
+    """The JSON answer, and the error where a limit is exceeded."""
     from cases.errors import ProgramError
     from cases.loading import load_case
     from planner.runs.fingerprints import written_for_another

@@ -191,7 +191,7 @@ def _show(answer: dict[str, Any]) -> None:
     rows = [["duration", f"{before['duration_s']:.4f} s", f"{after['duration_s']:.4f} s"]]
     rows += [[f"criterion {k}", f"{before['criteria'][k]:.5g}", f"{after['criteria'][k]:.5g}"] for k in "ADKN"]
     rows.append(["D-efficiency against the box", f"{before['d_efficiency']:.4f}", f"{after['d_efficiency']:.4f}"])
-    rows.append(["limits passed", str(len(before["violations"])), str(len(after["violations"]))])
+    rows.append(["limits exceeded", str(len(before["violations"])), str(len(after["violations"]))])
     print_table(f"Re-timed with {answer['method']}, model {answer['model']}", ("", "before", "after"), rows)
     for when, rating in (("before", before), ("after", after)):
         for sentence in rating["violations"]:

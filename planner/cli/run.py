@@ -97,9 +97,9 @@ def make_recording(
             )
         else:
             print(_rated(answer))
-        peaks = ", ".join(f"{name} {100 * share:.0f} %" for name, share in answer["peaks_of_limit"].items())
+        peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in answer["peaks_of_limit"].items())
         print(f"reached of the limits in the whole run: {peaks}")
-        for sentence in _passed(answer["peaks_of_limit"], outcome):
+        for sentence in _exceeded(answer["peaks_of_limit"], outcome):
             print(sentence)
         if answer["remark"]:
             print(answer["remark"])
@@ -107,21 +107,25 @@ def make_recording(
     return answer, outcome
 
 
-def _passed(peaks: dict[str, float], outcome: "Outcome") -> Iterator[str]:
-    """Limits that were passed: by the controller that ran, which is not always the one that the program is for."""
-    passed = {name for name, share in peaks.items() if share > 1.01}
+def _of_limit(share: float) -> str:
+    return f"{100 * share:.0f} %" if share <= 10.0 else "more than ten times"
+
+
+def _exceeded(peaks: dict[str, float], outcome: "Outcome") -> Iterator[str]:
+    """Limits that were exceeded: by the controller that ran, which is not always the one that the program is for."""
+    exceeded = {name for name, share in peaks.items() if share > 1.01}
     enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced
-    kept = {name for name in passed if name.removeprefix("angular ") in enforced}
-    if passed - kept:
+    kept = {name for name in exceeded if name.removeprefix("angular ") in enforced}
+    if exceeded - kept:
         yield (
-            f"PASSED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(passed - kept))}; know what the "
-            "drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
+            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(exceeded - kept))}; know what "
+            "the drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
             "estimate)"
         )
     if kept:
         yield (
-            f"passed by the built-in controller only: {', '.join(sorted(kept))}; {outcome.guarantees.controller} keeps "
-            "it itself, as the case says (controller_keeps), and will take longer there"
+            f"exceeded by the built-in controller only: {', '.join(sorted(kept))}; {outcome.guarantees.controller} "
+            "keeps it itself, as the case says (controller_keeps), and will take longer there"
         )
 
 
