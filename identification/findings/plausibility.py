@@ -79,13 +79,28 @@ def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
         _require_standstills(recording)
     count, found = len(recording.forces), unmeasured(recording)
     bad, warnings = found.bad, list(found.warnings)
-    for text, rows in (*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)):
+    for text, rows in _joined([*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)]):
         warnings.append(f"{places(recording.lines, rows)}: {text}; left out")
         bad |= rows
     warnings += [f"{places(recording.lines, rows)}: {text}" for text, rows in _outside(recording, case)]
     warnings += _cut_off(recording)
     require_usable(recording.source, int(bad.sum()), count, warnings, most)
     return Scan(tuple(warnings), bad)
+
+
+def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
+    """Findings of one kind on several channels or struts as one, told in full for the one with the most rows."""
+    kinds: dict[tuple[str, ...], list[tuple[str, Rows]]] = {}
+    for text, rows in findings:
+        thing, _, *words = text.split()
+        kinds.setdefault((thing, *words[:2]), []).append((text, rows))
+    joined = []
+    for alike in kinds.values():
+        text, rows = max(alike, key=lambda finding: int(finding[1].sum()))
+        others = [other.split()[1] for other, _ in alike if other is not text]
+        likewise = f" (likewise {text.split()[0]} {', '.join(others)})" if others else ""
+        joined.append((text + likewise, np.any([r for _, r in alike], axis=0)))
+    return joined
 
 
 def require_usable(source: str, bad: int, count: int, warnings: Sequence[str], most: float = MOST_BAD) -> None:

@@ -151,6 +151,12 @@ def test_a_channel_that_sticks_for_a_while_is_left_out_with_its_rows() -> None:
     assert error < 4.5
 
 
+def test_what_befalls_several_channels_alike_is_one_finding() -> None:
+    stuck = with_forces(lambda f: f.__setitem__((slice(800, 1000), [1, 4]), f[800, [1, 4]]), run(1))
+    (warning,) = [w for w in scan(stuck, CASE).warnings if "stuck" in w]
+    assert re.search(r"channel \d is stuck at .*\(likewise channel \d\); left out", warning)
+
+
 @pytest.mark.parametrize("size", [50.0, 4e3])
 def test_single_force_samples_that_jump_are_left_out_with_their_rows(size: float) -> None:
     error, warnings = errors(with_forces(lambda f: f.__setitem__(([500, 1500], 2), size), run(2)))
