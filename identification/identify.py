@@ -21,7 +21,7 @@ from identification.findings.contact import touched
 from identification.findings.contact_free import contacts_told, free_of_contact
 from identification.findings.doubts import doubts, other_mass, require_scale, require_sense, systematic
 from identification.findings.feed import about_feed, recorded_overrides
-from identification.findings.plausibility import scan
+from identification.findings.plausibility import cut_off, scan
 from identification.findings.wiring import require_wiring
 from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability, analyse
@@ -171,7 +171,9 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
 
 def other_rate(recording: Recording, case: Case) -> list[str]:
     """What to say of a recording whose rate is not the one that predictions assume."""
-    rate, assumed = 1.0 / recording.step, case.recording.rate_Hz
+    if recording.t is None or recording.struts is None:
+        return []
+    rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
     if recording.averaged is not None or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
         return []
     return [
@@ -229,7 +231,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
                 mode = mode_of(smoothing)
                 notes.append(NO_MODE if mode is None else mode.note(case.recording.filter_cutoff_Hz))
                 told |= {} if mode is None else {"structural_mode_Hz": mode.to_json()}
-    warnings = [*found.warnings, *run.warnings]
+    warnings = [*found.warnings, *cut_off(recording), *run.warnings]
     warnings += [f"{text}; left out" for text in contacts_told(recording, contacts)]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
         warnings.append(f"delay of {moving.delay.value * 1e3:.1f} ms: do the streams match?")

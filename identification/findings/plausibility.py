@@ -83,7 +83,6 @@ def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
         warnings.append(f"{places(recording.lines, rows)}: {text}; left out")
         bad |= rows
     warnings += [f"{places(recording.lines, rows)}: {text}" for text, rows in _outside(recording, case)]
-    warnings += _cut_off(recording)
     require_usable(recording.source, int(bad.sum()), count, warnings, most)
     return Scan(tuple(warnings), bad)
 
@@ -291,8 +290,8 @@ def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     return [(text, (beyond > 0.0).any(axis=1))]
 
 
-def _cut_off(recording: Recording) -> list[str]:
-    """Whether the recorder stopped before the run did: its trigger, which changes, is still on in the last row."""
+def cut_off(recording: Recording) -> list[str]:
+    """What to say where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
     if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
         return []
     last = recording.lines.place(len(recording.trigger) - 1)

@@ -136,7 +136,7 @@ def with_feed(estimate: Estimate, recording: Recording, case: Case, path: Path, 
     try:
         stretches = against_plan(recording, case, followed.motion, followed.name)
     except RecordingError as error:
-        if plan is not None:
+        if plan is not None and not cut:
             raise RecordingError(placed(recording.source, error)) from error
         return estimate if cut else replace(estimate, warnings=(*estimate.warnings, str(error)))
     sentences, entries = about_feed(recording, stretches, f"comparison with {followed.name}")

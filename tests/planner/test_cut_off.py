@@ -10,7 +10,7 @@ import pytest
 
 from cases.loading import built_in_cases
 from cases.schema import Case
-from identification.findings.plausibility import scan
+from identification.findings.plausibility import cut_off
 from identification.hexapod import Hexapod
 from identification.motion import Trajectory
 from planner.runs.followed import Followed
@@ -25,9 +25,9 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     end = int(np.flatnonzero(whole.trigger)[-1]) - 200
     columns = ("t", "struts", "forces", "trigger")
     cut = replace(whole, **{name: getattr(whole, name)[:end] for name in columns})
-    assert any(re.match(r"line \d+: the recording ends while the trigger is on", w) for w in scan(cut, CASE).warnings)
-    assert scan(whole, CASE).warnings == ()
-    assert scan(replace(cut, trigger=np.ones(end, dtype=bool)), CASE).warnings == ()  # a column that says nothing
+    assert any(re.match(r"line \d+: the recording ends while the trigger is on", w) for w in cut_off(cut))
+    assert cut_off(whole) == []
+    assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
 
 
 @pytest.mark.parametrize(("duration", "told"), [(2.6, False), (2.65, False), (3.0, True), (8.0, True)])
