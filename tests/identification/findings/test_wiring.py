@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
+from cases.recording import Drives
 from identification.findings.wiring import Order, _orders, other_wiring
 from identification.identify import identify
-from tests.helpers import one_line
+from tests.helpers import HOME, one_line
 from tests.identification.test_findings import CASE, MODEL, run
+from tests.simulated_machine import simulate_standstills
 
 ORDERS = list(_orders(signs=False))
 
@@ -62,3 +64,23 @@ def test_turned_signs_of_channels_are_named(signs: tuple[int, ...]) -> None:
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_is_blamed_on_a_sound_run(seed: int) -> None:
     assert other_wiring(run(seed), CASE, MODEL) is None
+
+
+def test_exchanged_drives_are_mended_where_drives_are_named() -> None:
+    """Struts that are computed from drives have no columns of their own."""
+    drives = Drives(sign=(1.0,) * 6, offset_mm=(0.0,) * 6, order=(6, 5, 4, 3, 2, 1))
+    case = CASE.model_copy(update={"recording": CASE.recording.model_copy(update={"drives": drives})})
+    whole = run(0)
+    mixed = replace(whole, struts=whole.struts[:, [1, 0, 2, 3, 4, 5]])
+    said = other_wiring(mixed, case, MODEL)
+    assert said is not None
+    assert said.startswith("struts 1 and 2 are exchanged: residuals ")
+    assert said.endswith("write recording.drives.order = [5, 6, 4, 3, 2, 1]")
+
+
+def test_standstills_tell_exchanged_struts_too() -> None:
+    draw = np.random.default_rng(0)
+    away = draw.uniform(-1.0, 1.0, (40, 6)) * np.r_[[0.12] * 3, [0.15] * 3]
+    still = simulate_standstills(CASE, HOME + away, 1000, 0)
+    with pytest.raises(IdentificationError, match="struts 3 and 4 are exchanged"):
+        identify(replace(still, struts=still.struts[:, [0, 1, 3, 2, 4, 5]]), CASE, 5)
