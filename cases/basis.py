@@ -31,30 +31,30 @@ def plan_basis(case: Case, payload: int = 0, poses: bool = False) -> dict[str, A
         keys = (*keys, "simulation.force_noise_N")
     if case.sensors.range_N is None and not payload:
         keys = tuple(key for key in keys if key != "payloads")
-    return _values(case, keys)
+    return values(case, keys)
 
 
 def recording_basis(case: Case) -> dict[str, Any]:
     """Values behind a recording by dotted key: the machine that was measured."""
-    return _values(case, _MACHINE)
+    return values(case, _MACHINE)
 
 
 def result_basis(case: Case) -> dict[str, Any]:
     """Values behind a result by dotted key: machine, sensors, gravity, and how the recording was read and filtered."""
-    return _values(case, _RESULT)
+    return values(case, _RESULT)
 
 
 def motion_hash(case: Case) -> str:
     """Fingerprint of what programs are proven against: machine, workspace and limits."""
-    return fingerprint(_values(case, _MOTION))
+    return fingerprint(values(case, _MOTION))
 
 
 def bound_hash(case: Case) -> str:
     """Fingerprint of what a bound of the information depends on."""
-    return fingerprint(_values(case, _BOUND))
+    return fingerprint(values(case, _BOUND))
 
 
-def _values(case: Case, keys: Sequence[str]) -> dict[str, Any]:
+def values(case: Case, keys: Sequence[str]) -> dict[str, Any]:
     """Leaves of the case below some keys; defaults that are stated and sources in words do not count."""
     leaves = dict(_leaves("", case.model_dump(mode="json", exclude_defaults=True)))
     return {

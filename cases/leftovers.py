@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cases.basis import values
 from cases.loading import built_in_cases, load_case
 from cases.schema import Case
 
@@ -25,24 +26,21 @@ def leftovers(case: Case) -> tuple[str, ...]:
 
 
 def _of_other_machines(case: Case) -> Iterator[str]:
-    """Tables that equal those of a built-in case."""
-    for name in built_in_cases():
-        if name == case.name:
-            continue
-        other = load_case(name)
-        same = [t for t in _TABLES if _table(case, t) is not None and _table(case, t) == _table(other, t)]
-        if same:
+    """Tables that equal those of a built-in case, each named once, with the case that has most of them."""
+    own = {name: table for name in _TABLES if (table := values(case, [name]))}
+    same = {
+        other: [name for name, table in own.items() if table == values(load_case(other), [name])]
+        for other in built_in_cases()
+        if other != case.name
+    }
+    named: set[str] = set()
+    for name, tables in sorted(same.items(), key=lambda item: -len(item[1])):
+        if told := [table for table in tables if table not in named]:
+            named |= set(told)
             yield (
-                f"{', '.join(same)}: still the values of the built-in case {name}; replace them by your machine's, or "
+                f"{', '.join(told)}: still the values of the built-in case {name}; replace them by your machine's, or "
                 "delete tables that it does not need"
             )
-
-
-def _table(case: Case, name: str) -> object:
-    value: object = case
-    for part in name.split("."):
-        value = getattr(value, part, None)
-    return value
 
 
 def _of_bodies(case: Case) -> Iterator[str]:

@@ -37,12 +37,12 @@ def force(
     from identification.saved import load_result
     from planner.runs.recorded import case_of
 
-    saved = load_result(parameters)
-    loaded, remarks = case_of(recording, case, stale, saved.artefact)
-    remarks += saved.remarks(loaded, stale)
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
     inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
     check_file(file, [".csv"], inputs, overwrite)
+    saved = load_result(parameters)
+    loaded, remarks = case_of(recording, case, stale, saved.artefact)
+    remarks += saved.remarks(loaded, stale)
     found = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
     with atomic_file(file) as part:
         _write(part, found)
@@ -96,11 +96,11 @@ def tare(
     from identification.saved import load_result, with_tare
     from planner.runs.recorded import case_of
 
+    folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
+    check_folder(folder, RESULT, [recording, parameters], overwrite)
     saved = load_result(parameters)
     loaded, remarks = case_of(recording, case, stale, saved.artefact)
     remarks += saved.remarks(loaded, stale)
-    folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
-    check_folder(folder, RESULT, [recording, parameters], overwrite)
     found = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
     content = with_tare(parameters, saved, loaded, found.values, found.covariance, str(recording))
     if remarks:

@@ -76,7 +76,9 @@ def test_case_check_prints_both(tmp_path: Path) -> None:
     file = mine(tmp_path)
     answer = call("case", "check", file, "--json").json()
     assert answer["missing"]["plan"] == []
-    assert any("built-in case hexapod" in remark for remark in answer["remarks"])
+    (remark,) = [remark for remark in answer["remarks"] if "built-in case" in remark]
+    for table in ("machine", "sensor_frame", "simulation", "payloads"):
+        assert table in remark.split(":")[0].split(", ")
     assert "look at machine" in call("case", "check", file).out
 
 
