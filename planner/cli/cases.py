@@ -50,11 +50,12 @@ def check(
     try:
         figures: dict[str, Any] = case_figures(case)
     except CaseError as error:
-        if json:
-            print_json({"ok": False, "problems": list(error.problems) or [str(error)]})
-        else:
-            for problem in error.problems if len(error.problems) > 1 else ():
-                print(problem)
+        if len(error.problems) < 2:
+            raise
+        if json:  # one line has them all; nothing stands on standard output
+            raise CaseError(error.file, "", "; ".join(error.problems)) from error
+        for problem in error.problems:
+            print(problem)
         raise
     loaded = load_case(case)
     lacks, remarks = readiness(loaded), leftovers(loaded)

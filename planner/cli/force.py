@@ -40,8 +40,8 @@ def force(
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
     inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
     check_file(file, [".csv"], inputs, overwrite)
+    loaded, remarks = case_of(recording, case, stale, parameters)
     saved = load_result(parameters)
-    loaded, remarks = case_of(recording, case, stale, saved.artefact)
     remarks += saved.remarks(loaded, stale)
     found = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
     with atomic_file(file) as part:
@@ -98,8 +98,8 @@ def tare(
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
     check_folder(folder, RESULT, [recording, parameters], overwrite)
+    loaded, remarks = case_of(recording, case, stale, parameters)
     saved = load_result(parameters)
-    loaded, remarks = case_of(recording, case, stale, saved.artefact)
     remarks += saved.remarks(loaded, stale)
     found = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
     content = with_tare(parameters, saved, loaded, found.values, found.covariance, str(recording))

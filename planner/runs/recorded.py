@@ -18,6 +18,7 @@ from identification.identify import placed
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.standing import average, find_standstills, match, stands_only
+from identification.saved import load_result
 from planner.poses.expected import poses_of_plan, poses_of_recording
 from planner.runs.about import about_recording
 from planner.runs.fingerprints import plan_of_recording
@@ -44,7 +45,7 @@ UNSAID = Still()
 
 
 def case_of(
-    path: Path, case: str | None, stale: bool = False, result: Artefact | None = None
+    path: Path, case: str | None, stale: bool = False, result: Path | None = None
 ) -> tuple[Case, tuple[str, ...]]:
     """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
 
@@ -52,7 +53,7 @@ def case_of(
         path: of the recording.
         case: as it was named, which is taken as it is now; None where the folder knows.
         stale: go on although the case has changed since.
-        result: whose case is taken where the recording names none.
+        result: folder of a result, whose case is taken where the recording names none.
 
     Raises:
         RecordingError: no recording, or nothing says which machine it is from.
@@ -67,7 +68,7 @@ def case_of(
     about = about_recording(path)
     if not about:
         if result is not None:
-            return result.case(), ()
+            return load_result(result).artefact.case(), ()
         raise RecordingError(f"{path}: does not say which machine it is from; name it with --case")
     named = Artefact(path / "recording.json", about, "run the program again")
     loaded = named.case()

@@ -154,7 +154,7 @@ def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[
         read = read_program(program, case)
         prove_program(read.reading, case, read.guarantees).require()
     except ProgramError as error:
-        if other := written_for_another(program.read_bytes(), case):
+        if program.is_file() and (other := written_for_another(program.read_bytes(), case)):
             raise ProgramError(program, error.line, error.column, f"is {other}; {error.problem}") from error
         raise
     parts = stretches(read.reading)

@@ -90,6 +90,8 @@ def test_case_check_lists_all_problems(tmp_path: Path) -> None:
     assert answer.code == 1
     assert len(answer.out.splitlines()) >= 5
     assert "more problems; hexcite case check lists all" in answer.err
+    line = refused("case", "check", file, "--json")
+    assert all(problem in line for problem in answer.out.splitlines())
 
 
 def test_rules_of_the_whole_case_are_all_told(tmp_path: Path) -> None:
