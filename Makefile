@@ -6,7 +6,7 @@ CONSTRAINTS := .ci/constraints.txt
 .PHONY: demo test check lint bench clean
 
 demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo/report.html
-	$(BIN)/hexcite demo
+	$(BIN)/hexcite demo --overwrite
 
 test: .venv/.dev ## the tests
 	$(BIN)/pytest -n auto -m "not slow"

@@ -9,7 +9,7 @@ from cases.errors import CaseError
 from cases.parts import Part, Positive
 from cases.units import MINUTE, MM, MS
 
-Settings = TypeVar("Settings", Sinumerik, TwinCat, Setpoints)
+Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints)
 
 
 class LinuxCnc(Part):
@@ -36,7 +36,7 @@ class Controller(Part):
     """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
     at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
     turn, under the limits of `[limits.motion]`)."""
-    linuxcnc: LinuxCnc
+    linuxcnc: LinuxCnc | None = None
     """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
     1 they keep their time, and nobody but the program keeps the limits."""
     sinumerik: Sinumerik | None = None
@@ -57,6 +57,10 @@ class Controller(Part):
     def safe_feed(self) -> float:
         """Feed of the first move to home [m/s]."""
         return self.safe_feed_mm_min * MM / MINUTE
+
+    def need_linuxcnc(self, case: str) -> LinuxCnc:
+        """Settings of LinuxCNC's programs; raises CaseError where the case has none."""
+        return _needed(self.linuxcnc, case, "linuxcnc")
 
     def need_sinumerik(self, case: str) -> Sinumerik:
         """Settings of SINUMERIK programs; raises CaseError where the case has none."""

@@ -22,15 +22,16 @@ class CaseError(HexciteError, ValueError):
         file: the case file.
         key: dotted path of the offending key, empty where the file as a whole is meant.
         problem: what is wrong with which value, and how to mend it.
+        problems: all that is wrong with the file, each with its key, where more than this is known.
     """
 
-    def __init__(self, file: Path | str, key: str, problem: str) -> None:
-        self.file, self.key, self.problem = file, key, problem
+    def __init__(self, file: Path | str, key: str, problem: str, problems: tuple[str, ...] = ()) -> None:
+        self.file, self.key, self.problem, self.problems = file, key, problem, problems
         super().__init__(f"{file}: {key}: {problem}" if key else f"{file}: {problem}")
 
-    def __reduce__(self) -> tuple[type["CaseError"], tuple[Path | str, str, str]]:
+    def __reduce__(self) -> tuple[type["CaseError"], tuple[Path | str, str, str, tuple[str, ...]]]:
         """Rebuilt from its parts on its way out of a worker process."""
-        return type(self), (self.file, self.key, self.problem)
+        return type(self), (self.file, self.key, self.problem, self.problems)
 
 
 class RecordingError(HexciteError, ValueError):

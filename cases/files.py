@@ -7,8 +7,9 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from cases.errors import FileProblem
 
@@ -32,6 +33,7 @@ RESULT = FolderKind("a result", frozenset({"result.json", "identifiability.json"
 
 COMPARISON = FolderKind("a comparison", frozenset({"comparison.json", "report.html", "plots"}))
 VALIDATION = FolderKind("a validation", frozenset({"validation.json", "report.html", "plots", "plans", "programs"}))
+DEMO = FolderKind("a demo", frozenset({"plan", "excitation.ngc", "recording", "result", "report.html"}))
 UNFINISHED = FolderKind(
     "an unfinished validation", frozenset({"unfinished.json", "plans", "programs", "runs", "steps"})
 )
@@ -103,16 +105,40 @@ def atomic_file(path: Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
-def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = ()) -> None:
+def free_name(path: Path) -> Path:
+    """`path` where nothing stands there, else the first of path-2, path-3, .. that is free."""
+    names = (path.with_name(f"{path.stem}-{k}{path.suffix}") for k in count(2))
+    return next(p for p in chain([path], names) if not os.path.lexists(p))
+
+
+def output_place(named: Path | None, usual: Path, overwrite: bool) -> Path:
+    """Where a command writes: the place that was named, else the usual one, or a free name beside it.
+
+    Args:
+        named: with -o; None where nothing was named.
+        usual: the command's own name for its output.
+        overwrite: whether the usual place may be replaced.
+    """
+    if named is not None:
+        return named
+    return usual if overwrite else free_name(usual)
+
+
+def _refuse_to_replace(path: Path, what: str) -> NoReturn:
+    raise FileProblem(f"{path}: {what} stands there; choose another place with -o, or replace it with --overwrite")
+
+
+def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
     """Says before the work starts what would keep its output file from being written.
 
     Args:
         path: the file that will be written.
         suffixes: endings that it may have, in lower case; upper case in `path` is as good.
         inputs: what the work reads, which is never overwritten.
+        overwrite: whether a file that stands there may be replaced.
 
     Raises:
-        FileProblem: wrong ending, a folder stands there, it is one of the inputs, or the place cannot be written.
+        FileProblem: wrong ending, something stands there, it is one of the inputs, or the place cannot be written.
     """
     allowed = tuple(suffixes)
     if path.suffix.lower() not in allowed:
@@ -124,18 +150,21 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = ())
     for source in inputs:
         if path.exists() and source.exists() and path.samefile(source):
             raise FileProblem(f"{path}: is also what is read; choose another place with -o")
+    if path.exists() and not overwrite:
+        _refuse_to_replace(path, "a file")
 
 
-def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = ()) -> None:
+def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
     """Says before the work starts what would keep its output folder from being written.
 
-    A folder that stands there is replaced only if it is empty or of the same kind, so that a slip of `-o` cannot wipe
-    a folder of somebody else's, or another result of ours.
+    A folder that stands there is replaced only if it is empty, or of the same kind and `overwrite` is set, so that no
+    slip of `-o` wipes a folder of somebody else's, or another result of ours.
 
     Args:
         path: the folder that will be written.
         kind: what will be in it.
         inputs: what the work reads; none of it may be in the folder that is replaced.
+        overwrite: whether a folder of the same kind that stands there may be replaced.
 
     Raises:
         FileProblem: something else stands there, it is or holds one of the inputs, or the place cannot be written.
@@ -155,6 +184,8 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = ()) -> N
     if held and not held <= kind.contents:
         other = sorted(held - kind.contents)[0]
         raise FileProblem(f"{path}: is not {kind.name} of hexcite's (it holds {other}); choose another place with -o")
+    if held and not overwrite:
+        _refuse_to_replace(path, kind.name)
     _require_place(path)
 
 
@@ -169,19 +200,21 @@ def _require_place(path: Path) -> None:
 
 
 @contextmanager
-def atomic_folder(path: Path, kind: FolderKind) -> Iterator[Path]:
+def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iterator[Path]:
     """Yields an empty folder to fill; it takes the place of `path` only when the block ends without an error.
 
-    What stood there before is replaced as a whole, if `check_folder` allows it.
+    With `overwrite`, a folder of the same kind is replaced as a whole. Without, what another command has written there
+    in the meantime stays, and the new folder appears under a free name beside it.
 
     Args:
         path: the folder.
         kind: what it will hold.
+        overwrite: whether a folder of the same kind that stands there is replaced.
 
     Raises:
-        FileProblem: the place cannot be written, or holds something that is not ours.
+        FileProblem: the place cannot be written, holds something that is not ours, or was taken in the meantime.
     """
-    check_folder(path, kind)
+    check_folder(path, kind, overwrite=True)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent))
@@ -192,6 +225,10 @@ def atomic_folder(path: Path, kind: FolderKind) -> Iterator[Path]:
         part.chmod(0o777 & ~_mask())
         for file in part.rglob("*"):
             _flush(file)
+        if not overwrite and path.is_dir() and any(path.iterdir()):
+            free = free_name(path)
+            os.rename(part, free)
+            raise FileProblem(f"{path}: {kind.name} stands there by now and stays; the new one is in {free}")
         if path.exists():
             old = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
             os.rename(path, old / path.name)

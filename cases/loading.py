@@ -2,6 +2,7 @@
 
 import difflib
 import os
+import re
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -11,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from cases.errors import CaseError
-from cases.schema import Case
+from cases.schema import ALSO, Case
 
 BUILT_IN = Path(__file__).parent
 CASE_FILE = "case.toml"
@@ -36,6 +37,7 @@ _OURS: tuple[str, ...] = (
 )
 _OURS += ("mm_s", "m_s", "m_s2", "m_s3", "deg_s", "rad_s2", "rad_s3")
 _OTHERS = ("cm", "in", "rad", "mrad", "g", "t", "kN", "min", "us", "kHz", "rad_s", "deg_s2", "deg_s3", "mm_s2", "mm_s3")
+_COMMA = r"[+-]?\d+,\d+"
 UNITS = tuple(sorted((*_OURS, *_OTHERS), key=len, reverse=True))
 
 
@@ -87,7 +89,8 @@ def load_case(name: str) -> Case:
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(path, "", f"cannot be read ({error}); give a readable UTF-8 file") from error
     except tomllib.TOMLDecodeError as error:
-        raise CaseError(path, "", f"is not TOML: {error}; correct that line") from error
+        hint = "write decimal points, not commas, and " if _decimal_comma(path) else ""
+        raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
     try:
         return Case.model_validate(data)
     except ValidationError as error:
@@ -95,13 +98,18 @@ def load_case(name: str) -> Case:
 
 
 def _explained(path: Path, error: ValidationError) -> CaseError:
-    """The first problem in words; unknown keys come first, since a misspelt key also makes its right name missing."""
-    problems = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
-    first = problems[0]
-    key = ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in first["loc"])
-    key, others = key.replace(".[", "["), len(problems) - 1
-    more = f" ({others} more problem{'s' if others > 1 else ''})" if others else ""
-    return CaseError(path, key, _words(first) + more)
+    """All problems in words; unknown keys come first, since a misspelt key also makes its right name missing."""
+    found = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
+    problems = [(_key(problem), words) for problem in found for words in _words(problem).split(ALSO)]
+    key, words = problems[0]
+    if others := len(problems) - 1:
+        words += f" ({others} more problem{'s' if others > 1 else ''}; hexcite case check lists all)"
+    return CaseError(path, key, words, tuple(f"{k}: {w}" if k else w for k, w in problems))
+
+
+def _key(problem: ErrorDetails) -> str:
+    """Where a problem is, counted as people count."""
+    return ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in problem["loc"]).replace(".[", "[")
 
 
 def _words(problem: ErrorDetails) -> str:
@@ -114,8 +122,22 @@ def _words(problem: ErrorDetails) -> str:
         return str(problem["ctx"]["error"]) if "ctx" in problem else problem["msg"]
     if kind == "too_short" or kind == "too_long":
         expected = problem.get("ctx", {}).get("actual_length", "?")
-        return f"has {expected} entries; {problem['msg'].lower()}"
+        hint = "; a decimal comma counts as two entries, write a point" if _whole_numbers(value) else ""
+        return f"has {expected} entries; {problem['msg'].lower()}{hint}"
+    if isinstance(value, str) and re.fullmatch(_COMMA, value.strip()):
+        return f"{value!r}: is text with a decimal comma; write {value.strip().replace(',', '.')}, without quotes"
     return f"{value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}; correct the value"
+
+
+def _decimal_comma(path: Path) -> bool:
+    """Whether a value of the file is a single number with a comma."""
+    return any(
+        re.fullmatch(rf"\s*\w+\s*=\s*{_COMMA}\s*(#.*)?", line) for line in path.read_text("utf-8-sig").splitlines()
+    )
+
+
+def _whole_numbers(value: object) -> bool:
+    return isinstance(value, list) and len(value) > 1 and any(isinstance(v, int) for v in value)
 
 
 def _unknown_key(key: str, known: list[str]) -> str:

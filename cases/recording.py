@@ -102,6 +102,8 @@ class RecordingFormat(Part):
 
     filter_cutoff_Hz: Positive | None = None
     """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
+    rate_Hz: Positive = 1000.0
+    """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
     format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
     delimiter: Separator | None = None
     decimal: Literal[".", ","] | None = None

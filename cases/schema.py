@@ -6,7 +6,7 @@ Keys of the file carry their unit; properties without a unit in their name are S
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator
 from functools import cached_property
 from itertools import accumulate
 from typing import Literal, NoReturn
@@ -24,10 +24,12 @@ from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import MINUTE, MM
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
+ALSO = "; also: "  # between problems that one rule of the case as a whole finds
 LEAST_GRAVITY, MOST_GRAVITY = 9.7, 9.9
 
 
-def _fingerprint(content: object) -> str:
+def fingerprint(content: object) -> str:
+    """Sixteen digits that differ where `content`, JSON, differs."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
@@ -53,29 +55,11 @@ class Case(Part):
     payloads: Payloads | None = None
 
     @model_validator(mode="after")
-    def _safe_feed_is_safe(self) -> "Case":
-        if self.controller is not None and self.limits is not None:
-            fastest = float(self.limits.motion.rate[:3].min())
-            if self.controller.safe_feed > fastest:
-                raise ValueError(
-                    f"controller.safe_feed_mm_min = {self.controller.safe_feed_mm_min:g} is faster than "
-                    f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _drives_keep_the_struts_limits(self) -> "Case":
-        if self.controller is None or self.limits is None:
-            return self
-        for name in ("sinumerik", "twincat"):
-            settings = getattr(self.controller, name)
-            for key in ("strut_velocity_m_s", "strut_acceleration_m_s2"):
-                limit = getattr(self.limits.motion, key)
-                if settings is not None and settings.ptp is not None and getattr(settings.ptp, key) > limit:
-                    raise ValueError(
-                        f"controller.{name}.ptp.{key} = {getattr(settings.ptp, key):g} is above limits.motion.{key} = "
-                        f"{limit:g}; set the drives, and this value, to the limit or below"
-                    )
+    def _consistent(self) -> "Case":
+        rules = (self._feed, self._drives, self._noise, self._box)
+        problems = [problem for rule in rules for problem in rule()]
+        if problems:
+            raise ValueError(ALSO.join(problems))
         return self
 
     @field_validator("gravity_m_s2")
@@ -89,35 +73,49 @@ class Case(Part):
             )
         return value
 
-    @model_validator(mode="after")
-    def _noise_of_the_channels(self) -> "Case":
+    def _feed(self) -> Iterator[str]:
+        if self.controller is not None and self.limits is not None:
+            fastest = float(self.limits.motion.rate[:3].min())
+            if self.controller.safe_feed > fastest:
+                yield (
+                    f"controller.safe_feed_mm_min = {self.controller.safe_feed_mm_min:g} is faster than "
+                    f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"
+                )
+
+    def _drives(self) -> Iterator[str]:
+        if self.controller is None or self.limits is None:
+            return
+        for name in ("sinumerik", "twincat"):
+            settings = getattr(self.controller, name)
+            for key in ("strut_velocity_m_s", "strut_acceleration_m_s2"):
+                limit = getattr(self.limits.motion, key)
+                if settings is not None and settings.ptp is not None and getattr(settings.ptp, key) > limit:
+                    yield (
+                        f"controller.{name}.ptp.{key} = {getattr(settings.ptp, key):g} is above limits.motion.{key} = "
+                        f"{limit:g}; set the drives, and this value, to the limit or below"
+                    )
+
+    def _noise(self) -> Iterator[str]:
         force, moment = self.sensors.force_noise_N, self.sensors.moment_noise_Nm
         if self.sensor_frame.bars is not None and moment is not None:
-            raise ValueError(
-                f"sensors.moment_noise_Nm = {moment:g}, but the bars of sensor_frame measure forces only; remove it"
-            )
+            yield (f"sensors.moment_noise_Nm = {moment:g}, but the bars of sensor_frame measure forces only; remove it")
         if self.sensor_frame.transducer is not None and (force is None) != (moment is None):
             missing = "force_noise_N" if force is None else "moment_noise_Nm"
-            raise ValueError(
-                f"sensors.{missing} is missing; a transducer has noise of forces and of moments, give both"
-            )
+            yield (f"sensors.{missing} is missing; a transducer has noise of forces and of moments, give both")
         if force is None and (self.sensors.weights == "stated" or self.sensors.acceleration_noise is not None):
             what = 'weights = "stated"' if self.sensors.weights == "stated" else "noise of accelerations"
-            raise ValueError(f"sensors.force_noise_N is missing; {what} goes with it, from the sensors' data sheet")
-        return self
+            yield (f"sensors.force_noise_N is missing; {what} goes with it, from the sensors' data sheet")
 
-    @model_validator(mode="after")
-    def _box_inside_workspace(self) -> "Case":
+    def _box(self) -> Iterator[str]:
         if self.workspace is None or self.limits is None:
-            return self
+            return
         for name in ("x_mm", "y_mm"):
             inner, outer = getattr(self.limits.motion, name), getattr(self.workspace, name)
             if inner[0] < outer[0] or inner[1] > outer[1]:
-                raise ValueError(
+                yield (
                     f"limits.motion.{name} = [{inner[0]:g}, {inner[1]:g}] reaches beyond workspace.{name} = "
                     f"[{outer[0]:g}, {outer[1]:g}]; the motion box must lie inside, narrow it or widen the workspace"
                 )
-        return self
 
     @cached_property
     def gravity(self) -> Array:
@@ -126,33 +124,23 @@ class Case(Part):
 
     @cached_property
     def hash(self) -> str:
-        """Fingerprint of the machine: comments and layout of the file do not matter, every value does.
+        """Fingerprint of the case: comments and layout of the file do not matter, every value does.
 
         A setting left at its default and one that states the default are the same case, in later versions too. What
-        `[controller]` says of programs has a fingerprint of its own: plans and results do not depend on it, but for
-        `cycle_ms`.
+        `[controller]` says of programs has a fingerprint of its own, but for `cycle_ms`. Artefacts are checked against
+        what they were computed from (`cases.basis`), not against this.
         """
-        return _fingerprint(self._of_the_machine())
+        return fingerprint(self._of_the_machine())
 
     @cached_property
     def controller_hash(self) -> str:
         """Fingerprint of `[controller]`, on which programs and runs depend."""
-        return _fingerprint(self.model_dump(mode="json", exclude_defaults=True).get("controller"))
-
-    @cached_property
-    def table_hashes(self) -> dict[str, str]:
-        """Fingerprint of each table and key at the top of what `hash` covers."""
-        return {name: _fingerprint(value)[:8] for name, value in self._of_the_machine().items()}
+        return fingerprint(self.model_dump(mode="json", exclude_defaults=True).get("controller"))
 
     def _of_the_machine(self) -> dict[str, object]:
         content = self.model_dump(mode="json", exclude_defaults=True)
         controller = content.pop("controller", {})
         return content | ({"controller.cycle_ms": controller["cycle_ms"]} if "cycle_ms" in controller else {})
-
-    def changes_since(self, table_hashes: Mapping[str, str]) -> tuple[str, ...]:
-        """Names of the tables and keys that are not what they were when `table_hashes` was taken."""
-        now = self.table_hashes
-        return tuple(name for name in dict.fromkeys((*table_hashes, *now)) if now.get(name) != table_hashes.get(name))
 
     def missing(self, part: str, purpose: str) -> NoReturn:
         """Raises CaseError: `part` of the case is needed for `purpose`."""

@@ -1,7 +1,7 @@
 """From a recording to parameters: kinematics (7)-(9), regressor (17)-(22), an estimator, physical form.
 
 The delay between forces and motion of a moving run is estimated together with the parameters. What speaks against a
-run is looked for before the estimate (`plausibility`) and in what the estimate leaves (`swapped`, `contact`).
+run is looked for before the estimate (`plausibility`) and in what the estimate leaves (`wiring`, `contact`).
 """
 
 from collections.abc import Sequence
@@ -19,10 +19,12 @@ from identification.estimation.estimator import independent_poses, require_alive
 from identification.estimation.estimators import Method, Problem
 from identification.estimation.weighing import of_forces, w_of, whitened
 from identification.findings.contact import touched
-from identification.findings.contact_free import contact_told, free_of_contact
-from identification.findings.doubts import doubts, require_scale, require_sense, require_wiring, systematic
+from identification.findings.contact_free import contacts_told, free_of_contact
+from identification.findings.doubts import doubts, other_mass, require_scale, require_sense, systematic
 from identification.findings.feed import about_feed, recorded_overrides
-from identification.findings.plausibility import scan
+from identification.findings.plausibility import cut_off, scan
+from identification.findings.wiring import require_wiring
+from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability, analyse
 from identification.model import Model, identification_model
 from identification.noise.components import noise_components
@@ -42,6 +44,7 @@ from identification.runs.wrist import WristRun, delay_band, wrist_run
 
 Array = NDArray[np.float64]
 
+RATE_TOLERANCE = 0.02  # of the rate of a recording
 SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
 
@@ -81,9 +84,17 @@ def identify(
     model = identification_model(case, default_model(recording) if number is None else number, terms)
     try:
         with threadpool_limits(limits=1, user_api="blas"):
-            found = _estimated(recording, case, model, how, conditioning)
-        require_scale(model, found.values, case)
+            try:
+                found = _estimated(recording, case, model, how, conditioning)
+            except (IdentificationError, RecordingError):
+                require_wiring(recording, case, model)
+                raise
+            if found.warnings:
+                require_wiring(recording, case, model)
         return found
+    except StrutsDoNotClose as error:
+        place = error.place if recording.source in error.place else f"{recording.source}: {error.place}"
+        raise StrutsDoNotClose(error.sample, error.lengths, place) from error
     except IdentificationError as error:
         raise IdentificationError(placed(recording.source, error)) from error
     except RecordingError as error:
@@ -96,12 +107,14 @@ def _estimated(recording: Recording, case: Case, model: Model, how: Method, cond
     if recording.t is None or case.setup == "1a":
         if conditioning != USUAL:
             raise RecordingError("is no moving run; --period, --accelerated and --flexible are for moving runs")
-        return _from_standstills(recording, case, model, how)
-    found = _from_motion(recording, case, model, how, conditioning)
-    softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
-    if softer is None:
-        return found
-    return replace(_from_motion(recording, softer, model, how, conditioning), case_hash=case.hash)
+        found = _from_standstills(recording, case, model, how)
+    else:
+        found = _from_motion(recording, case, model, how, conditioning)
+        softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
+        if softer is not None:
+            found = replace(_from_motion(recording, softer, model, how, conditioning), case_hash=case.hash)
+    require_scale(model, found.values, case)
+    return replace(found, warnings=(*found.warnings, *other_mass(model, found.values, case)))
 
 
 def placed(source: str, error: Exception) -> str:
@@ -149,7 +162,6 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
         fit = replace(fit, covariance_robust=selection.basis @ reduced @ selection.basis.T)
     fit = of_forces(whitening, fit, matrices, forces)
     require_sense(model, fit)
-    require_wiring(matrices, forces, fit)
     warnings = [*found.warnings, *doubts(fit, data.forces)]
     if how.biases is not None:
         free = how.without_biases.estimator(problem)(*white, model.names)
@@ -160,6 +172,19 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
         felt = accelerometer_bias(recording.specific_forces[~found.bad], recording.rotations[~found.bad], case.gravity)
     evaluation = Evaluation(data.samples, fit.residuals / scale[:, None], None, accelerometer=felt)
     return estimate_of(model, fit, recording.source, case, evaluation, how, tuple(warnings))
+
+
+def other_rate(recording: Recording, case: Case) -> list[str]:
+    """What to say of a recording whose rate is not the one that predictions assume."""
+    if recording.t is None or recording.struts is None:
+        return []
+    rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
+    if recording.averaged is not None or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
+        return []
+    return [
+        f"recorded at {rate:.4g} Hz; predictions assume {assumed:g} Hz, and standard deviations of this run are "
+        f"{np.sqrt(assumed / rate):.3g} times as large for it; set recording.rate_Hz = {rate:.4g}"
+    ]
 
 
 def _inertia(model: Model) -> set[str]:
@@ -211,8 +236,8 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
                 mode = mode_of(smoothing)
                 notes.append(NO_MODE if mode is None else mode.note(case.recording.filter_cutoff_Hz))
                 told |= {} if mode is None else {"structural_mode_Hz": mode.to_json()}
-    warnings = [*found.warnings, *run.warnings]
-    warnings += [f"{contact_told(recording, contact)}; left out" for contact in contacts]
+    warnings = [*found.warnings, *cut_off(recording), *run.warnings]
+    warnings += [f"{text}; left out" for text in contacts_told(recording, contacts)]
     if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
         warnings.append(f"delay of {moving.delay.value * 1e3:.1f} ms: do the streams match?")
     warnings += doubts(moving.fit, moving.run.forces)
@@ -244,6 +269,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     if recording.override is not None:
         slower, entries = about_feed(recording, recorded_overrides(recording), "the recorded override")
         warnings, told = warnings + slower, told | entries
+    notes = [*notes, *other_rate(recording, case)]
     if recording.averaged is not None:
         notes, told = [*notes, recording.averaged.note(moving.w, moving.fit.s0)], told | recording.averaged.to_json()
     evaluation = Evaluation(

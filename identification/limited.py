@@ -253,8 +253,8 @@ def _at_home(of: _Of) -> float:
 
 
 def _singularity(motion: Motion, strut: Array, direction: Array, machine: Machine) -> Quantity:
-    """1 - det(J^-1) / det(J^-1 at home): 0 at home, 1 in a singularity, above 1 behind one."""
+    """det(J^-1) in % of that at home: 100 there, 0 in a singularity, negative behind one; the share is what is lost."""
     arms = strut + machine.base.points - motion.pose[:, None, :3]
-    way = (1.0 - _determinant(direction, arms) / _at_home(_Of(machine)))[:, None]
-    ratio = np.nan_to_num(way, nan=np.inf)
-    return Quantity("singularity", "of the way", ("",), way, np.ones((2, 1)), ratio, 1.0)
+    left = (_determinant(direction, arms) / _at_home(_Of(machine)))[:, None]
+    ratio = np.nan_to_num(1.0 - left, nan=np.inf)
+    return Quantity("singularity", "% of det J^-1 at home", ("",), left, np.zeros((2, 1)), ratio, 100.0)

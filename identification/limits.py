@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +45,7 @@ class LimitCheck:
         ratio: share of the limit that is used; the limit is kept up to 1.
         time: when [s].
         status: who answers for it.
+        bounds: lower and upper limit, in `unit`, where the share is counted from a middle other than 0.
         binding: whether the motion itself is answerable for it; not where a controller's own law is only predicted.
     """
 
@@ -55,6 +57,7 @@ class LimitCheck:
     time: float
     status: Status
     binding: bool = True
+    bounds: tuple[float, float] | None = None
 
     @property
     def kept(self) -> bool:
@@ -81,7 +84,7 @@ class LimitReport:
 
     @property
     def violations(self) -> tuple[LimitCheck, ...]:
-        """The limits that are passed, the worst first."""
+        """The limits that are exceeded, the worst first."""
         return tuple(sorted((c for c in self.checks if not c.kept), key=lambda c: -c.ratio))
 
     @property
@@ -89,7 +92,7 @@ class LimitReport:
         """Largest share that is used of a limit for which the motion is answerable."""
         return max(c.ratio for c in self.checks if c.binding)
 
-    def to_json(self) -> dict[str, dict[str, float | str]]:
+    def to_json(self) -> dict[str, dict[str, Any]]:
         """One object a limit, by name."""
         return {
             c.name.split(" (")[0]: {
@@ -100,6 +103,7 @@ class LimitReport:
                 "ratio": c.ratio,
                 "time_s": c.time,
                 "status": str(c.status),
+                **({"bounds": list(c.bounds)} if c.bounds is not None else {}),
             }
             for c in self.checks
         }
@@ -217,6 +221,7 @@ def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
     column = int(np.argmax(quantity.ratio.max(axis=0)))
     row = int(np.argmax(quantity.ratio[:, column]))
     label = quantity.labels[column]
+    low, high = (float(limit[column] * quantity.scale) for limit in quantity.limits)
     return LimitCheck(
         f"{quantity.name} ({label})" if label else quantity.name,
         float(quantity.values[row, column] * quantity.scale),
@@ -225,4 +230,5 @@ def worst_case(quantity: Quantity, t: Array) -> LimitCheck:
         float(quantity.ratio[row, column]),
         float(t[row]),
         Status.PROVEN,
+        bounds=None if low in (high, -high) else (low, high),
     )

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtri
 
+from cases.basis import KEPT
 from cases.errors import IdentificationError
 from identification.model import Model
 from identification.parameters import physical_form
@@ -112,7 +113,7 @@ def _about(before: SavedResult, after: SavedResult, mass: float) -> list[str]:
     warnings = []
     if before.model != after.model:
         warnings.append(f"models {before.model} and {after.model} differ: masses of different models do not compare")
-    if before.case_hash != after.case_hash:
+    if before.about.get(KEPT) != after.about.get(KEPT):
         warnings.append("the case was changed between the two identifications")
     if mass < 0.0:
         warnings.append("the mass became smaller: this is what was taken off, as a negative payload")

@@ -68,8 +68,8 @@ class Value(NamedTuple):
         return max(self.std, self.std_robust)
 
     def interval(self, freedom: float, level: float = 0.95) -> tuple[float, float]:
-        """Confidence interval from the standard deviation of (28)."""
-        half = float(stdtrit(freedom, 0.5 + level / 2)) * self.std
+        """Confidence interval from the reported standard deviation: what is printed, and what coverage rates."""
+        half = float(stdtrit(freedom, 0.5 + level / 2)) * self.reported
         return self.value - half, self.value + half
 
 
@@ -170,6 +170,7 @@ class Estimate:
             else {name: value._asdict() for name, value in self.attenuation.items()},
             "delay_s": None if self.delay is None else {"value": self.delay.value, "std": self.delay.std},
             "parameters": {name: value._asdict() for name, value in self.physical.items()},
+            "intervals_95": {name: list(value.interval(self.freedom)) for name, value in self.physical.items()},
             "linear": {"names": list(self.names), "values": self.values.tolist()},
             "covariance": self.covariance.tolist(),
             "covariance_robust": self.covariance_robust.tolist(),

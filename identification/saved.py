@@ -1,19 +1,21 @@
 """A result that was saved, as other commands use it: parameters to predict forces with."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.basis import Artefact, result_basis
 from cases.errors import FileProblem
 from cases.files import read_json
 from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
 from identification.model import Model, identification_model
 from identification.parameters import physical_form
-from identification.result import SCHEMA_VERSION
+from identification.result import SCHEMA_VERSION, Value
 
 Array = NDArray[np.float64]
 
@@ -25,7 +27,6 @@ class SavedResult:
     Args:
         source: the file.
         case_name: of the case they belong to.
-        case_hash: fingerprint of that case when they were identified.
         model: number in Table 2.
         values: u, shape (u,).
         covariance: of u by (28), shape (u, u).
@@ -34,11 +35,11 @@ class SavedResult:
         delay: of the forces [s]; 0 where none was estimated.
         accelerometer: its biases, where standstills told them.
         recordings: SHA-256 of the files that it was made of; empty where it does not say.
+        about: all of result.json.
     """
 
     source: str
     case_name: str
-    case_hash: str
     model: int
     values: Array
     covariance: Array
@@ -47,6 +48,20 @@ class SavedResult:
     delay: float
     accelerometer: AccelerometerBias | None = None
     recordings: frozenset[str] = frozenset()
+    about: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def artefact(self) -> Artefact:
+        """What it says of its case."""
+        return Artefact(Path(self.source), self.about, "identify again")
+
+    def remarks(self, case: Case, stale: bool) -> tuple[str, ...]:
+        """What to write into everything that is made of it, where the case has changed since and `stale` is set.
+
+        Raises:
+            FileProblem: the case has changed, and `stale` is not set.
+        """
+        return self.artefact.require_unchanged(result_basis(case), case, stale)
 
     def model_of(self, case: Case) -> Model:
         """The model of the parameters, for a case of the same machine.
@@ -78,7 +93,6 @@ def load_result(path: Path) -> SavedResult:
         result = SavedResult(
             source=str(file),
             case_name=str(data["case"]),
-            case_hash=str(data["case_hash"]),
             model=int(data["model"]),
             values=np.array(data["linear"]["values"], dtype=float),
             covariance=np.array(data["covariance"], dtype=float),
@@ -87,6 +101,7 @@ def load_result(path: Path) -> SavedResult:
             delay=0.0 if delay is None else float(delay["value"]),
             accelerometer=None if felt is None else _accelerometer(felt),
             recordings=frozenset(str(i["sha256"]) for i in data.get("inputs", ())),
+            about=data,
         )
     except (KeyError, TypeError, ValueError) as error:
         raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error
@@ -146,12 +161,15 @@ def with_tare(
     offsets = [k for k, name in enumerate(data["linear"]["names"]) if name.startswith("f_q0")]
     robust_covariance[offsets, :] = robust_covariance[:, offsets] = 0.0
     robust_covariance[offsets, offsets] = np.diag(covariance)[offsets]
-    parameters = dict(data["parameters"])
+    parameters, freedom = dict(data["parameters"]), float(data.get("degrees_of_freedom", np.inf))
+    intervals: dict[str, list[float]] = {}
     for p, value, deviation in zip(form.parameters, physical, std, strict=True):
         robust = float(deviation) if p.name.startswith("f_q0") else parameters[p.name]["std_robust"]
-        parameters[p.name] = {"value": float(value), "std": float(deviation), "std_robust": robust, "unit": p.unit}
+        parameters[p.name] = Value(float(value), float(deviation), robust, p.unit)._asdict()
+        intervals[p.name] = list(Value(**parameters[p.name]).interval(freedom))
     return data | {
         "parameters": parameters,
+        "intervals_95": intervals,
         "linear": {"names": data["linear"]["names"], "values": values.tolist()},
         "covariance": covariance.tolist(),
         "covariance_robust": robust_covariance.tolist(),

@@ -14,8 +14,6 @@ from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]
 
-SAMPLES_PER_SECOND = 1000.0  # of the recording
-
 
 def predicted_std(
     case: Case,
@@ -27,12 +25,12 @@ def predicted_std(
     payload: int = 0,
     scattered: Array | None = None,
 ) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run at 1 kHz with white force noise.
+    """Standard deviations of the physical parameters for one run at the rate of the case, with white noise.
 
     Expected is the nominal body with a number of payloads.
 
     Args:
-        case: gives the body.
+        case: gives the body and the rate.
         model: whose parameters are meant.
         scaling: diagonal of H, shape (u,).
         information: mean of H A^T W A H, shape (u, u).
@@ -47,7 +45,7 @@ def predicted_std(
     inverse = np.linalg.inv(information)
     if scattered is not None:
         inverse = inverse @ scattered @ inverse
-    covariance = noise**2 / (duration * SAMPLES_PER_SECOND) * inverse
+    covariance = noise**2 / (duration * case.recording.rate_Hz) * inverse
     return _physical_std(case, model, covariance * np.outer(scaling, scaling), payload)
 
 
@@ -82,7 +80,7 @@ def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0)
 def predicted_std_of(
     case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
 ) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run of a motion at 1 kHz, by weights and noise.
+    """Standard deviations of the physical parameters for one run of a motion, by rate, weights and noise.
 
     Args:
         case: gives the nominal body and the weights.

@@ -55,7 +55,10 @@ def _handling(handler: Callable[[int, FrameType | None], None]) -> Iterator[None
 
 @contextmanager
 def ctrl_c_waits() -> Iterator[None]:
-    """Inside, Ctrl-C is held back; processes that are started inside never hear of it."""
+    """Inside, Ctrl-C is held back where the system can; processes that are started inside never hear of it."""
+    if not hasattr(signal, "pthread_sigmask"):  # of POSIX only
+        yield
+        return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.basis import KEPT, plan_basis
 from cases.files import PLAN, atomic_folder, json_text
 from cases.recording_columns import MOTION
 from cases.schema import Case
@@ -187,7 +188,7 @@ class Plan:
             "case": self.case.name,
             "case_file": self.case_file,
             "case_hash": self.case.hash,
-            "case_tables": self.case.table_hashes,
+            KEPT: plan_basis(self.case, self.request.payload),
             "family": self.family,
             "criterion": self.request.criterion,
             "model": self.request.model,
@@ -229,6 +230,7 @@ class Plan:
             "targets": list(self.request.targets),
             "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],
             "assumed_noise_N": self.noise.sensors,
+            "assumed_rate_Hz": self.case.recording.rate_Hz,
             "assumed_noise_of_channels": self.noise.std.tolist(),
             "noise_of_accelerations": self.noise.shaken,
             "weights": self.noise.weights,
@@ -237,14 +239,14 @@ class Plan:
         }
 
 
-def save_plan(plan: Plan, folder: Path, plots: bool = False) -> None:
+def save_plan(plan: Plan, folder: Path, overwrite: bool = False, plots: bool = False) -> None:
     """Writes a plan folder: plan.json, motion.csv, report.html; where asked for, figures for papers in plots/."""
     from planner.comparison.beside_manual import beside_manual
     from planner.reports.page import render
     from planner.reports.plan import plan_page
 
     motion = sample(plan.motion, SAMPLE_RATE)
-    with atomic_folder(folder, PLAN) as part:
+    with atomic_folder(folder, PLAN, overwrite) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
         (part / "motion.csv").write_text(motion_csv(motion), encoding="utf-8")
         page = plan_page(plan, beside_manual(plan) if plan.family != "manual" else "it is the motion itself")

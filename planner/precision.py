@@ -1,7 +1,10 @@
 """Numbers as people read them, to the second digit of their standard deviation."""
 
+from collections.abc import Mapping
 from math import floor, isfinite, log10
+from typing import Any
 
+MOST_TIMES = 10.0  # a limit, up to which a share is told
 MOST_PLACES = 9  # beyond these a fixed notation is longer than it is legible
 
 
@@ -28,3 +31,15 @@ def std_text(std: float) -> str:
 def with_deviation(value: float, std: float) -> str:
     """A value with its standard deviation, to two digits of that."""
     return f"{value_text(value, std)} ± {std_text(std)}"
+
+
+def share_text(ratio: float) -> str:
+    """Share of a limit in %; two decimals tell 99.99 from 100, and above ten times the limit no number tells more."""
+    return f"{100 * ratio:.2f} %" if ratio <= MOST_TIMES else "more than ten times"
+
+
+def bounds_text(limit: Mapping[str, Any]) -> str:
+    """The limit, or both where the share that is used counts from the middle between them."""
+    if (bounds := limit.get("bounds")) is not None:
+        return f"{bounds[0]:.4g} to {bounds[1]:.4g}"
+    return f"{limit['limit']:.4g}"

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cases.basis import Artefact, plan_basis
 from cases.errors import FileProblem
 from cases.files import read_json
-from cases.loading import load_case
 from cases.schema import Case
 from identification.motion import Trajectory
 from planner.families.saved import motion_of_entries
@@ -22,10 +22,11 @@ class SavedPlan:
 
     Args:
         folder: where it is.
-        case: loaded anew and unchanged since.
+        case: loaded anew.
         case_file: name or file of the case.
         motion: the excitation.
         data: all of plan.json.
+        stale: what has changed in the case since, where the user went on; written into what is made of the plan.
     """
 
     folder: Path
@@ -33,10 +34,16 @@ class SavedPlan:
     case_file: str
     motion: Trajectory
     data: dict[str, Any]
+    stale: tuple[str, ...] = ()
 
 
-def load_plan(folder: Path) -> SavedPlan:
+def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> SavedPlan:
     """Reads a plan folder; its figures are computed anew from its motion.
+
+    Args:
+        folder: where it is.
+        case: for which the motion is taken, instead of the plan's own.
+        stale: read it although what it was computed from has changed in its case.
 
     Raises:
         FileProblem: no plan there, damaged, changed by hand, or its case has changed since.
@@ -45,7 +52,7 @@ def load_plan(folder: Path) -> SavedPlan:
     file = folder / "plan.json"
     data = read_json(file, "hexcite plan")
     try:
-        case_file, case_hash = str(data["case_file"]), str(data["case_hash"])
+        case_file, _ = str(data["case_file"]), str(data["case_hash"])
         motion = motion_of_entries(data)
         for key in ("family", "model"):
             if key not in data:
@@ -54,19 +61,11 @@ def load_plan(folder: Path) -> SavedPlan:
         raise FileProblem(f"{file}: entry {error} is missing or damaged; plan again") from error
     if not motion.duration <= (LONGEST_OF_POSES if data["family"] == "poses" else LONGEST):
         raise FileProblem(f"{file}: a motion of {motion.duration:g} s is no excitation; plan again")
-    case = load_case(case_file)
-    if case.hash != case_hash:
-        what = _what_changed(case, data)
-        raise FileProblem(
-            f"{file}: case {case_file} has changed since{what} (hash {case.hash}, was {case_hash}); plan again"
-        )
-    if problem := problem_of(data, motion, case):
+    named = Artefact(file, data, "plan again")
+    own = named.case() if case is None else case
+    payload = data.get("payload", 0)
+    now = plan_basis(own, payload if isinstance(payload, int) else 0, data["family"] == "poses")
+    remarks = named.require_unchanged(now, own, stale) if case is None else ()
+    if not named.changes(now, own.hash) and (problem := problem_of(data, motion, own)):
         raise FileProblem(f"{file}: {problem}; plan again")
-    return SavedPlan(folder, case, case_file, motion, data)
-
-
-def _what_changed(case: Case, data: dict[str, Any]) -> str:
-    """In which tables, where the plan says what they were."""
-    then = data.get("case_tables")
-    names = case.changes_since(then) if isinstance(then, dict) else ()
-    return f" in {', '.join(names)}" if names else ""
+    return SavedPlan(folder, own, case_file, motion, data, remarks)

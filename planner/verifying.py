@@ -57,6 +57,7 @@ def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator
 
 
 def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:
+    case = _recorded_as_planned(case, data)
     model = identification_model(case, _whole(data, "model"))
     scaling = reference_scaling(case, model)
     information = mean_information(model, scaling, motion)
@@ -102,6 +103,12 @@ def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[
         singular_values(information, model.names)
         expected = predicted_std_at_poses(case, model, scaling, information, float(data["assumed_noise_N"]))
         yield from _unlike_deviations(data, expected)
+
+
+def _recorded_as_planned(case: Case, data: dict[str, Any]) -> Case:
+    """The case with the rate of recording that the plan assumed."""
+    recording = case.recording.model_copy(update={"rate_Hz": float(data.get("assumed_rate_Hz", 1000.0))})
+    return case.model_copy(update={"recording": recording})
 
 
 def _whole(data: dict[str, Any], key: str) -> int:

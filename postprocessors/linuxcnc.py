@@ -131,7 +131,7 @@ def write_linuxcnc(program: Program, case: Case) -> str:
     """
     limits, controller = case.need_machine("a program")[2].motion, case.need_controller("a program")
     timed = any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
-    headroom = controller.linuxcnc.acceleration_headroom if timed else 1.0
+    headroom = controller.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
     writer = _Writer(headroom * limits.acceleration, controller.block)
     lines = [c for line in (*program.header, OFFSETS) for c in _comments(line)]
     # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.

@@ -21,6 +21,7 @@ OWN = 3.0  # standard deviations of a channel's noise beside that share
 CALM = 0.3  # share of the samples that tell it: a contact may touch half of them
 NEARBY = 0.03  # [s] before and after: a little more than the filter's memory
 FEWEST = 2  # neighbouring samples above the limit
+SHORTEST = 0.02  # [s] that a contact lasts; behind the filter no push is shorter
 NEAR = 0.05  # [s] stretches closer than that are one contact
 MARGIN = 0.03  # [s] beside a contact that may still feel it
 
@@ -116,7 +117,8 @@ def find_contacts(
             before = found.pop()
             contact = Contact(before.start, contact.end, max(before.peak, contact.peak))
         found.append(contact)
-    return tuple(found)
+    step = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+    return tuple(contact for contact in found if contact.end - contact.start + step >= SHORTEST)
 
 
 def touched(t: Array, contacts: tuple[Contact, ...]) -> Rows:

@@ -10,7 +10,7 @@ from cases.errors import IdentificationError
 from identification.estimation.estimators import Method, Problem, robust_of
 from identification.findings.contact import Calm, Contact, find_contacts, touched
 from identification.findings.doubts import systematic
-from identification.findings.plausibility import places
+from identification.findings.plausibility import MOST_NAMED, places
 from identification.long.contact import least_trimmed_squares
 from identification.model import Model
 from identification.periodic.averaging import PeriodicRun
@@ -112,6 +112,16 @@ def _without_pull(run: AnyRun, moving: Moving, how: Method, problem: Problem) ->
     pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
     robust = robust_of(replace(problem, pooled=pooled, filtered=run.filtered))
     return robust(matrices @ selection.basis, forces - matrices @ selection.offset, selection.names).residuals
+
+
+def contacts_told(recording: Recording, contacts: Sequence[Contact]) -> list[str]:
+    """What people are told of contacts: one sentence, with a count and the longest places where there are several."""
+    if len(contacts) < 2:
+        return [contact_told(recording, contact) for contact in contacts]
+    longest = sorted(contacts, key=lambda contact: contact.start - contact.end)[:MOST_NAMED]
+    total, peak = sum(c.end - c.start for c in contacts), max(c.peak for c in contacts)
+    named = "; ".join(contact_told(recording, contact) for contact in longest)
+    return [f"{len(contacts)} external contacts, {total:.2g} s in all, up to {peak:.3g} N; the longest: {named}"]
 
 
 def contact_told(recording: Recording, contact: Contact) -> str:

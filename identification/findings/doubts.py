@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.fit import Fit
-from identification.findings.swapped import other_wiring
 from identification.model import Model
 from identification.regressor_blocks import MASS
 
@@ -17,6 +16,7 @@ SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtere
 LEAST_SERIES = 50  # samples that tell an autocorrelation
 THOUSANDTH = (3e-4, 1e-2)  # of the nominal mass, with weights of up to some times it
 GRAM = 1e-3  # [kg]
+OTHER_MASS = 1.0 / 3.0  # of the nominal mass
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
 
 
@@ -59,11 +59,19 @@ def require_scale(model: Model, values: Array, case: Case) -> None:
         )
 
 
-def require_wiring(regressors: Array, forces: Array, fit: Fit) -> None:
-    """Raises IdentificationError where the forces, shape (n, 6), fit A, shape (n, 6, u), far better in other places."""
-    wiring = other_wiring(regressors, forces, fit.weights)
-    if wiring is not None:
-        raise IdentificationError(wiring)
+def other_mass(model: Model, values: Array, case: Case) -> list[str]:
+    """What to say where the mass in u, shape (u,), is far from nominal, with any number of the case's payloads."""
+    if MASS not in model.blocks or case.nominal is None or case.setup == "1a":
+        return []
+    mass = float(values[model.names.index("m")])
+    expected = min((body.mass_kg for body in case.bodies), key=lambda known: abs(mass - known))
+    if abs(mass - expected) <= OTHER_MASS * expected:
+        return []
+    what = "nominal.mass_kg" if expected == case.nominal.mass_kg else "nominal.mass_kg with payloads"
+    return [
+        f"the mass comes out as {mass:.3g} kg where {what} is {expected:.3g} kg, more than a third off: correct "
+        "nominal, or check gravity, units and what is mounted"
+    ]
 
 
 def doubts(fit: Fit, forces: Array) -> list[str]:

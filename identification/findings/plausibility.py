@@ -79,12 +79,27 @@ def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
         _require_standstills(recording)
     count, found = len(recording.forces), unmeasured(recording)
     bad, warnings = found.bad, list(found.warnings)
-    for text, rows in (*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)):
+    for text, rows in _joined([*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)]):
         warnings.append(f"{places(recording.lines, rows)}: {text}; left out")
         bad |= rows
     warnings += [f"{places(recording.lines, rows)}: {text}" for text, rows in _outside(recording, case)]
     require_usable(recording.source, int(bad.sum()), count, warnings, most)
     return Scan(tuple(warnings), bad)
+
+
+def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
+    """Findings of one kind on several channels or struts as one, told in full for the one with the most rows."""
+    kinds: dict[tuple[str, ...], list[tuple[str, Rows]]] = {}
+    for text, rows in findings:
+        thing, _, *words = text.split()
+        kinds.setdefault((thing, *words[:2]), []).append((text, rows))
+    joined = []
+    for alike in kinds.values():
+        text, rows = max(alike, key=lambda finding: int(finding[1].sum()))
+        others = [other.split()[1] for other, _ in alike if other is not text]
+        likewise = f" (likewise {text.split()[0]} {', '.join(others)})" if others else ""
+        joined.append((text + likewise, np.any([r for _, r in alike], axis=0)))
+    return joined
 
 
 def require_usable(source: str, bad: int, count: int, warnings: Sequence[str], most: float = MOST_BAD) -> None:
@@ -261,16 +276,26 @@ def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     if recording.struts is None or case.workspace is None:
         return []
     low, high = case.workspace.strut_length
-    found = []
-    for k in range(6):
-        rows = (recording.struts[:, k] < low) | (recording.struts[:, k] > high)
-        if rows.any():
-            value = recording.struts[np.argmax(rows), k]
-            text = (
-                f"strut {k + 1} of {value / MM:.4g} mm is outside the workspace of {low / MM:g} to {high / MM:g} mm; "
-            )
-            found.append((text + "check offset and order of the struts, or workspace.strut_length_mm", rows))
-    return found
+    beyond = np.maximum(low - recording.struts, recording.struts - high)
+    if not (beyond > 0.0).any():
+        return []
+    row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
+    others = int((beyond > 0.0).any(axis=0).sum()) - 1
+    also = f" (and {others} others)" if others else ""
+    value = recording.struts[row, worst] / MM
+    text = (
+        f"strut {worst + 1} of {value:.4g} mm{also} is outside the workspace of {low / MM:g} to {high / MM:g} mm; "
+        "check offset and order of the struts, or workspace.strut_length_mm"
+    )
+    return [(text, (beyond > 0.0).any(axis=1))]
+
+
+def cut_off(recording: Recording) -> list[str]:
+    """What to say where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
+    if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
+        return []
+    last = recording.lines.place(len(recording.trigger) - 1)
+    return [f"{last}: the recording ends while the trigger is on; its end is missing, record until the machine rests"]
 
 
 def _require_standstills(recording: Recording) -> None:

@@ -13,7 +13,7 @@ from identification.estimation.biases import Biases, gain, widened, with_uncerta
 from identification.estimation.estimators import Method, Problem, gauss_markov_of, method
 from identification.estimation.fit import Fit
 from identification.estimation.weighing import of_forces, w_of, whitened
-from identification.findings.doubts import require_sense, require_wiring
+from identification.findings.doubts import require_sense
 from identification.findings.plausibility import Scan
 from identification.model import Model
 from identification.periodic.averaging import PeriodicRun, periodic_run
@@ -114,8 +114,6 @@ def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.
         rest = forces - matrices @ selection.offset
         fit = search(*whitened(whitening, first, rest), [*selection.names, *run.nuisances[:beside]])
         weighted = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
-        if delay == 0.0:
-            require_wiring(first, rest, of_forces(whitening, fit, first, rest))
         if held is not None:
             break
         step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from platformdirs import user_cache_path
 
+from cases.basis import bound_hash
 from cases.errors import FileProblem, HexciteError
 from cases.files import json_text, read_json, write_text
 from cases.schema import Case
@@ -140,7 +141,7 @@ def known_tight_bound(case: Case, model: Model, cache: Path | None = None) -> Bo
 
 def _file(kind: str, case: Case, model: Model, cache: Path | None) -> Path:
     folder = cache if cache is not None else user_cache_path("hexcite") / "bounds"
-    return folder / f"{case.hash}-model{model.number}-{kind}-equal-v{VERSION}.json"  # equal: W = 1
+    return folder / f"{bound_hash(case)}-model{model.number}-{kind}-equal-v{VERSION}.json"  # equal: W = 1
 
 
 def _known(file: Path, model: Model) -> Bound | None:

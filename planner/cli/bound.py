@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, status_text
+from planner.cli.console import Json, Overwrite, print_json, status_text
 
 
 def bound(
@@ -19,19 +19,27 @@ def bound(
     ] = 120.0,
     renew: Annotated[bool, typer.Option("--renew", help="With --tight: compute it again; the tighter counts.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File for the JSON answer as well.")] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Tell the most information that a motion inside the limits has.
 
     No motion passes it: the answer comes with its certificate.
     """
-    answer = information_limit(case, model, tight, time_limit, renew, output, quiet=json)
+    answer = information_limit(case, model, tight, time_limit, renew, output, quiet=json, overwrite=overwrite)
     if json:
         print_json(answer)
 
 
 def information_limit(
-    case: str, model_number: int, tight: bool, time_limit: float, renew: bool, output: Path | None, quiet: bool
+    case: str,
+    model_number: int,
+    tight: bool,
+    time_limit: float,
+    renew: bool,
+    output: Path | None,
+    quiet: bool,
+    overwrite: bool = False,
 ) -> dict[str, Any]:
     """Computes, prints unless `quiet`; returns the JSON answer."""
     from math import isfinite
@@ -46,7 +54,7 @@ def information_limit(
     if not (isfinite(time_limit) and time_limit > 0.0):
         raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")
     if output is not None:
-        check_file(output, [".json"])
+        check_file(output, [".json"], overwrite=overwrite)
     loaded = load_case(case)
     loaded.need_machine("the information limit")
     model = identification_model(loaded, model_number)

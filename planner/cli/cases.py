@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, limit_rows, print_json, print_table, status
 
 if TYPE_CHECKING:
     from planner.motion_box import MotionBox
@@ -41,15 +41,32 @@ def check(
     json: Json = False,
 ) -> None:
     """Validate a case and say which part of its motion box the machine reaches."""
+    from cases.errors import CaseError
+    from cases.leftovers import leftovers
+    from cases.loading import load_case
+    from cases.needs import readiness
     from planner.reports.case_figures import case_figures, proposed_box, reach_figures
 
-    figures: dict[str, Any] = case_figures(case)
+    try:
+        figures: dict[str, Any] = case_figures(case)
+    except CaseError as error:
+        if len(error.problems) < 2:
+            raise
+        if json:  # one line has them all; nothing stands on standard output
+            raise CaseError(error.file, "", "; ".join(error.problems)) from error
+        for problem in error.problems:
+            print(problem)
+        raise
+    loaded = load_case(case)
+    lacks, remarks = readiness(loaded), leftovers(loaded)
     with status("searching the largest reachable box", json or not propose):
         proposal = proposed_box(case) if propose else None
     reach = reach_figures(case)
     if json:
         parts = {"reach": reach, "proposal": proposal}
-        print_json({"ok": True, "figures": figures} | {k: v.to_json() for k, v in parts.items() if v is not None})
+        ready = {r.command: list(r.missing) for r in lacks}
+        answer = {"ok": True, "figures": figures, "missing": ready, "remarks": list(remarks)}
+        print_json(answer | {k: v.to_json() for k, v in parts.items() if v is not None})
         return
     print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
     print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
@@ -59,6 +76,10 @@ def check(
         print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box", LIMIT_COLUMNS, rows
         )
+    rows = [[r.command, f"misses {', '.join(r.missing)}" if r.missing else "has all that it needs"] for r in lacks]
+    print_table("Commands", ("hexcite ..", "this case"), rows, False)
+    for remark in remarks:
+        print(f"look at {remark}")
     if reach is not None:
         _print_reach(reach, case, proposal is None)
     if proposal is not None:
@@ -78,13 +99,14 @@ def _print_reach(reach: "Reach", case: str, advise: bool) -> None:
 
 def _print_proposal(box: "MotionBox") -> None:
     """The box as lines of a case file, and what is known of it."""
+    from planner.precision import share_text
     from planner.reports.reach import percent
 
     if box.share == 1.0:
         print("Proposal: none is needed, the stated box is reachable.")
         return
     print(f"\nProposal: the largest reachable box found, {percent(box.share)} of the stated box's volume.")
-    print(f"Verified at {box.poses} poses: the worst uses {100 * box.worst:.2f} % of the limit {box.worst_limit}.")
+    print(f"Verified at {box.poses} poses: the worst uses {share_text(box.worst)} of the limit {box.worst_limit}.")
     print("Replace these lines of [limits.motion] (relative to home; home may lie near a side):\n")
     print(box.toml())
 
@@ -95,16 +117,17 @@ def show(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Picture to write: .svg, .png or .pdf; SVG by default.")
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Draw the machine at home and which part of its motion box it reaches."""
-    from cases.files import atomic_file, check_file
+    from cases.files import atomic_file, check_file, output_place
     from cases.loading import find_case, load_case
 
     loaded = load_case(case)
     loaded.need_machine("the picture of the machine")
-    file = output if output is not None else Path(f"{loaded.name}-machine.svg")
-    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)])
+    file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
+    check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with status("drawing", json):
         from planner.reach import reach as reach_of
         from planner.reports.case_plots import case_figure

@@ -5,12 +5,17 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, print_table, status
+from planner.cli.console import Json, Overwrite, Stale, print_json, print_table, status
 
 
 def compare(
     folders: Annotated[list[Path], typer.Argument(help="Folders of plan, poses, run and identify, in any mix.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder to write.")] = Path("hexcite-comparison"),
+    case: Annotated[str | None, typer.Option(help="Built-in name, folder or file; the folders know theirs.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-comparison by default.")
+    ] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Compare excitations before and after running them.
@@ -19,15 +24,22 @@ def compare(
 
     A result belongs to the run it was made of, a run to the plan whose path it followed.
     """
-    answer = run_comparison(folders, output, quiet=json)
+    answer = run_comparison(folders, output, json, overwrite, case, stale)
     if json:
         print_json(answer)
 
 
-def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, Any]:
+def run_comparison(
+    folders: list[Path],
+    output: Path | None,
+    quiet: bool,
+    overwrite: bool = False,
+    case: str | None = None,
+    stale: bool = False,
+) -> dict[str, Any]:
     """Reads, compares, writes the page, prints unless `quiet`; returns the JSON answer."""
     from cases.errors import HexciteError
-    from cases.files import COMPARISON, atomic_folder, check_folder, json_text
+    from cases.files import COMPARISON, atomic_folder, check_folder, json_text, output_place
     from planner.comparison.advising import groups, recommend
     from planner.comparison.entries import read_entry
     from planner.reports.compare import compare_figure, compare_page, warnings_of
@@ -37,9 +49,10 @@ def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, 
     for k, folder in enumerate(folders):
         if any(folder.resolve() == other.resolve() for other in folders[:k]):
             raise HexciteError(f"{folder}: is named twice; name each folder once")
-    check_folder(output, COMPARISON, folders)
+    output = output_place(output, Path("hexcite-comparison"), overwrite)
+    check_folder(output, COMPARISON, folders, overwrite)
     with status("comparing", quiet):
-        found = groups([read_entry(folder) for folder in folders])
+        found = groups([read_entry(folder, case, stale) for folder in folders])
         advice = recommend(found)
         entries = [e for g in found for e in g]
         answer: dict[str, Any] = {
@@ -48,7 +61,7 @@ def run_comparison(folders: list[Path], output: Path, quiet: bool) -> dict[str, 
             "recommendation": advice._asdict(),
             "warnings": list(warnings_of(entries)),
         }
-        with atomic_folder(output, COMPARISON) as part:
+        with atomic_folder(output, COMPARISON, overwrite) as part:
             (part / "comparison.json").write_text(json_text(answer), encoding="utf-8")
             (part / "report.html").write_text(render(compare_page(found, advice)), encoding="utf-8")
             save_figure(compare_figure(found), part / "plots", "standard_deviations")

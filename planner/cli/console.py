@@ -9,6 +9,8 @@ from typing import Annotated, Any, Protocol
 
 import typer
 
+from planner.precision import bounds_text, share_text
+
 LONGEST_NUMBER = 12  # characters
 FOLDED = 12  # characters that a column of words keeps at least
 EDGES, GAP = 2, 3  # characters around a table, and between its columns
@@ -17,6 +19,10 @@ WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Plots = Annotated[bool, typer.Option("--plots", help="Write figures for papers too, as SVG and PNG.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what an earlier run wrote there.")]
+Stale = Annotated[
+    bool, typer.Option("--stale", help="Go on although the case has changed since; what is written says so.")
+]
 Criterion = Annotated[
     str,
     typer.Option(
@@ -46,7 +52,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
     narrowest = EDGES
     for k, column in enumerate(columns):
         words = k == 0 or not right or _are_words([row[k] for row in rows])
-        folds = words and console.is_terminal
+        folds = console.is_terminal and (words or any(_is_sentence(row[k]) for row in rows))
         table.add_column(column, justify="left" if words else "right", no_wrap=not folds, overflow="fold")
         longest = max(map(len, (column, *(row[k] for row in rows))))
         narrowest += GAP + (min(longest, FOLDED) if folds else longest)
@@ -56,6 +62,10 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]
         narrowest = Measurement.get(console, console.options.update(width=WIDEST), table).maximum
     console.width = max(console.width, narrowest)
     console.print(table)
+
+
+def _is_sentence(cell: str) -> bool:
+    return len(cell) > LONGEST_NUMBER and not cell.lstrip("~-")[:1].isdigit()
 
 
 def _are_words(cells: Sequence[str]) -> bool:
@@ -144,12 +154,12 @@ def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
     rows = []
     for v in limits.values():
         about = "" if v["status"] == "proven" else "~"
-        status = "PASSED" if about == "" and v["ratio"] > 1.000001 else v["status"]
+        status = "EXCEEDED" if about == "" and v["ratio"] > 1.000001 else v["status"]
         rows.append(
             [
                 v["at"],
                 f"{about}{v['worst']:.4g}",
-                f"{v['limit']:.4g}",
+                bounds_text(v),
                 v["unit"],
                 f"{about}{share_text(v['ratio'])}",
                 status,
@@ -158,9 +168,4 @@ def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
     return rows
 
 
-def share_text(ratio: float) -> str:
-    """Share of a limit in %; two decimals tell 99.99 from 100, and nothing beyond ten times the limit."""
-    return f"{100 * ratio:.{2 if ratio < 10.0 else 0}f} %"
-
-
-LIMIT_COLUMNS = ("limit", "worst", "limit at", "unit", "used", "status")
+LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")

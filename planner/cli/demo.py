@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, print_table
+from planner.cli.console import Json, Overwrite, print_json, print_table
 
 ACCEPTED = ("acceleration", "jerk", "strut acceleration", "sensor force")  # no metal moves in a demo
 
@@ -19,18 +19,23 @@ def demo(
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the starts and of the sensors' noise.")] = 0,
     starts: Annotated[int | None, typer.Option(help="Number of random starts; by default as many as pay.")] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for everything.")] = Path("hexcite-demo"),
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for everything; hexcite-demo by default.")
+    ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Plan, program, prove, execute, identify and report, end to end."""
-    answer = run_demo(case, on, seed, starts, output, quiet=json)
+    answer = run_demo(case, on, seed, starts, output, quiet=json, overwrite=overwrite)
     if json:
         print_json(answer)
 
 
-def run_demo(case: str, on: str | None, seed: int, starts: int | None, output: Path, quiet: bool) -> dict[str, Any]:
+def run_demo(
+    case: str, on: str | None, seed: int, starts: int | None, output: Path | None, quiet: bool, overwrite: bool = False
+) -> dict[str, Any]:
     """All steps; prints unless `quiet`; returns each step's JSON answer."""
-    from cases.files import write_text
+    from cases.files import DEMO, check_folder, output_place, write_text
     from cases.loading import load_case
     from identification.identify import identifiability
     from identification.runs.residuals import residuals_of
@@ -50,10 +55,14 @@ def run_demo(case: str, on: str | None, seed: int, starts: int | None, output: P
 
     loaded = load_case(case)
     loaded.need_simulation("the demo")
+    output = output_place(output, Path("hexcite-demo"), overwrite)
+    check_folder(output, DEMO, overwrite=overwrite)
     step(1, "plan: the most informative motion inside the limits")
-    plan = make_plan(Request(case, seed=seed, starts=starts), output / "plan", quiet)
+    plan = make_plan(Request(case, seed=seed, starts=starts), output / "plan", quiet, overwrite)
     step(2, f"post: as a program for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name")
-    program = make_program(output / "plan", "linuxcnc", 1.0, ACCEPTED, output / "excitation.ngc", quiet)
+    program = make_program(
+        output / "plan", "linuxcnc", 1.0, ACCEPTED, output / "excitation.ngc", quiet, overwrite=overwrite
+    )
     step(3, "check: the text read back, independently of its writer")
     check, reason = check_program(output / "excitation.ngc", case, None, quiet)
     if not quiet:
@@ -62,9 +71,11 @@ def run_demo(case: str, on: str | None, seed: int, starts: int | None, output: P
         raise reason
     controller, why = best_controller() if on is None else (on, "as asked")
     step(4, f"run: on {controller} ({why})")
-    run, outcome = make_recording(output / "excitation.ngc", case, controller, seed, output / "recording", quiet)
+    run, outcome = make_recording(
+        output / "excitation.ngc", case, controller, seed, output / "recording", quiet, overwrite=overwrite
+    )
     step(5, "identify: model 9 from the recording alone")
-    result, estimate = make_result(output / "recording", None, 9, output / "result", quiet)
+    result, estimate = make_result(output / "recording", None, 9, output / "result", quiet, overwrite=overwrite)
     rows = truth_rows(loaded, estimate)
     if not quiet:
         _show_truth(rows)

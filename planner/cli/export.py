@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json
+from planner.cli.console import Json, Overwrite, Stale, print_json
 
 
 def export(
@@ -14,14 +14,14 @@ def export(
         str,
         typer.Option("--to", help="c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), json."),
     ],
-    case: Annotated[
-        str | None, typer.Option(help="Built-in name, folder or file; a result names its built-in case.")
-    ] = None,
+    case: Annotated[str | None, typer.Option(help="Built-in name, folder or file; a result knows its own.")] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Export a result with warnings; they are written into the file.")
     ] = False,
     build: Annotated[bool, typer.Option("--build", help="Compile it too (c: gcc; linuxcnc: halcompile).")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write; for c a folder.")] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Write the calibrated model for a controller."""
@@ -32,8 +32,8 @@ def export(
 
     if to not in TARGETS:
         raise HexciteError(f"target {to!r} is unknown; choose {', '.join(TARGETS)}")
-    calibration = load_calibration(result, case, force)
-    files = write(calibration, to, output, build)
+    calibration = load_calibration(result, case, force, stale)
+    files = write(calibration, to, output, build, overwrite)
     answer: dict[str, Any] = {
         "file": str(files[0]),
         "files": [str(file) for file in files],

@@ -6,14 +6,15 @@ from typing import Annotated, Any
 import typer
 
 from cases.recording_columns import WRENCH
-from planner.cli.console import Json, print_json, print_table
+from planner.cli.console import Json, Overwrite, Stale, print_json, print_table
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 UNITS = ("N", "N", "N", "N m", "N m", "N m")
 
 Parameters = Annotated[Path, typer.Option("--parameters", help="Result folder of hexcite identify.")]
 CaseOption = Annotated[
-    str | None, typer.Option("--case", help="Built-in name, folder or file; a recording folder knows its own.")
+    str | None,
+    typer.Option("--case", help="Built-in name, folder or file; a recording folder and a result know theirs."),
 ]
 
 
@@ -24,20 +25,25 @@ def force(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="CSV file to write; RECORDING-force.csv by default.")
     ] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Compute external force and moment over a recording."""
-    from cases.files import atomic_file, check_file
+    from cases.files import atomic_file, check_file, output_place
     from identification.force import external_force
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
     from identification.saved import load_result
     from planner.runs.recorded import case_of
 
-    loaded = case_of(recording, case)
-    file = output if output is not None else Path(f"{recording.resolve().stem}-force.csv")
-    check_file(file, [".csv"], [recording, *recording.glob("*")] if recording.is_dir() else [recording])
-    found = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, load_result(parameters))
+    file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
+    inputs = [recording, *recording.glob("*")] if recording.is_dir() else [recording]
+    check_file(file, [".csv"], inputs, overwrite)
+    loaded, remarks = case_of(recording, case, stale, parameters)
+    saved = load_result(parameters)
+    remarks += saved.remarks(loaded, stale)
+    found = external_force(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
     with atomic_file(file) as part:
         _write(part, found)
     answer: dict[str, Any] = {
@@ -45,7 +51,7 @@ def force(
         "samples": len(found.t),
         "rms": {name: float(v) for name, v in zip(WRENCH, found.rms, strict=True)},
         "peak": {name: float(v) for name, v in zip(WRENCH, found.peak, strict=True)},
-        "warnings": list(found.warnings),
+        "warnings": [*found.warnings, *remarks],
     }
     if json:
         print_json(answer)
@@ -54,7 +60,7 @@ def force(
         [a, f"{r:.4g}", f"{p:.4g}", u] for a, u, r, p in zip(AXES, UNITS, found.rms, found.peak, strict=True)
     ]  # fmt: skip
     print_table("External force and moment in {P}", ("component", "rms", "peak", "unit"), rows)
-    for warning in found.warnings:
+    for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"written: {file} ({len(found.t)} samples, behind the filter of the case)")
 
@@ -75,25 +81,31 @@ def tare(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Result folder to write; RESULT-tared by default.")
     ] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Identify the sensor offsets anew from a short standstill.
 
     All other parameters stay as they are.
     """
-    from cases.files import RESULT, atomic_folder, json_text
+    from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
     from identification.force import tare as new_offsets
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
     from identification.saved import load_result, with_tare
     from planner.runs.recorded import case_of
 
-    loaded = case_of(recording, case)
+    folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
+    check_folder(folder, RESULT, [recording, parameters], overwrite)
+    loaded, remarks = case_of(recording, case, stale, parameters)
     saved = load_result(parameters)
+    remarks += saved.remarks(loaded, stale)
     found = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
-    folder = output if output is not None else Path(f"{parameters.resolve().stem}-tared")
     content = with_tare(parameters, saved, loaded, found.values, found.covariance, str(recording))
-    with atomic_folder(folder, RESULT) as part:
+    if remarks:
+        content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
+    with atomic_folder(folder, RESULT, overwrite) as part:
         (part / "result.json").write_text(json_text(content), encoding="utf-8")
     if json:
         print_json({"result": str(folder)} | content)
@@ -101,6 +113,8 @@ def tare(
     rows = [
         [f"f_q0_{k + 1}", f"{found.change[k]:+.4g}", f"{found.std[k]:.2g}"] for k in range(6)
     ]  # fmt: skip
+    for remark in remarks:
+        print(f"warning: {remark}")
     print_table("Offsets", ("offset", "change", "std"), rows)
     print(f"result written: {folder}")
 
@@ -108,30 +122,33 @@ def tare(
 def payload(
     before: Annotated[Path, typer.Argument(help="Result folder without the payload.")],
     after: Annotated[Path, typer.Argument(help="Result folder with it.")],
-    case: Annotated[str, typer.Option("--case", help="Built-in name, folder or case file.")],
+    case: Annotated[
+        str | None, typer.Option("--case", help="Built-in name, folder or file; a result knows its own.")
+    ] = None,
+    stale: Stale = False,
     json: Json = False,
 ) -> None:
     """Tell the payload from results without and with it.
 
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
-    from cases.loading import load_case
     from identification.payload import payload_between, payload_on_table, require_two
     from identification.saved import load_result
     from planner.cli.identified import PARAMETER_COLUMNS, parameter_rows
 
-    loaded = load_case(case)
     old, new = load_result(before), load_result(after)
+    loaded = old.artefact.case(case)
+    remarks = (*old.remarks(loaded, stale), *new.remarks(loaded, stale))
     models = old.model_of(loaded), new.model_of(loaded)
     require_two(old, new)
     found = payload_on_table(old, new, models[0]) if loaded.setup == "1a" else payload_between(old, new, *models)
     answer: dict[str, Any] = {
         "parameters": {name: value._asdict() for name, value in found.parameters.items()},
-        "warnings": list(found.warnings),
+        "warnings": [*found.warnings, *remarks],
     }
     if json:
         print_json(answer)
         return
     print_table("Payload", PARAMETER_COLUMNS, parameter_rows(answer["parameters"]))
-    for warning in found.warnings:
+    for warning in answer["warnings"]:
         print(f"warning: {warning}")

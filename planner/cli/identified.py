@@ -5,10 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cases.files import RESULT, atomic_folder, check_folder, json_text
+from cases.basis import KEPT, result_basis
+from cases.errors import IdentificationError
+from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.force import external_force
+from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
@@ -17,7 +20,7 @@ from identification.long.streaming import identify_long, in_blocks, is_long
 from identification.model import identification_model
 from identification.provenance import provenance
 from identification.recording import files_of, read_recording, read_run
-from identification.result import Estimate
+from identification.result import Estimate, Value
 from identification.runs.rates import on_one_clock
 from identification.runs.residuals import residuals_of
 from identification.saved import load_result
@@ -27,7 +30,7 @@ from planner.precision import std_text, value_text
 from planner.reports.identify import about_inputs, identify_page
 from planner.reports.page import render
 from planner.runs.fingerprints import plan_of_recording
-from planner.runs.recorded import UNSAID, Still, about_run, case_of, knows_poses, standing_of, with_feed
+from planner.runs.recorded import UNSAID, Still, about_run, case_of, fitting_case, knows_poses, standing_of, with_feed
 
 NOT_COMPARED = (
     "the run is too long to be compared with its program at once: a feed other than 100 % is told where the recording "
@@ -44,6 +47,8 @@ def make_result(
     quiet: bool,
     still: Still = UNSAID,
     plan: Path | None = None,
+    overwrite: bool = False,
+    stale: bool = False,
     plots: bool = False,
 ) -> tuple[dict[str, Any], Estimate]:
     """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.
@@ -56,13 +61,15 @@ def make_result(
         quiet: print nothing.
         still: what is said about standstills.
         plan: that the run followed; a recording folder knows its program.
+        overwrite: replace an earlier result.
+        stale: go on although the recording's case has changed since.
         plots: whether to write figures for papers too.
     """
     paths = [paths] if isinstance(paths, Path) else list(paths)
     wish = wish if isinstance(wish, Wish) else Wish(wish)
-    loaded = case_of(paths[0], case)
-    folder = output if output is not None else Path(f"{paths[0].resolve().stem}-result")
-    check_folder(folder, RESULT, paths)
+    loaded, remarks = case_of(paths[0], case, stale)
+    folder = output_place(output, Path(f"{paths[0].resolve().stem}-result"), overwrite)
+    check_folder(folder, RESULT, paths, overwrite)
     with status("identifying", quiet):
         standing = None
         how = _for_blocks(paths, wish, loaded, plan)
@@ -74,15 +81,24 @@ def make_result(
             recording, standing = standing_of(on_one_clock(read_run(paths, loaded), loaded), loaded, paths[0], still)
             number = default_model(recording) if wish.model is None else wish.model
             how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
-            estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
+            try:
+                estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
+            except StrutsDoNotClose as error:
+                if other := fitting_case(error.lengths, loaded, case):
+                    raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
+                raise
             estimate = with_feed(estimate, recording, loaded, paths[0], plan)
         found = identifiability(recording, loaded, estimate)
-        content = estimate.to_json() | provenance(files_of(paths)) | about_run(paths[0], case, recording, estimate)
+        estimate = replace(estimate, warnings=(*estimate.warnings, *remarks))
+        content: dict[str, Any] = {KEPT: result_basis(loaded), **({"stale": list(remarks)} if remarks else {})}
+        content = (
+            estimate.to_json() | content | provenance(files_of(paths)) | about_run(paths[0], case, recording, estimate)
+        )
         answer = {"result": str(folder), "report": str(folder / "report.html")} | content
         if standing is not None:
             content["standstills"] = answer["standstills"] = standing
         answer["strongest_correlations"] = [{"pair": [a, b], "value": v} for a, b, v in found.strongest()]
-        with atomic_folder(folder, RESULT) as part:
+        with atomic_folder(folder, RESULT, overwrite) as part:
             (part / "result.json").write_text(json_text(content), encoding="utf-8")
             (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")
             if plots:
@@ -137,7 +153,8 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
     rows = []
     for name, p in parameters.items():
         scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
-        deviations = (max(p["std"], p["std_robust"]), p["std"], p["std_robust"])
+        known = Value(p["value"], p["std"], p["std_robust"], p["unit"])
+        deviations = (known.reported, known.std, known.std_robust)
         given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
         shown = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
         value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)

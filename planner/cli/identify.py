@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from planner.cli.console import Json, Plots, print_json
+from planner.cli.console import Json, Overwrite, Plots, Stale, print_json
 
 
 def identify(
@@ -94,6 +94,8 @@ def identify(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; RECORDING-result by default.")
     ] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
     plots: Plots = False,
     json: Json = False,
 ) -> None:
@@ -117,8 +119,10 @@ def identify(
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     still = Still(poses, standstills)
-    answer, _ = make_result(recordings, case, wanted, output, quiet=json, still=still, plan=plan, plots=plots)
+    answer, _ = make_result(recordings, case, wanted, output, json, still, plan, overwrite, stale, plots)
     if verify is not None:
-        answer["verify"] = verify_result(verify, case_of(recordings[0], case), Path(answer["result"]), quiet=json)
+        answer["verify"] = verify_result(
+            verify, case_of(recordings[0], case, stale)[0], Path(answer["result"]), quiet=json
+        )
     if json:
         print_json(answer)

@@ -10,6 +10,7 @@ from planner.cli.console import (
     LIMIT_COLUMNS,
     Criterion,
     Json,
+    Overwrite,
     Plots,
     limit_rows,
     print_json,
@@ -77,6 +78,7 @@ def plan(
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
     plots: Plots = False,
     output: Out = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Find the most informative motion inside the machine's limits.
@@ -110,7 +112,7 @@ def plan(
         seconds=seconds,
         seed=seed,
     )
-    answer = make_plan(request, output, quiet=json, plots=plots)
+    answer = make_plan(request, output, quiet=json, overwrite=overwrite, plots=plots)
     if json:
         print_json(answer)
 
@@ -133,9 +135,11 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
             raise HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 
-def make_plan(request: "Request", output: Path | None, quiet: bool, plots: bool = False) -> dict[str, Any]:
+def make_plan(
+    request: "Request", output: Path | None, quiet: bool, overwrite: bool = False, plots: bool = False
+) -> dict[str, Any]:
     """Plans, saves, prints unless `quiet`; returns the JSON answer."""
-    from cases.files import PLAN, check_folder
+    from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
     from planner import planning
     from planner.cli.progress import Progress
@@ -146,8 +150,8 @@ def make_plan(request: "Request", output: Path | None, quiet: bool, plots: bool 
     from planner.shortest import shortest_plan
 
     loaded = load_case(request.case_file)
-    folder = output if output is not None else Path(f"{loaded.name}-{request.family}")
-    check_folder(folder, PLAN)
+    folder = output_place(output, Path(f"{loaded.name}-{request.family}"), overwrite)
+    check_folder(folder, PLAN, overwrite=overwrite)
     require_plannable(request, loaded)
     case_file = request.case_file
     if find_case(case_file).is_relative_to(Path.cwd()) or Path(case_file).exists():
@@ -169,7 +173,7 @@ def make_plan(request: "Request", output: Path | None, quiet: bool, plots: bool 
 
         result = shortest_plan(request, loaded, make) if request.targets else make(request)
     with status("writing", quiet), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_plan(result, folder, plots)
+        save_plan(result, folder, overwrite, plots)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | result.to_json()
     if not quiet:
         _show(answer, loaded)
@@ -213,7 +217,8 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
     if answer["noise_of_accelerations"]:
         noise += " and noise of the accelerations as the case states it"
-    print(f"predicted standard deviations ({noise}, 1 kHz, {_mounted(answer)}, weights {answer['weights']}):")
+    noise += f", {answer['assumed_rate_Hz']:g} Hz, {_mounted(answer)}"
+    print(f"predicted standard deviations ({noise}, weights {answer['weights']}):")
     for line in _deviations(answer, case):
         print(f"  {line}")
     first, last = (pose_words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))

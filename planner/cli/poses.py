@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Criterion, Json, Plots, print_json, print_table, progress, status
+from planner.cli.console import Criterion, Json, Overwrite, Plots, print_json, print_table, progress, status
 
 
 def poses(
@@ -29,6 +29,7 @@ def poses(
         Path | None, typer.Option("-o", "--output", help="Folder to write; named after the case by default.")
     ] = None,
     plots: Plots = False,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Choose the poses that tell most when measured standing still.
@@ -38,21 +39,23 @@ def poses(
     from planner.poses.request import PoseRequest
 
     request = PoseRequest(case, criterion, count, method, model, candidates, seed, noise)
-    answer = make_poses(request, output, quiet=json, plots=plots)
+    answer = make_poses(request, output, quiet=json, overwrite=overwrite, plots=plots)
     if json:
         print_json(answer)
 
 
-def make_poses(request: Any, output: Path | None, quiet: bool, plots: bool = False) -> dict[str, Any]:
+def make_poses(
+    request: Any, output: Path | None, quiet: bool, overwrite: bool = False, plots: bool = False
+) -> dict[str, Any]:
     """Plans, saves, prints unless `quiet`; returns the JSON answer."""
-    from cases.files import PLAN, check_folder
+    from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
     from planner.poses.plan import plan_poses, save_pose_plan
 
     found = find_case(request.case_file)
     loaded = load_case(request.case_file)
-    folder = output if output is not None else Path(f"{loaded.name}-poses")
-    check_folder(folder, PLAN, [found])
+    folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
+    check_folder(folder, PLAN, [found], overwrite)
     case_file = request.case_file
     if found.is_relative_to(Path.cwd()) or Path(case_file).exists():
         case_file = str(found.resolve())  # found again from any folder
@@ -60,7 +63,7 @@ def make_poses(request: Any, output: Path | None, quiet: bool, plots: bool = Fal
     with progress("choosing poses", steps, quiet) as counted:
         plan = plan_poses(request, loaded, case_file, lambda left: counted(f"{left} poses"))
     with status("writing", quiet):
-        save_pose_plan(plan, folder, plots)
+        save_pose_plan(plan, folder, overwrite, plots)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if not quiet:

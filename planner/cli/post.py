@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
 
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
@@ -31,6 +31,8 @@ def post(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
     ] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Write a plan as a program for the machine's controller.
@@ -46,7 +48,7 @@ def post(
         else:
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
-    answer = make_program(plan, dialect or "linuxcnc", speed, accept or (), output, json, ptp_struts)
+    answer = make_program(plan, dialect or "linuxcnc", speed, accept or (), output, json, ptp_struts, overwrite, stale)
     if json:
         print_json(answer)
 
@@ -59,12 +61,14 @@ def make_program(
     output: Path | None,
     quiet: bool,
     in_struts: bool = False,
+    overwrite: bool = False,
+    stale: bool = False,
 ) -> dict[str, Any]:
     """Writes, prints unless `quiet`; returns the JSON answer."""
     from importlib.metadata import version
 
     from cases.errors import HexciteError
-    from cases.files import atomic_file, check_file
+    from cases.files import atomic_file, check_file, output_place
     from planner.runs.fingerprints import case_line, plan_line
     from planner.saved_plan import load_plan
     from postprocessors.dialects import DIALECTS, dialect
@@ -77,14 +81,15 @@ def make_program(
     if in_struts and not language.in_struts:
         able = ", ".join(d.name for d in DIALECTS.values() if d.in_struts)
         raise HexciteError(f"{dialect_name} has no moves straight in the struts; leave out --ptp-struts, or use {able}")
-    file = output if output is not None else Path(f"{plan.resolve().name}{language.suffix}")
-    check_file(file, language.suffixes, [plan, *plan.glob("*")] if plan.is_dir() else [plan])
-    saved = load_plan(plan)
+    file = output_place(output, Path(f"{plan.resolve().name}{language.suffix}"), overwrite)
+    check_file(file, language.suffixes, [plan, *plan.glob("*")] if plan.is_dir() else [plan], overwrite)
+    saved = load_plan(plan, stale=stale)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
         case_line(saved.case),
         f"plan {plan.resolve().name}: {saved.data['family']}, {saved.motion.duration:g} s at speed {speed:g}",
         plan_line(plan),
+        *saved.stale,
         language.start,
         *(["point-to-point moves are straight in the struts: another path than planned"] if in_struts else []),
     )
@@ -112,7 +117,7 @@ def make_program(
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
         "predicted_stretch": forecast.stretch,
-        "remarks": list(forecast.remarks),
+        "remarks": [*forecast.remarks, *saved.stale],
         "limits": proof.limits.to_json(),
         **changed,
     }
@@ -120,7 +125,7 @@ def make_program(
         unit = "rows" if dialect_name == "setpoints" else "blocks"
         print(f"program written: {file} ({written.reading.blocks} {unit}, {proof.duration:.2f} s, read back)")
         print(f"limits: {proof.verdict}{' (accepted)' if proof.relies_on else ''}")
-        for remark in forecast.remarks:
+        for remark in answer["remarks"]:
             print(remark)
         if in_struts:
             print(_sentence_of(answer, saved.data.get("d_efficiency")))
@@ -158,7 +163,7 @@ def check(
 def check_program(
     program: Path, case: str, dialect: str | None, quiet: bool
 ) -> tuple[dict[str, Any], Exception | None]:
-    """The JSON answer, and the error where a limit is passed."""
+    """The JSON answer, and the error where a limit is exceeded."""
     from cases.errors import ProgramError
     from cases.loading import load_case
     from planner.runs.fingerprints import written_for_another

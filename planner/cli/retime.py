@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from planner.cli.console import LIMIT_COLUMNS, Json, limit_rows, print_json, print_table, status_text
+from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status_text
 
 if TYPE_CHECKING:
     from cases.schema import Case
@@ -33,13 +33,15 @@ def retime(
         Path | None,
         typer.Option("-o", "--output", help="Plan folder of the re-timed motion; or NAME.csv for its table at 1 kHz."),
     ] = None,
+    stale: Stale = False,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Make a plan of the same path at another pace.
 
     Tells criteria and limits before and after; without -o nothing is written.
     """
-    answer = make_retimed(source, case, method, fastest, model, output, quiet=json)
+    answer = make_retimed(source, case, method, fastest, model, output, quiet=json, overwrite=overwrite, stale=stale)
     if json:
         print_json(answer)
 
@@ -52,6 +54,8 @@ def make_retimed(
     model: int | None,
     output: Path | None,
     quiet: bool,
+    overwrite: bool = False,
+    stale: bool = False,
 ) -> dict[str, Any]:
     """Re-times, writes, prints unless `quiet`; returns the JSON answer."""
     from time import perf_counter
@@ -67,8 +71,8 @@ def make_retimed(
 
     if method is not None and method not in list(Method):
         raise HexciteError(f"method {method!r} is unknown; choose {', '.join(Method)}")
-    table = _checked(source, output)
-    given = _given(source, case, model)
+    table = _checked(source, output, overwrite)
+    given = _given(source, case, model, stale)
     chosen = Method(method) if method is not None else fitting_method(given.motion)
     if fastest and chosen is Method.RUCKIG:
         raise HexciteError(
@@ -88,7 +92,8 @@ def make_retimed(
             write_text(output, motion_csv(sample(found.motion, SAMPLE_RATE)))
         elif output is not None:
             told("writing")
-            save_plan(retimed_plan(found, given.request, given.case, given.case_file, source, seconds), output)
+            made = retimed_plan(found, given.request, given.case, given.case_file, source, seconds, given.stale)
+            save_plan(made, output, overwrite)
     answer = {
         "source": str(source),
         "method": str(found.method),
@@ -98,7 +103,7 @@ def make_retimed(
         "jerk_limited": found.method is not Method.TOPPRA,
         "off_path_mm": found.off_path[0] / MM,
         "off_path_deg": found.off_path[1] / DEG,
-        "remarks": list(found.remarks),
+        "remarks": [*found.remarks, *given.stale],
         "solve_s": seconds,
         "output": str(output) if output is not None else None,
         "plan": str(output) if output is not None and not table else None,
@@ -115,9 +120,10 @@ class _Given(NamedTuple):
     case: "Case"
     case_file: str
     request: "Request"
+    stale: tuple[str, ...] = ()
 
 
-def _checked(source: Path, output: Path | None) -> bool:
+def _checked(source: Path, output: Path | None, overwrite: bool) -> bool:
     """Whether a table is to be written; refuses a place that cannot be written before the work starts."""
     from cases.files import PLAN, check_file, check_folder
 
@@ -125,13 +131,13 @@ def _checked(source: Path, output: Path | None) -> bool:
         return False
     inputs = [source, *source.glob("*")] if source.is_dir() else [source]
     if output.suffix and not output.is_dir():
-        check_file(output, [".csv"], inputs)
+        check_file(output, [".csv"], inputs, overwrite)
         return True
-    check_folder(output, PLAN, [source])
+    check_folder(output, PLAN, [source], overwrite)
     return False
 
 
-def _given(source: Path, case: str | None, model: int | None) -> _Given:
+def _given(source: Path, case: str | None, model: int | None, stale: bool) -> _Given:
     from cases.errors import HexciteError
     from cases.loading import find_case, load_case
     from planner.request import Request
@@ -143,7 +149,7 @@ def _given(source: Path, case: str | None, model: int | None) -> _Given:
             f"{source}: cannot be read (No such file or directory); name a plan folder, or a table of poses"
         )
     if source.is_dir():
-        saved = load_plan(source)
+        saved = load_plan(source, None if case is None else load_case(case), stale)
         data, case_file = saved.data, saved.case_file
         if data["family"] == "poses":
             raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
@@ -158,7 +164,7 @@ def _given(source: Path, case: str | None, model: int | None) -> _Given:
             payload_from=fewest,
         )
         if case is None:
-            return _Given(saved.motion, saved.case, case_file, request)
+            return _Given(saved.motion, saved.case, case_file, request, saved.stale)
         motion, request = saved.motion, replace(request, case_file=case)
     else:
         if case is None:
@@ -185,7 +191,7 @@ def _show(answer: dict[str, Any]) -> None:
     rows = [["duration", f"{before['duration_s']:.4f} s", f"{after['duration_s']:.4f} s"]]
     rows += [[f"criterion {k}", f"{before['criteria'][k]:.5g}", f"{after['criteria'][k]:.5g}"] for k in "ADKN"]
     rows.append(["D-efficiency against the box", f"{before['d_efficiency']:.4f}", f"{after['d_efficiency']:.4f}"])
-    rows.append(["limits passed", str(len(before["violations"])), str(len(after["violations"]))])
+    rows.append(["limits exceeded", str(len(before["violations"])), str(len(after["violations"]))])
     print_table(f"Re-timed with {answer['method']}, model {answer['model']}", ("", "before", "after"), rows)
     for when, rating in (("before", before), ("after", after)):
         for sentence in rating["violations"]:

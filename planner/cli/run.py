@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, status
+from planner.cli.console import Json, Overwrite, print_json, status
 
 if TYPE_CHECKING:
     from planner.runs.running import Outcome
@@ -25,13 +25,14 @@ def run(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; PROGRAM-recording by default.")
     ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Execute a program and write a recording.
 
     Sensors and encoders are simulated for the motion that the controller executed.
     """
-    answer, _ = make_recording(program, case, on, seed, output, json, payload, disturbed)
+    answer, _ = make_recording(program, case, on, seed, output, json, payload, disturbed, overwrite)
     if json:
         print_json(answer)
 
@@ -45,25 +46,29 @@ def make_recording(
     quiet: bool,
     payload: int = 0,
     disturbed: bool = False,
+    overwrite: bool = False,
 ) -> tuple[dict[str, Any], Any]:
     """Runs, saves, prints unless `quiet`; returns the JSON answer and the outcome."""
     from cases.errors import HexciteError
-    from cases.files import RUN, check_folder
+    from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
     from identification.loaded import circumstances
+    from planner.runs.fingerprints import written_for_another
     from planner.runs.running import execute, require_controller, save_recording
 
     if seed < 0:
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")
     require_controller(on)
     case_file = str(find_case(case).resolve()) if Path(case).exists() else case
-    folder = output if output is not None else Path(f"{program.stem}-recording")
-    check_folder(folder, RUN, [program, *([Path(case_file)] if Path(case_file).exists() else [])])
+    folder = output_place(output, Path(f"{program.stem}-recording"), overwrite)
+    check_folder(folder, RUN, [program, *([Path(case_file)] if Path(case_file).exists() else [])], overwrite)
     loaded = load_case(case)
     around = circumstances(loaded, payload, disturbed)
     with status(f"running {program.name} on {on}", quiet):
         outcome = execute(program, loaded, on, seed, around)
-        about = save_recording(folder, outcome, program, loaded, case_file, seed)
+        about = save_recording(folder, outcome, program, loaded, case_file, seed, overwrite)
+    other = written_for_another(program.read_bytes(), loaded)
+    remark = "; ".join(text for text in (other and f"the program was {other}", about["remark"]) if text)
     answer = {
         "recording": str(folder),
         "controller": about["controller"],
@@ -75,7 +80,7 @@ def make_recording(
         "d_efficiency_planned": about["d_efficiency_planned"],
         "peak_acceleration_of_limit": about["peak_acceleration_of_limit"],
         "peaks_of_limit": about["peaks_of_limit"],
-        "remark": about["remark"],
+        "remark": remark,
         "payload": about["payload"],
         "disturbances": about["disturbances"],
         "poses": len(about["poses_m_rad"]),
@@ -92,9 +97,9 @@ def make_recording(
             )
         else:
             print(_rated(answer))
-        peaks = ", ".join(f"{name} {100 * share:.0f} %" for name, share in answer["peaks_of_limit"].items())
+        peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in answer["peaks_of_limit"].items())
         print(f"reached of the limits in the whole run: {peaks}")
-        for sentence in _passed(answer["peaks_of_limit"], outcome):
+        for sentence in _exceeded(answer["peaks_of_limit"], outcome):
             print(sentence)
         if answer["remark"]:
             print(answer["remark"])
@@ -102,21 +107,25 @@ def make_recording(
     return answer, outcome
 
 
-def _passed(peaks: dict[str, float], outcome: "Outcome") -> Iterator[str]:
-    """Limits that were passed: by the controller that ran, which is not always the one that the program is for."""
-    passed = {name for name, share in peaks.items() if share > 1.01}
+def _of_limit(share: float) -> str:
+    return f"{100 * share:.0f} %" if share <= 10.0 else "more than ten times"
+
+
+def _exceeded(peaks: dict[str, float], outcome: "Outcome") -> Iterator[str]:
+    """Limits that were exceeded: by the controller that ran, which is not always the one that the program is for."""
+    exceeded = {name for name, share in peaks.items() if share > 1.01}
     enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced
-    kept = {name for name in passed if name.removeprefix("angular ") in enforced}
-    if passed - kept:
+    kept = {name for name in exceeded if name.removeprefix("angular ") in enforced}
+    if exceeded - kept:
         yield (
-            f"PASSED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(passed - kept))}; know what the "
-            "drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
+            f"EXCEEDED BY THE CONTROLLER, which does not enforce them: {', '.join(sorted(exceeded - kept))}; know what "
+            "the drives bear before a real machine runs this (what is above the evaluation's filter does not reach the "
             "estimate)"
         )
     if kept:
         yield (
-            f"passed by the built-in controller only: {', '.join(sorted(kept))}; {outcome.guarantees.controller} keeps "
-            "it itself, as the case says (controller_keeps), and will take longer there"
+            f"exceeded by the built-in controller only: {', '.join(sorted(kept))}; {outcome.guarantees.controller} "
+            "keeps it itself, as the case says (controller_keeps), and will take longer there"
         )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, print_table
+from planner.cli.console import Json, Overwrite, print_json, print_table
 from planner.cli.validate_runs import Settings, carry_out, unfinished
 
 if TYPE_CHECKING:
@@ -38,7 +38,10 @@ def validate(
     undisturbed: Annotated[
         bool, typer.Option("--undisturbed", help="Without the disturbances of the simulated structure.")
     ] = False,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder to write.")] = Path("hexcite-validation"),
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-validation by default.")
+    ] = None,
+    overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
     """Identify known weights by each method; compare with theory.
@@ -47,7 +50,9 @@ def validate(
     what it models. Interrupted, the same command goes on with what is missing.
     """
     settings = Settings(on, starts, seed, plans)
-    answer = run_validation(case, methods, weights, recordings, settings, undisturbed, output, quiet=json)
+    answer = run_validation(
+        case, methods, weights, recordings, settings, undisturbed, output, quiet=json, overwrite=overwrite
+    )
     if json:
         print_json(answer)
 
@@ -59,8 +64,9 @@ def run_validation(
     recordings: Path | None,
     settings: Settings,
     undisturbed: bool,
-    output: Path,
+    output: Path | None,
     quiet: bool,
+    overwrite: bool = False,
 ) -> dict[str, Any]:
     """The whole experiment; returns the JSON answer.
 
@@ -73,8 +79,9 @@ def run_validation(
         undisturbed: simulate an ideal structure.
         output: folder to write.
         quiet: print nothing.
+        overwrite: replace an earlier validation.
     """
-    from cases.files import VALIDATION, atomic_folder, check_folder, json_text
+    from cases.files import VALIDATION, atomic_folder, check_folder, json_text, output_place
     from cases.loading import load_case
     from planner.reports.page import render
     from planner.reports.plots import save_figure
@@ -90,7 +97,8 @@ def run_validation(
         case.missing("payloads", "a validation with payloads")
     mounted = mounted_weights(case, weights)
     read = [folder for folder in (recordings, settings.plans) if folder is not None]
-    check_folder(output, VALIDATION, read)
+    output = output_place(output, Path("hexcite-validation"), overwrite)
+    check_folder(output, VALIDATION, read, overwrite)
     disturbances = None
     if recordings is None:
         disturbances = _disturbances(case, settings, undisturbed)
@@ -104,7 +112,7 @@ def run_validation(
         if recordings is not None:
             found = _recorded(case, recordings, methods)
         else:
-            work = kept.enter_context(unfinished(output, case, settings))
+            work = kept.enter_context(unfinished(output, case, settings, overwrite))
             carried = carry_out(name, case, wanted, mounted, disturbances, settings, work, quiet)
             failed, found = carried.failed, [kept.step for kept in carried.steps]
             executed = {kept.step.method: kept.controller for kept in carried.steps}
@@ -114,7 +122,7 @@ def run_validation(
         answer = _answer(case, found, verdict, columns, disturbances, recordings, settings, failed)
         answer |= {"executed": executed, "remedies": [remedy.to_json() for remedy in helped]}
         page = validation_page(case, found, verdict, columns, answer["machine"], failed, helped)
-        with atomic_folder(output, VALIDATION) as part:
+        with atomic_folder(output, VALIDATION, overwrite) as part:
             if work is not None:
                 shutil.copytree(work / "plans", part / "plans")
                 shutil.copytree(work / "programs", part / "programs")

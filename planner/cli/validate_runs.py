@@ -42,7 +42,7 @@ class Settings:
 
 
 @contextmanager
-def unfinished(output: Path, case: "Case", settings: Settings) -> Iterator[Path]:
+def unfinished(output: Path, case: "Case", settings: Settings, overwrite: bool = False) -> Iterator[Path]:
     """Yields the folder that keeps plans, programs, runs and steps until the validation is written, whatever ends it.
 
     What an earlier one left there is used where it belongs to the same case and settings.
@@ -51,18 +51,25 @@ def unfinished(output: Path, case: "Case", settings: Settings) -> Iterator[Path]
         output: folder of the validation; its neighbour of the same name with `.unfinished` is yielded.
         case: loaded.
         settings: how methods are carried out.
+        overwrite: drop what belongs to another case or other settings.
 
     Raises:
-        FileProblem: the folder is somebody's.
+        FileProblem: the folder is somebody's, or of another case or other settings.
     """
+    from cases.errors import FileProblem
     from cases.files import UNFINISHED, check_folder, json_text, write_text
 
     folder = output.absolute().with_name(f"{output.name}.unfinished")
-    check_folder(folder, UNFINISHED)
+    check_folder(folder, UNFINISHED, overwrite=True)
     about = folder / "unfinished.json"
     plans = None if settings.plans is None else str(settings.plans.resolve())
     wanted = json_text({"case_hash": case.hash, "starts": settings.starts, "seed": settings.seed, "plans": plans})
     if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == wanted):
+        if _worth_keeping(folder) and not overwrite:
+            raise FileProblem(
+                f"{folder}: an unfinished validation of another case or other settings stands there; choose another "
+                "place with -o, or drop it with --overwrite"
+            )
         shutil.rmtree(folder)
     for name in ("plans", "programs", "runs", "steps"):
         (folder / name).mkdir(parents=True, exist_ok=True)
@@ -156,7 +163,7 @@ def _program(method: str, settings: Settings, plan: Path, folder: Path) -> Path:
 
     dialect, suffix, accepted = ("sinumerik", "mpf", ()) if settings.on == "virtual" else ("linuxcnc", "ngc", ACCEPTED)
     program = folder / "programs" / f"{method}.{suffix}"
-    make_program(plan, dialect, 1.0, accepted, program, quiet=True)
+    make_program(plan, dialect, 1.0, accepted, program, quiet=True, overwrite=True)
     return program
 
 

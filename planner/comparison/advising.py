@@ -7,10 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from cases.basis import bound_hash
 from cases.errors import HexciteError
 from planner.comparison.entries import Entry, Level
 
 SAME_PATH = 2e-3  # [m] a run that strays less from a plan, and the plan from it, is a run of that plan
+SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
+SAME_LOAD = 1e-3  # [kg] of the weights mounted
 NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one is as good
 
 
@@ -79,6 +82,57 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
         chosen = [max(g, key=lambda e: e.level) for g in found]
         level = "mixed"
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
+    alike = under_equal_conditions(chosen)
+    if len(alike) == 1:
+        return _among(chosen, level, remarks)
+    told = "; ".join(f"{', '.join(e.name for e in some)} ({_conditions(some)})" for some in alike)
+    parts = [_among(some, level, remarks) for some in alike if len(some) > 1]
+    return Recommendation(
+        parts[0].best if len(parts) == 1 else None,
+        level,
+        {name: ratio for part in parts for name, ratio in part.ratios.items()},
+        (
+            f"these were planned or measured under different conditions, and none is preferred across them: {told}",
+            *(sentence for part in parts for sentence in part.sentences),
+        ),
+    )
+
+
+def under_equal_conditions(entries: Sequence[Entry]) -> list[list[Entry]]:
+    """Entries of one machine, one load and one noise each; what nothing tells of an entry agrees with everything."""
+    found: list[list[Entry]] = []
+    for entry in entries:
+        home = next((some for some in found if all(_comparable(entry, other) for other in some)), None)
+        if home is None:
+            found.append([entry])
+        else:
+            home.append(entry)
+    return found
+
+
+def _comparable(one: Entry, other: Entry) -> bool:
+    if bound_hash(one.case) != bound_hash(other.case):
+        return False
+    if None not in (one.machine, other.machine) and one.machine != other.machine:
+        return False
+    if one.load is not None and other.load is not None and abs(one.load - other.load) > SAME_LOAD:
+        return False
+    if one.noise is None or other.noise is None:
+        return True
+    return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
+
+
+def _conditions(entries: Sequence[Entry]) -> str:
+    """Machine, load and noise of entries that have them in common, in words."""
+    loads = [f"{e.load:.4g} kg mounted" for e in entries if e.load is not None]
+    noises = [f"noise {e.noise:.3g} N" for e in entries if e.noise is not None]
+    machines = [e.machine for e in entries if e.machine is not None]
+    return ", ".join([f"case {entries[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
+
+
+def _among(chosen: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recommendation:
+    """The best of entries that can be compared."""
+    remarks = list(remarks)
     if len(chosen) < 2:
         return Recommendation(None, "", {}, ("there is nothing to choose from: name two excitations or more",))
     names = [n for n in chosen[0].parameters if all(n in e.parameters for e in chosen)]

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.basis import Artefact, recording_basis
 from cases.errors import FileProblem, IdentificationError
 from cases.files import another_kind, read_json
 from cases.loading import load_case
@@ -22,10 +23,11 @@ from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, sample
 from identification.recording import Recording, files_of, read_recording
 from identification.reference import reference_scaling
+from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved import load_result
-from planner.deviations import SAMPLES_PER_SECOND, predicted_std
+from planner.deviations import predicted_std
 from planner.noise import expected_noise
 from planner.poses.regressors import pose_regressors
 from planner.runs.fingerprints import plan_hash
@@ -118,8 +120,13 @@ class Entry:
         }
 
 
-def read_entry(path: Path) -> Entry:
+def read_entry(path: Path, case: str | None = None, stale: bool = False) -> Entry:
     """Reads a plan, recording or result folder.
+
+    Args:
+        path: the folder.
+        case: name or file of the case, instead of the one that the folder names.
+        stale: read it although its case has changed since; a warning says so.
 
     Raises:
         FileProblem: it is none of these.
@@ -128,7 +135,7 @@ def read_entry(path: Path) -> Entry:
     readers = {"plan.json": _plan, "recording.json": _run, "result.json": _result}
     for file, reader in readers.items():
         if (path / file).is_file():
-            return reader(path)
+            return reader(path, case, stale)
     wanted = "name folders that plan, poses, run or identify wrote"
     if not path.exists():
         raise FileProblem(f"{path}: does not exist; {wanted}")
@@ -138,43 +145,29 @@ def read_entry(path: Path) -> Entry:
     raise FileProblem(f"{path}: {other or 'holds no plan, run or result'}; {wanted}")
 
 
-def _case_of(file: Path, name: object, fingerprint: object, again: str) -> Case:
-    """The case that a run or result names, unless it is another one by now.
-
-    Raises:
-        FileProblem: it names none, or the case has changed.
-    """
-    if not isinstance(name, str):
-        raise FileProblem(f"{file}: names no case; {again}")
-    case = load_case(name)
-    if fingerprint != case.hash:
-        raise FileProblem(
-            f"{file}: case {name} has changed since (hash {case.hash}, was {fingerprint}); {again}, or restore the case"
-        )
-    return case
-
-
-def _plan(path: Path) -> Entry:
-    saved = load_plan(path)
+def _plan(path: Path, case: str | None, stale: bool) -> Entry:
+    saved = load_plan(path, None if case is None else load_case(case), stale)
     model = identification_model(saved.case, int(saved.data["model"]))
     scaling = reference_scaling(saved.case, model)
+    rate, assumed = saved.case.recording.rate_Hz, float(saved.data.get("assumed_rate_Hz", 1000.0))
     if saved.data["family"] == "poses" and isinstance(saved.motion, Joined):
         poses = np.array([p.pose for p in saved.motion.parts if isinstance(p, Measurement)])
         matrix = (pose_regressors(model, poses) * scaling).reshape(-1, len(scaling))
         information, samples = matrix.T @ matrix / len(poses), len(poses)
     else:
         information = mean_information(model, scaling, saved.motion)
-        samples = round(saved.motion.duration * SAMPLES_PER_SECOND)
+        samples = round(saved.motion.duration * rate)
     units, noise, weights = _units(model), float(saved.data["assumed_noise_N"]), int(saved.data.get("payload", 0))
     if saved.data["family"] == "poses":  # there it is that of averages
-        noise *= float(np.sqrt(max(float(saved.data["settings"]["average_s"]) * SAMPLES_PER_SECOND, 1.0)))
+        noise *= float(np.sqrt(max(float(saved.data["settings"]["average_s"]) * assumed, 1.0)))
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
-    told = {n: Told(None, float(s), units[n]) for n, s in saved.data["predicted_std"].items()}
+    scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
+    told = {n: Told(None, scale * float(s), units[n]) for n, s in saved.data["predicted_std"].items()}
     return Entry(
         str(path), Level.PLANNED, saved.case, model.number, str(saved.data["family"]), saved.motion.duration, samples,
         _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
-        plan_hash(path), noise, float(load),
+        plan_hash(path), noise, float(load), warnings=saved.stale,
     )  # fmt: skip
 
 
@@ -189,10 +182,12 @@ def _criteria(information: Array, model: Model) -> dict[str, float]:
     return {letter: c.of(mu) for letter, c in CRITERIA.items()} | {"condition": float(mu[0] / mu[-1])}
 
 
-def _run(path: Path) -> Entry:
+def _run(path: Path, case_name: str | None, stale: bool) -> Entry:
     file = path / "recording.json"
     about = read_json(file, "hexcite run")
-    case = _case_of(file, about.get("case_file"), about.get("case_hash"), "run the program again")
+    named = Artefact(file, about, "run the program again")
+    case = named.case(case_name)
+    stale_in = () if case_name is not None else named.require_unchanged(recording_basis(case), case, stale)
     recorded = on_one_clock(read_recording(path, case), case)
     recording, _ = standing_of(recorded, case, path)
     model = identification_model(case, default_model(recording))
@@ -201,7 +196,7 @@ def _run(path: Path) -> Entry:
     information = _seen(matrices, None, scaling)
     duration = about.get("executed_s")
     noise = expected_noise(case, model)
-    seconds = samples / SAMPLES_PER_SECOND
+    seconds = samples / case.recording.rate_Hz
     if recording.t is None and recorded.t is not None and recorded.trigger is not None:
         seconds = float(np.count_nonzero(recorded.trigger) * recorded.step)  # of standing still, averaged
     weighted = _seen(matrices, noise.whitening, scaling)
@@ -215,7 +210,7 @@ def _run(path: Path) -> Entry:
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
         {n: float(about[n]) for n in figures if about.get(n) is not None}, way, _fingerprints(path),
         about.get("plan_hash"), noise.sensors, _mounted(about), _machine(about),
-        tuple(str(about[k]) for k in ("remark",) if about.get(k)),
+        (*(str(about[k]) for k in ("remark",) if about.get(k)), *stale_in),
     )  # fmt: skip
 
 
@@ -255,11 +250,12 @@ def _fingerprints(path: Path) -> frozenset[str]:
     return frozenset(found)
 
 
-def _result(path: Path) -> Entry:
+def _result(path: Path, case_name: str | None, stale: bool) -> Entry:
     saved = load_result(path)
     file = path / "result.json"
     data = read_json(file, "hexcite identify")
-    case = _case_of(file, data.get("case_file", saved.case_name), saved.case_hash, "identify again")
+    case = saved.artefact.case(case_name)
+    stale_in = saved.remarks(case, stale)
     model = identification_model(case, saved.model)
     samples, s0 = int(data["samples"]), float(data["s0"])
     criteria: dict[str, float] = {}
@@ -271,13 +267,14 @@ def _result(path: Path) -> Entry:
         except (np.linalg.LinAlgError, IdentificationError):
             criteria = {}
     told = {
-        n: Told(float(p["value"]), max(float(p["std"]), float(p["std_robust"])), str(p["unit"]))
+        n: Told(v.value, v.reported, v.unit)
         for n, p in data["parameters"].items()
+        for v in [Value(float(p["value"]), float(p["std"]), float(p["std_robust"]), str(p["unit"]))]
     }
     seconds = data.get("measuring_s")
     return Entry(
         str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")),
         None if seconds is None else float(seconds), samples, criteria, told,
         float(data["s0_N"]), {}, None, saved.recordings, data.get("plan_hash"),
-        warnings=tuple(str(w) for w in data.get("warnings", ())),
+        warnings=tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
     )  # fmt: skip

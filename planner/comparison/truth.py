@@ -27,7 +27,7 @@ def truth_rows(case: Case, estimate: Estimate) -> list[dict[str, Any]]:
             "unit": value.unit,
             "truth": float(true),
             "estimate": value.value,
-            "std": max(value.std, value.std_robust),
+            "std": value.reported,
             "error": value.value - float(true),
         }
         for true, (name, value) in zip(truth, estimate.physical.items(), strict=True)

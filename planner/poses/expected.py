@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import FileProblem, HexciteError
+from cases.schema import Case
 from identification.motion import Joined, Measurement
 from planner.runs.about import about_recording
 from planner.saved_plan import load_plan
@@ -13,14 +14,18 @@ from planner.saved_plan import load_plan
 Array = NDArray[np.float64]
 
 
-def poses_of_plan(folder: Path) -> Array:
+def poses_of_plan(folder: Path, case: Case) -> Array:
     """Poses of a plan in the order of visit, shape (n, 6) [m, rad].
+
+    Args:
+        folder: of the plan.
+        case: of the recording.
 
     Raises:
         FileProblem: no plan there, or damaged.
         HexciteError: no plan of poses.
     """
-    saved = load_plan(folder)
+    saved = load_plan(folder, case)
     parts = saved.motion.parts if isinstance(saved.motion, Joined) else ()
     poses = [part.pose for part in parts if isinstance(part, Measurement)]
     if not poses:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.basis import KEPT, plan_basis
 from cases.errors import InfeasiblePlan
 from cases.files import PLAN, atomic_folder, json_text
 from cases.recording_columns import POSE
@@ -18,7 +19,7 @@ from identification.identifiability import Identifiability, analyse
 from identification.limits import LimitReport, prove, worst_of
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
-from planner.deviations import SAMPLES_PER_SECOND, predicted_std_at_poses
+from planner.deviations import predicted_std_at_poses
 from planner.families.saved import motion_entries
 from planner.infeasible import remedy
 from planner.noise import sensor_noise
@@ -95,7 +96,7 @@ class PosePlan:
             "case": self.case.name,
             "case_file": self.case_file,
             "case_hash": self.case.hash,
-            "case_tables": self.case.table_hashes,
+            KEPT: plan_basis(self.case, poses=True),
             "family": "poses",
             "criterion": request.criterion,
             "method": str(request.method),
@@ -124,6 +125,7 @@ class PosePlan:
             "predicted_std": self.predicted_std,
             "predicted_std_of_all_candidates": self.std_of_all,
             "assumed_noise_N": self.noise,
+            "assumed_rate_Hz": self.case.recording.rate_Hz,
             "limits": self.limits.to_json(),
             "select_s": self.select_seconds,
             "solve_s": self.solve_seconds,
@@ -234,7 +236,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
 def _noise(case: Case) -> float:
     """Of a force that is averaged, if its noise is white [N]."""
     sample = sensor_noise(case)
-    averaged = case.need_poses("predicted standard deviations").average_s * SAMPLES_PER_SECOND
+    averaged = case.need_poses("predicted standard deviations").average_s * case.recording.rate_Hz
     return float(sample / np.sqrt(max(averaged, 1.0)))
 
 
@@ -242,14 +244,14 @@ def _in_units(poses: Array) -> Array:
     return np.asarray(np.round(poses / np.r_[np.full(3, MM), np.full(3, DEG)], 9))
 
 
-def save_pose_plan(plan: PosePlan, folder: Path, plots: bool = False) -> None:
+def save_pose_plan(plan: PosePlan, folder: Path, overwrite: bool = False, plots: bool = False) -> None:
     """Writes a plan folder: plan.json, poses.csv, report.html; where asked for, figures for papers in plots/."""
     from planner.reports.page import render
     from planner.reports.poses import poses_page
 
     model = identification_model(plan.case, plan.request.model)
     rows = [f"{k}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(_in_units(plan.poses), 1)]
-    with atomic_folder(folder, PLAN) as part:
+    with atomic_folder(folder, PLAN, overwrite) as part:
         (part / "plan.json").write_text(json_text(plan.to_json()), encoding="utf-8")
         (part / "poses.csv").write_text("\n".join([",".join(("pose", *POSE)), *rows]) + "\n", encoding="utf-8")
         found = analyse(pose_regressors(model, plan.poses), model.names)

@@ -14,7 +14,7 @@ from cases.units import DEG, MM
 from identification.identifiability import Identifiability
 from identification.motion import Motion
 from identification.runs.residuals import Residuals
-from planner.precision import std_text, value_text
+from planner.precision import bounds_text, std_text, value_text
 from planner.reports.charts import Chart
 from planner.reports.page import Plot, plain, thinned
 from planner.reports.plots import AXES
@@ -68,7 +68,7 @@ def limits_plot(limits: dict[str, dict[str, Any]]) -> Plot:
     proven = {k: v for k, v in limits.items() if v["status"] == "proven"}
     names = [plain(v["at"]) for v in proven.values()][::-1]
     shares = [100 * v["ratio"] for v in proven.values()][::-1]
-    words = [f"{v['worst']:.4g} of {v['limit']:.4g} {v['unit']}" for v in proven.values()][::-1]
+    words = [f"{v['worst']:.4g} of {bounds_text(v)} {v['unit']}" for v in proven.values()][::-1]
     figure = Chart()
     figure.add(
         "bar",

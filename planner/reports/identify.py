@@ -75,8 +75,7 @@ def noise_tile(estimate: Estimate) -> Tile:
 
 def _with_error(estimate: Estimate, name: str, scale: float, unit: str) -> str:
     value = estimate.physical[name]
-    std = max(value.std, value.std_robust)
-    return f"{with_deviation(value.value * scale, std * scale)} {unit}"
+    return f"{with_deviation(value.value * scale, value.reported * scale)} {unit}"
 
 
 def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
@@ -85,7 +84,7 @@ def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
     for name, p in estimate.physical.items():
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
         low, high = p.interval(estimate.freedom)
-        widest = max(p.std, p.std_robust) * scale
+        widest = p.reported * scale
         value, *ends = (value_text(v * scale, widest) for v in (p.value, low, high))
         rows.append((name, value, std_text(p.std * scale), std_text(p.std_robust * scale), *ends, unit))
     items: list[Item] = [

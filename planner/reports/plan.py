@@ -116,9 +116,8 @@ def _headline(plan: Plan) -> Tiles:
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
     shaken = " and noise of the accelerations as the case states it" if plan.noise.shaken else ""
-    note = (
-        f"Predicted for white force noise of {plan.noise.sensors:g} N{shaken} at 1 kHz, weights {plan.noise.weights}."
-    )
+    noise, rate = f"{plan.noise.sensors:g} N{shaken}", plan.case.recording.rate_Hz
+    note = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {plan.noise.weights}."
     columns = ["parameter", "predicted std"]
     other = None
     if plan.family != "manual":

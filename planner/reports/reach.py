@@ -3,6 +3,7 @@
 from matplotlib.axes import Axes
 
 from cases.recording_columns import POSE
+from planner.precision import share_text
 from planner.reach import UNITS, Reach
 
 COLUMNS = ("coordinate", "stated range", "reachable range", "limited by")
@@ -25,7 +26,7 @@ def share_words(reach: Reach) -> str:
 
 def share_sentences(reach: Reach) -> str:
     """How much of the box's volume is reachable, and which limits the rest exceeds, in a line."""
-    worst = f"{100 * reach.worst:.2f} % of the limit {reach.worst_limit}"
+    worst = f"{share_text(reach.worst)} of the limit {reach.worst_limit}"
     poses = f"{reach.poses} random poses"
     if reach.whole:
         return f"The whole motion box is reachable: of {poses} and a search, the worst uses {worst}."

@@ -11,7 +11,15 @@ from planner.request import LONGEST, Request
 from planner.retiming.retimed import Method, Retimed
 
 
-def retimed_plan(found: Retimed, request: Request, case: Case, case_file: str, source: Path, seconds: float) -> Plan:
+def retimed_plan(
+    found: Retimed,
+    request: Request,
+    case: Case,
+    case_file: str,
+    source: Path,
+    seconds: float,
+    stale: tuple[str, ...] = (),
+) -> Plan:
     """The plan of a motion after re-timing.
 
     Args:
@@ -21,6 +29,7 @@ def retimed_plan(found: Retimed, request: Request, case: Case, case_file: str, s
         case_file: name or file that finds the case again from any folder.
         source: plan or table before.
         seconds: spent on re-timing [s].
+        stale: what has changed in the case since the plan before, where the user went on.
 
     Raises:
         InfeasiblePlan: it passes a limit, or has no limited jerk; the message names the limit and the remedy.
@@ -43,6 +52,7 @@ def retimed_plan(found: Retimed, request: Request, case: Case, case_file: str, s
         "duration_before_s": found.before.duration,
         "off_path_mm": found.off_path[0] / MM,
         "off_path_deg": found.off_path[1] / DEG,
+        **({"stale": list(stale)} if stale else {}),
     }
     result = Found(found.motion, request.family, settings, found.after.limits, (), (), False)
     return rated(request, case, case_file, result, seconds)

@@ -7,12 +7,13 @@ import hashlib
 import re
 from pathlib import Path
 
+from cases.basis import motion_hash
 from cases.schema import Case
 from planner.runs.about import about_recording
 
 DIGITS = 16
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)
-_OF_THE_CASE = re.compile(rb"hash ([0-9a-f]{%d}), controller settings ([0-9a-f]{%d})" % (DIGITS, DIGITS))
+_OF_THE_CASE = re.compile(rb"case (\w+), hash ([0-9a-f]{%d}), controller settings ([0-9a-f]{%d})" % (DIGITS, DIGITS))
 
 
 def plan_hash(folder: Path) -> str:
@@ -33,7 +34,7 @@ def plan_of_program(content: bytes) -> str | None:
 
 def case_line(case: Case) -> str:
     """What a program says of its case."""
-    return f"case {case.name}, hash {case.hash}, controller settings {case.controller_hash}"
+    return f"case {case.name}, hash {motion_hash(case)}, controller settings {case.controller_hash}"
 
 
 def written_for_another(content: bytes, case: Case) -> str | None:
@@ -41,9 +42,11 @@ def written_for_another(content: bytes, case: Case) -> str | None:
     found = set(_OF_THE_CASE.findall(content))
     if len(found) != 1:
         return None
-    machine, settings = (part.decode() for part in found.pop())
-    if machine != case.hash:
-        return f"written for another case or state of it (its header says hash {machine}, this one has {case.hash})"
+    name, machine, settings = (part.decode() for part in found.pop())
+    if name != case.name:
+        return f"written for another case, {name}; this is {case.name}"
+    if machine != motion_hash(case):
+        return f"written for {case.name} with other values in [machine], [workspace] or [limits] than it has now"
     if settings != case.controller_hash:
         return (
             f"written with other settings of [controller] (its header says {settings}, now they are "

@@ -34,7 +34,7 @@ def followed_plan(path: Path, case: Case) -> Followed:
         HexciteError: neither, damaged, or of poses instead of a motion.
     """
     if path.is_dir():
-        saved = load_plan(path)
+        saved = load_plan(path, case)
         if saved.data["family"] == "poses":
             raise HexciteError(f"{path}: is a plan of poses, which has no feed to compare; name it with --poses")
         return Followed(str(path), saved.motion)

@@ -5,21 +5,27 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cases.errors import RecordingError
+from cases.basis import Artefact, recording_basis
+from cases.errors import HexciteError, RecordingError
 from cases.files import another_kind
-from cases.loading import lasting_name, load_case
+from cases.loading import CASE_FILE, built_in_cases, find_case, lasting_name, load_case
 from cases.schema import Case
 from identification.findings.feed import about_feed, against_plan
+from identification.hexapod import Hexapod
 from identification.identify import placed
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.standing import average, find_standstills, match, stands_only
+from identification.saved import load_result
 from planner.poses.expected import poses_of_plan, poses_of_recording
 from planner.runs.about import about_recording
 from planner.runs.fingerprints import plan_of_recording
-from planner.runs.followed import followed_by_recording, followed_plan
+from planner.runs.followed import Followed, followed_by_recording, followed_plan
 
+SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
+Array = NDArray[np.float64]
 RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
@@ -38,27 +44,59 @@ class Still(NamedTuple):
 UNSAID = Still()
 
 
-def case_of(path: Path, case: str | None) -> Case:
-    """The case that was named, or the one that a recording folder was made for and that has not changed since.
+def case_of(
+    path: Path, case: str | None, stale: bool = False, result: Path | None = None
+) -> tuple[Case, tuple[str, ...]]:
+    """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
+
+    Args:
+        path: of the recording.
+        case: as it was named, which is taken as it is now; None where the folder knows.
+        stale: go on although the case has changed since.
+        result: folder of a result, whose case is taken where the recording names none.
 
     Raises:
-        RecordingError: no recording, nothing says which machine it is from, or its case has changed.
+        RecordingError: no recording, or nothing says which machine it is from.
+        FileProblem: its case has changed, and `stale` is not set.
         CaseError: the case cannot be read.
     """
     recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
     if not recorded and (other := another_kind(path, "recording.json")):
         raise RecordingError(f"{path}: {other}; here a recording is wanted, such as hexcite run writes")
     if case is not None:
-        return load_case(case)
+        return load_case(case), ()
     about = about_recording(path)
     if not about:
+        if result is not None:
+            return load_result(result).artefact.case(), ()
         raise RecordingError(f"{path}: does not say which machine it is from; name it with --case")
-    loaded = load_case(str(about.get("case_file")))
-    if about.get("case_hash") != loaded.hash:
-        raise RecordingError(
-            f"{path}: case {about.get('case_file')} has changed since the recording; name the right one with --case"
-        )
-    return loaded
+    named = Artefact(path / "recording.json", about, "run the program again")
+    loaded = named.case()
+    return loaded, named.require_unchanged(recording_basis(loaded), loaded, stale)
+
+
+def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
+    """A case whose machine has a pose with such strut lengths: a built-in one, or one in a folder beside this case's.
+
+    Args:
+        lengths: of a sample that no pose of the case has, shape (6,) [m].
+        case: that was tried.
+        name: under which it was named, if it was.
+    """
+    own = None if name is None or name in built_in_cases() else find_case(name)
+    around = [] if own is None else sorted(own.resolve().parent.parent.glob(f"*/{CASE_FILE}"))
+    for candidate in (*built_in_cases(), *map(str, around)):
+        try:
+            other = load_case(candidate)
+            if other.machine == case.machine or other.machine is None or other.workspace is None:
+                continue
+            low, high = other.workspace.strut_length
+            if np.all((lengths >= low) & (lengths <= high)):
+                Hexapod.of(other).poses(lengths[None])
+                return candidate
+        except HexciteError:
+            continue
+    return None
 
 
 def about_run(path: Path, case: str | None, recording: Recording, estimate: Estimate) -> dict[str, Any]:
@@ -94,16 +132,33 @@ def with_feed(estimate: Estimate, recording: Recording, case: Case, path: Path, 
     followed = followed_plan(plan, case) if plan is not None else followed_by_recording(path, case)
     if followed is None or (plan is None and (recording.t is None or recording.struts is None)):
         return estimate
+    cut = () if recording.t is None else shorter_than_planned(recording, followed)
+    estimate = replace(estimate, warnings=(*estimate.warnings, *cut))
     try:
         stretches = against_plan(recording, case, followed.motion, followed.name)
     except RecordingError as error:
-        if plan is not None:
+        if plan is not None and not cut:
             raise RecordingError(placed(recording.source, error)) from error
-        return replace(estimate, warnings=(*estimate.warnings, str(error)))
+        return estimate if cut else replace(estimate, warnings=(*estimate.warnings, str(error)))
     sentences, entries = about_feed(recording, stretches, f"comparison with {followed.name}")
     if plan is not None and not stretches:
         entries = {"feed": {"found_by": f"comparison with {followed.name}", "stretches": []}}
     return replace(estimate, warnings=(*estimate.warnings, *sentences), told={**estimate.told, **entries})
+
+
+def shorter_than_planned(recording: Recording, followed: Followed) -> tuple[str, ...]:
+    """What to say of a run whose trigger was on for less than its plan lasts, at the feed that was recorded."""
+    if recording.trigger is None or recording.trigger.all():
+        return ()
+    feed = 1.0 if recording.override is None else recording.override[recording.trigger]
+    lasted = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
+    planned = followed.motion.duration
+    if lasted >= planned - max(SHORTER_BY, SHORTER * planned):
+        return ()
+    return (
+        f"the trigger is on for {lasted:.3g} s, {followed.name} lasts {planned:.3g} s: the run or its recording was "
+        "cut off; what the plan promises is not of this run",
+    )
 
 
 def knows_poses(path: Path, still: Still) -> bool:
@@ -122,7 +177,7 @@ def standing_of(
         StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
         RecordingError: no standstills, though there should be some.
     """
-    expected = poses_of_plan(still.plan) if still.plan is not None else poses_of_recording(path)
+    expected = poses_of_plan(still.plan, case) if still.plan is not None else poses_of_recording(path)
     if recording.t is None:
         if still.plan is None and not still.asked:
             return recording, None

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import ExecutionError, HexciteError
+from cases.basis import KEPT, recording_basis
+from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.files import RUN, atomic_folder, json_text
 from cases.schema import Case
 from identification.hexapod import Hexapod
@@ -22,7 +23,7 @@ from identification.simulate import TRUE_MODEL, simulate_recording
 from identification.trajectories.executed import StrutExecution
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
-from planner.runs.fingerprints import plan_of_program
+from planner.runs.fingerprints import plan_of_program, written_for_another
 from planner.runs.followed import planned_excitation
 from planner.runs.standing import stood, way_of
 from planner.search.problem import mean_information
@@ -149,8 +150,13 @@ def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
     require_controller(on)
-    read = read_program(program, case)
-    prove_program(read.reading, case, read.guarantees).require()
+    try:
+        read = read_program(program, case)
+        prove_program(read.reading, case, read.guarantees).require()
+    except ProgramError as error:
+        if program.is_file() and (other := written_for_another(program.read_bytes(), case)):
+            raise ProgramError(program, error.line, error.column, f"is {other}; {error.problem}") from error
+        raise
     parts = stretches(read.reading)
     run = run_virtual(read.reading, case, read.guarantees) if on == "virtual" else _on_linuxcnc(read, case)
     if not len(run.trigger):
@@ -203,7 +209,7 @@ def _efficiency(bound: Bound, information: np.ndarray) -> float:
 
 
 def save_recording(
-    folder: Path, outcome: Outcome, program: Path, case: Case, case_file: str, seed: int
+    folder: Path, outcome: Outcome, program: Path, case: Case, case_file: str, seed: int, overwrite: bool = False
 ) -> dict[str, Any]:
     """Writes a recording folder; returns what `recording.json` holds."""
     rating, disturbances = outcome.rating, outcome.around.disturbances
@@ -212,6 +218,7 @@ def save_recording(
         "case": case.name,
         "case_file": case_file,
         "case_hash": case.hash,
+        KEPT: recording_basis(case),
         "controller_hash": case.controller_hash,
         "program": str(program.resolve()),
         "program_hash": outcome.program_hash,
@@ -237,7 +244,7 @@ def save_recording(
         "remark": outcome.run.remark,
         "units": "SI with the unit in each column name",
     }
-    with atomic_folder(folder, RUN) as part:
+    with atomic_folder(folder, RUN, overwrite) as part:
         write_recording(part / "recording.csv", outcome.recording, case)
         (part / "recording.json").write_text(json_text(about), encoding="utf-8")
     return about

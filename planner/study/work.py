@@ -99,8 +99,7 @@ def _runs(job: Job, motion: Any, began: float) -> list[dict[str, Any]]:
         estimate = identify(recording, job.case, job.request.model)
         truth = truth_rows(truth_case, estimate)
         half = [v.interval(estimate.freedom)[1] - v.value for v in estimate.physical.values()]
-        shares = [r["std"] / v.std for r, v in zip(truth, estimate.physical.values(), strict=True)]
-        inside = sum(abs(r["error"]) <= h * s for r, h, s in zip(truth, half, shares, strict=True))
+        inside = sum(abs(r["error"]) <= h for r, h in zip(truth, half, strict=True))
         mass = next(r for r in truth if r["name"] == "m")
         now = time.perf_counter()
         rows.append(

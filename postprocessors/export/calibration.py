@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import CaseError, FileProblem
+from cases.errors import FileProblem
 from cases.files import read_json
-from cases.loading import built_in_cases, load_case
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.model import Model
@@ -72,26 +71,23 @@ class Calibration:
         return f" ({', '.join(self.result.terms)})" if self.result.terms else ""
 
 
-def load_calibration(path: Path, case_name: str | None, force: bool) -> Calibration:
+def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool = False) -> Calibration:
     """Loads a result for export.
 
     Args:
         path: `result.json` or the folder that holds it.
-        case_name: built-in name, folder or file of the case; by default the built-in case that the result names.
+        case_name: built-in name, folder or file of the case; by default the one that the result names.
         force: export in spite of warnings.
+        stale: export although the case has changed since; the file says so.
 
     Raises:
         FileProblem: the result is damaged, belongs to another case, or carries warnings and `force` is not set.
         CaseError: no such case.
     """
     result = load_result(path)
-    case = load_case(_case_name(result, case_name))
+    case = result.artefact.case(case_name)
     model = result.model_of(case)
-    if case.hash != result.case_hash:
-        raise FileProblem(
-            f"{result.source}: identified with another state of case {case.name} (hash {result.case_hash}, now "
-            f"{case.hash}); identify again, or name the case file of that time with --case"
-        )
+    remarks = result.remarks(case, stale)
     file = Path(result.source)
     data = read_json(file, "hexcite identify")
     try:
@@ -128,15 +124,5 @@ def load_calibration(path: Path, case_name: str | None, force: bool) -> Calibrat
         samples=samples,
         s0=s0,
         result_hash=hashlib.sha256(file.read_bytes()).hexdigest()[:16],
-        warnings=warnings,
+        warnings=(*warnings, *remarks),
     )
-
-
-def _case_name(result: SavedResult, case_name: str | None) -> str:
-    if case_name is not None:
-        return case_name
-    if result.case_name not in built_in_cases():
-        raise CaseError(
-            f"case {result.case_name}", "", f"is not built in; name the case file of {result.source} with --case"
-        )
-    return result.case_name

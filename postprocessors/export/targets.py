@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cases.errors import FileProblem, HexciteError
-from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder
+from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder, output_place
 from postprocessors.export.building import build_component, build_object
 from postprocessors.export.c99 import c_sources
 from postprocessors.export.calibration import Calibration
@@ -45,7 +45,9 @@ SINGLE_FILES = {
 TARGETS = ("c", *SINGLE_FILES)
 
 
-def export(calibration: Calibration, target: str, output: Path | None, build: bool) -> list[Path]:
+def export(
+    calibration: Calibration, target: str, output: Path | None, build: bool, overwrite: bool = False
+) -> list[Path]:
     """Writes a calibration for a target.
 
     Args:
@@ -53,6 +55,7 @@ def export(calibration: Calibration, target: str, output: Path | None, build: bo
         target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
         build: compile it too; what does not compile is not written.
+        overwrite: replace what an earlier export wrote.
 
     Returns:
         The files, the one that matters first.
@@ -61,16 +64,18 @@ def export(calibration: Calibration, target: str, output: Path | None, build: bo
         HexciteError: the target is unknown, cannot carry the model, cannot be compiled or cannot be written.
     """
     if target == "c":
-        return _c_folder(calibration, output, build)
+        return _c_folder(calibration, output, build, overwrite)
     if target not in SINGLE_FILES:
         raise HexciteError(f"target {target!r} is unknown; choose {', '.join(TARGETS)}")
-    return _single_file(calibration, target, output, build)
+    return _single_file(calibration, target, output, build, overwrite)
 
 
-def _single_file(calibration: Calibration, target: str, output: Path | None, build: bool) -> list[Path]:
+def _single_file(
+    calibration: Calibration, target: str, output: Path | None, build: bool, overwrite: bool
+) -> list[Path]:
     kind = SINGLE_FILES[target]
-    file = output if output is not None else Path(f"{default_name(calibration)}{kind.suffix}")
-    check_file(file, [kind.suffix], [Path(calibration.result.source)])
+    file = output_place(output, Path(f"{default_name(calibration)}{kind.suffix}"), overwrite)
+    check_file(file, [kind.suffix], [Path(calibration.result.source)], overwrite)
     name = checked_name(file.stem, file) if kind.named else file.stem
     if build and kind.build is None:
         raise HexciteError(f"--build: nothing is compiled for --to {target}; leave it out")
@@ -84,23 +89,23 @@ def _single_file(calibration: Calibration, target: str, output: Path | None, bui
         source.write_text(text, encoding="utf-8")
         made = kind.build(source)
         built = file.with_name(made.name)
-        check_file(built, [made.suffix])
+        check_file(built, [made.suffix], overwrite=overwrite)
         with atomic_file(built) as part, atomic_file(file) as text_part:
             shutil.copyfile(made, part)
             shutil.copyfile(source, text_part)
     return [file, built]
 
 
-def _c_folder(calibration: Calibration, output: Path | None, build: bool) -> list[Path]:
+def _c_folder(calibration: Calibration, output: Path | None, build: bool, overwrite: bool) -> list[Path]:
     name = default_name(calibration)
-    folder = output if output is not None else Path(f"{name}-c")
+    folder = output_place(output, Path(f"{name}-c"), overwrite)
     if folder.suffix in (".c", ".h"):
         raise FileProblem(f"{folder}: --to c writes a folder with {name}.h and {name}.c; name a folder with -o")
     names = [f"{name}.c", f"{name}.h", *([f"{name}.o"] if build else [])]
     kind = FolderKind("a C model", frozenset((*names, f"{name}.o")))
-    check_folder(folder, kind, [Path(calibration.result.source)])
+    check_folder(folder, kind, [Path(calibration.result.source)], overwrite)
     sources = c_sources(calibration, name)
-    with atomic_folder(folder, kind) as part:
+    with atomic_folder(folder, kind, overwrite) as part:
         (part / names[0]).write_text(sources.source, encoding="ascii")
         (part / names[1]).write_text(sources.header, encoding="ascii")
         if build:

@@ -115,7 +115,9 @@ def test_a_file_that_is_not_text_is_named(tmp_path: Path) -> None:
 
 def test_the_first_of_several_mistakes_is_told_and_the_others_are_counted(tmp_path: Path) -> None:
     file = edited(tmp_path, "base_joint_angle_deg = 55.0\nplatform_joint_angle_deg = 80.0", "base_joint_angle_deg = -1")
-    with pytest.raises(CaseError, match=r"base_joint_angle_deg: -1: .*\(1 more problem\)") as caught:
+    with pytest.raises(
+        CaseError, match=r"base_joint_angle_deg: -1: .*\(1 more problem; hexcite case check lists all\)"
+    ) as caught:
         load_case(file)
     one_line(caught.value)
 

@@ -96,13 +96,6 @@ def test_any_value_that_changes_changes_the_hash_of_the_machine_or_that_of_its_c
     case, whole = Case.model_validate(data), load_case("hexapod")
     assert (case.hash != whole.hash) == (path[0] != "controller")
     assert (case.controller_hash != whole.controller_hash) == (path[0] == "controller")
-    assert case.changes_since(whole.table_hashes) == (() if path[0] == "controller" else (path[0],))
-
-
-def test_the_cycle_of_the_controller_is_the_plans_too_for_its_moves_last_whole_ones() -> None:
-    data = tomllib.loads(HEXAPOD)
-    data["controller"]["cycle_ms"] = 2.0
-    assert Case.model_validate(data).changes_since(load_case("hexapod").table_hashes) == ("controller.cycle_ms",)
 
 
 def test_stating_a_default_does_not_make_another_case(tmp_path: Path, hexapod_case: Case) -> None:

@@ -17,7 +17,9 @@ from cases.files import (
     atomic_folder,
     check_file,
     check_folder,
+    free_name,
     json_text,
+    output_place,
     read_json,
     write_text,
 )
@@ -33,8 +35,8 @@ def plan_folder(folder: Path) -> AbstractContextManager[Path]:
     return atomic_folder(folder, PLAN)
 
 
-def plan(folder: Path, content: str) -> None:
-    with atomic_folder(folder, PLAN) as part:
+def plan(folder: Path, content: str, overwrite: bool = False) -> None:
+    with atomic_folder(folder, PLAN, overwrite) as part:
         (part / "plan.json").write_text(content)
         (part / "plots").mkdir()
         (part / "plots" / "pose.svg").write_text(content)
@@ -88,9 +90,41 @@ def test_an_error_leaves_the_old_folder_and_nothing_else(error: type[BaseExcepti
 
 def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:
     plan(tmp_path / "p", "old")
-    with atomic_folder(tmp_path / "p", PLAN) as part:
+    with atomic_folder(tmp_path / "p", PLAN, overwrite=True) as part:
         (part / "plan.json").write_text("new")
     assert tree(tmp_path) == {"p": None, "p/plan.json": "new"}
+
+
+def test_what_another_command_made_is_refused_before_the_work(tmp_path: Path) -> None:
+    plan(tmp_path / "p", "old")
+    (tmp_path / "a.ngc").write_text("old")
+    for check in (lambda: check_folder(tmp_path / "p", PLAN), lambda: check_file(tmp_path / "a.ngc", [".ngc"])):
+        with pytest.raises(FileProblem, match="replace it with --overwrite"):
+            check()
+    check_folder(tmp_path / "p", PLAN, overwrite=True)
+    check_file(tmp_path / "a.ngc", [".ngc"], overwrite=True)
+
+
+def test_a_folder_that_was_taken_during_the_work_stays_and_the_new_one_is_beside_it(tmp_path: Path) -> None:
+    def slow() -> None:
+        with atomic_folder(tmp_path / "p", PLAN) as part:
+            (part / "plan.json").write_text("mine")
+            plan(tmp_path / "p", "theirs")
+
+    with pytest.raises(FileProblem, match=r"p: a plan stands there by now and stays; the new one is in .*p-2"):
+        slow()
+    assert (tmp_path / "p" / "plan.json").read_text() == "theirs"
+    assert (tmp_path / "p-2" / "plan.json").read_text() == "mine"
+
+
+def test_usual_names_do_not_collide_and_named_places_stay(tmp_path: Path) -> None:
+    for taken in ("a.ngc", "a-2.ngc"):
+        (tmp_path / taken).write_text("old")
+    assert free_name(tmp_path / "a.ngc") == tmp_path / "a-3.ngc"
+    assert free_name(tmp_path / "b") == tmp_path / "b"
+    assert output_place(None, tmp_path / "a.ngc", overwrite=False).name == "a-3.ngc"
+    assert output_place(None, tmp_path / "a.ngc", overwrite=True).name == "a.ngc"
+    assert output_place(tmp_path / "a.ngc", tmp_path / "b.ngc", overwrite=False).name == "a.ngc"
 
 
 def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
@@ -216,7 +250,7 @@ def test_a_folder_that_cannot_be_replaced_at_the_last_moment_is_put_back(
 
     monkeypatch.setattr("os.rename", failing)
     with pytest.raises(FileProblem, match="Input/output error"):
-        plan(tmp_path / "p", "new")
+        plan(tmp_path / "p", "new", overwrite=True)
     assert tree(tmp_path) == before
 
 
@@ -231,9 +265,9 @@ def test_a_result_does_not_take_the_place_of_a_plan(tmp_path: Path) -> None:
 @pytest.mark.parametrize("source", ["p", "p/plan.json", "p/plots/pose.svg"])
 def test_what_is_read_is_never_replaced(source: str, tmp_path: Path) -> None:
     plan(tmp_path / "p", "old")
-    check_folder(tmp_path / "p", PLAN, [tmp_path / "other"])
+    check_folder(tmp_path / "p", PLAN, [tmp_path / "other"], overwrite=True)
     with pytest.raises(FileProblem, match="which is read; choose another place"):
-        check_folder(tmp_path / "p", PLAN, [tmp_path / source])
+        check_folder(tmp_path / "p", PLAN, [tmp_path / source], overwrite=True)
 
 
 @pytest.mark.parametrize("place", [".", ".."])
@@ -247,7 +281,7 @@ def test_the_folder_that_one_works_in_is_not_replaced(
 
 def test_an_output_file_is_checked_before_the_work(tmp_path: Path) -> None:
     (tmp_path / "a.ngc").write_text("x")
-    check_file(tmp_path / "a.ngc", [".ngc"])
+    check_file(tmp_path / "a.ngc", [".ngc"], overwrite=True)
     check_file(tmp_path / "B.NGC", [".ngc"], [tmp_path / "a.ngc"])
     with pytest.raises(FileProblem, match=r"ends in '.json'; name a file that ends in .ngc or .nc"):
         check_file(tmp_path / "plan.json", [".ngc", ".nc"])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from cases.errors import HexciteError, IdentificationError, RecordingError
+from cases.errors import IdentificationError, RecordingError
 from cases.loading import load_case
 from identification.findings import contact_free
 from identification.findings.contact import find_contacts
@@ -113,7 +113,7 @@ def test_noise_with_memory_is_no_contact() -> None:
 @pytest.mark.parametrize(("a", "b"), [(0, 1), (0, 3), (1, 4), (2, 5)])
 def test_exchanged_channels_are_named(a: int, b: int) -> None:
     swapped = with_forces(lambda f: f.__setitem__((slice(None), [a, b]), f[:, [b, a]]), run(3))
-    with pytest.raises(IdentificationError, match=f"channels {a + 1} and {b + 1} seem to be exchanged") as caught:
+    with pytest.raises(IdentificationError, match=f"force channels {a + 1} and {b + 1} are exchanged") as caught:
         identify(swapped, CASE)
     assert "run.csv" in one_line(caught.value)
 
@@ -121,7 +121,7 @@ def test_exchanged_channels_are_named(a: int, b: int) -> None:
 @pytest.mark.parametrize("channel", [0, 5])
 def test_a_turned_sign_is_named(channel: int) -> None:
     turned = with_forces(lambda f: f.__setitem__((slice(None), channel), -f[:, channel]), run(3))
-    with pytest.raises(IdentificationError, match=f"sign of channel {channel + 1} seems to be turned"):
+    with pytest.raises(IdentificationError, match=f"sign of force channel {channel + 1} is turned"):
         identify(turned, CASE)
 
 
@@ -149,6 +149,12 @@ def test_a_channel_that_sticks_for_a_while_is_left_out_with_its_rows() -> None:
     error, warnings = errors(with_forces(lambda f: f.__setitem__((slice(800, 1000), 4), f[800, 4]), run(1)))
     assert "lines 802 to 1001: channel 5 is stuck at" in warnings[0]
     assert error < 4.5
+
+
+def test_what_befalls_several_channels_alike_is_one_finding() -> None:
+    stuck = with_forces(lambda f: f.__setitem__((slice(800, 1000), [1, 4]), f[800, [1, 4]]), run(1))
+    (warning,) = [w for w in scan(stuck, CASE).warnings if "stuck" in w]
+    assert re.search(r"channel \d is stuck at .*\(likewise channel \d\); left out", warning)
 
 
 @pytest.mark.parametrize("size", [50.0, 4e3])
@@ -252,14 +258,36 @@ def test_residuals_that_are_not_white_are_told() -> None:
 
 
 def test_struts_in_the_wrong_order_are_told() -> None:
-    whole = run()
-    mixed = replace(whole, struts=whole.struts[:, [1, 0, 3, 2, 5, 4]])
-    try:
-        warnings = identify(mixed, CASE).warnings
-    except HexciteError as error:
-        assert re.search("no pose|exchanged|in contact|no delay|mass comes out", one_line(error))
-    else:
-        assert any("explains only" in w or "robust standard deviations" in w for w in warnings)
+    whole = run(1)
+    with pytest.raises(IdentificationError, match="struts 1 and 2, 3 and 4, 5 and 6 are exchanged"):
+        identify(replace(whole, struts=whole.struts[:, [1, 0, 3, 2, 5, 4]]), CASE)
+
+
+def test_a_mass_that_is_not_nominal_is_told() -> None:
+    """Neither with payloads nor without."""
+    told = CASE.model_dump(exclude_defaults=True)
+    other = type(CASE).model_validate(told | {"nominal": told["nominal"] | {"mass_kg": 60.0}})
+    warnings = identify(run(), other).warnings
+    assert any("31.8 kg where nominal.mass_kg is 60 kg, more than a third off" in w for w in warnings)
+    assert not any("more than a third" in w for w in identify(run(), CASE).warnings)
+
+
+def test_many_contacts_are_one_finding_with_a_count() -> None:
+    touched = run()
+    for start in (0.4, 1.4, 2.4):
+        touched = pushed(touched, start, np.array([0.0, 0.0, 20.0]), 0.08)
+    (warning,) = [w for w in identify(touched, CASE).warnings if "contact" in w]
+    told = r"3 external contacts, 0\.\d+ s in all, up to [\d.]+ N; the longest: lines "
+    assert re.match(told, one_line(ValueError(warning)))
+
+
+def test_a_contact_lasts_at_least_20_ms() -> None:
+    t, expected = np.arange(0.0, 2.0, 5e-3), np.zeros((400, 6))
+    left = np.random.default_rng(0).normal(0.0, 1.0, expected.shape)
+    left[100:102] += 40.0
+    assert find_contacts(t, left, J, expected) == ()
+    left[100:106] += 40.0
+    assert len(find_contacts(t, left, J, expected)) == 1
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("kN", 1e-3), ("mN", 1e3)])

@@ -177,7 +177,7 @@ def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Pat
     sound = identified(damaged(lines, tmp_path))
     assert sound.delay is not None
     covariances = sound.covariance, sound.covariance_robust
-    result = SavedResult("here", CASE.name, CASE.hash, 9, sound.values, *covariances, (), sound.delay.value)
+    result = SavedResult("here", CASE.name, 9, sound.values, *covariances, (), sound.delay.value)
     before = external_force(read_recording(damaged(lines, tmp_path), CASE), CASE, result)
     force = external_force(read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE), CASE, result)
     assert not np.any((force.t > 1.498 - MARGIN) & (force.t < 1.578 + MARGIN))

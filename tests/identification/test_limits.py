@@ -132,7 +132,10 @@ def test_crossing_a_singularity_is_reported_and_standing_before_it_is_not() -> N
     move = StraightMove.fastest(HOME, beyond, np.ones(6), np.ones(6), np.ones(6))
     check = named(prove(move, case, RATE))["singularity"]
     assert not check.kept
-    assert named(prove(Standstill(HOME, 1.0), case, RATE))["singularity"].worst == pytest.approx(0.0, abs=1e-12)
+    assert check.worst < 0.0  # of det J^-1 at home, in %
+    at_home = named(prove(Standstill(HOME, 1.0), case, RATE))["singularity"]
+    assert (at_home.worst, at_home.limit, at_home.unit) == (pytest.approx(100.0), 0.0, "% of det J^-1 at home")
+    assert at_home.ratio == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("order", ["pose", "rates", "accelerations", "jerks"])

@@ -27,9 +27,10 @@ def estimate() -> Estimate:
 def test_an_interval_of_95_percent_is_student_s() -> None:
     """Quantiles of Student's distribution as printed in tables: 2.228 for 10 degrees of freedom, 1.960 for many."""
     value = Value(5.0, 2.0, 3.0, "kg")
-    np.testing.assert_allclose(value.interval(10), (5.0 - 2.228 * 2.0, 5.0 + 2.228 * 2.0), atol=1e-3)
-    np.testing.assert_allclose(value.interval(10**6), (5.0 - 1.96 * 2.0, 5.0 + 1.96 * 2.0), atol=1e-3)
-    np.testing.assert_allclose(value.interval(10, 0.99), (5.0 - 3.169 * 2.0, 5.0 + 3.169 * 2.0), atol=1e-3)
+    np.testing.assert_allclose(value.interval(10), (5.0 - 2.228 * 3.0, 5.0 + 2.228 * 3.0), atol=1e-3)
+    np.testing.assert_allclose(value.interval(10**6), (5.0 - 1.96 * 3.0, 5.0 + 1.96 * 3.0), atol=1e-3)
+    np.testing.assert_allclose(value.interval(10, 0.99), (5.0 - 3.169 * 3.0, 5.0 + 3.169 * 3.0), atol=1e-3)
+    assert Value(5.0, 3.0, 2.0, "kg").interval(10) == value.interval(10)  # the larger of the two, as beside the value
 
 
 def test_everything_that_a_result_says_is_json(estimate: Estimate) -> None:
@@ -39,6 +40,7 @@ def test_everything_that_a_result_says_is_json(estimate: Estimate) -> None:
     assert back["recording"] == "run.csv"
     assert (back["model"], back["rank"], back["samples"]) == (9, 20, 1700)
     assert back["parameters"]["m"] == estimate.physical["m"]._asdict()
+    assert back["intervals_95"]["m"] == list(estimate.physical["m"].interval(estimate.freedom))
     assert back["linear"]["values"] == estimate.values.tolist()
     assert np.array(back["covariance"]).shape == (20, 20)
     assert back["delay_s"]["value"] == estimate.delay.value

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from cases.basis import bound_hash
 from cases.schema import Case
 from identification.model import identification_model
 from planner.bounds import kept as bound_module
@@ -100,7 +101,7 @@ def test_a_cache_that_cannot_be_written_only_costs_time(computed: list[str], hex
 def test_the_cache_lies_where_the_system_wants_it(computed: list[str], hexapod_case: Case, cache: Path):
     model = identification_model(hexapod_case, 1)  # a model that no other test plans with
     box_bound(hexapod_case, model)
-    (file,) = cache.rglob(f"{hexapod_case.hash}-model1-*.json")
+    (file,) = cache.rglob(f"{bound_hash(hexapod_case)}-model1-*.json")
     assert json.loads(file.read_text())["method"] == KNOWN.method
     file.unlink()
 

@@ -160,6 +160,26 @@ def test_warnings_of_the_best_are_told_with_the_best_without(hexapod_case: Case)
 
 
 @pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ({"noise": 1.0}, {"noise": 2.0}),
+        ({"load": 0.0}, {"load": 59.79}),
+        ({"machine": "a real machine"}, {"machine": "x"}),
+    ],
+)
+def test_nothing_is_recommended_across_machines_loads_or_noise(
+    hexapod_case: Case, one: dict[str, Any], other: dict[str, Any]
+):
+    a, b, c = (entry(hexapod_case, n, std, 12.0) for n, std in (("a", 0.1), ("b", 0.2), ("c", 0.3)))
+    alone = recommend([[replace(a, **one)], [replace(b, **other)]])
+    assert (alone.best, alone.ratios) == (None, {})
+    assert "none is preferred across them: a (case hexapod" in alone.sentences[0]
+    advice = recommend([[replace(a, **one)], [replace(b, **other)], [replace(c, **other)]])
+    assert advice.best == "b"
+    assert set(advice.ratios) == {"b", "c"}
+
+
+@pytest.mark.parametrize(
     ("one", "other", "said"),
     [
         ({"noise": 1.0}, {"noise": 2.0}, "different noise of a force sample, .*: 1 N \\(a\\); 2 N \\(b\\)"),
@@ -206,7 +226,9 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
     assert [e.case.name for e in entries] == ["mine", "mine"]
     assert entries[0].duration == pytest.approx(chain["run"]["duration_s"], abs=0.05)
     hexapod_file.write_text(hexapod_file.read_text().replace("range_N = 5000.0", "range_N = 6000.0"))
-    assert "has changed since" in refused("compare", *results, "-o", hexapod_file.parent / "c")
+    assert "has changed since: sensors.range_N was 5000, is 6000" in refused(
+        "compare", *results, "-o", hexapod_file.parent / "c"
+    )
 
 
 def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from planner.cli.run import _passed
+from planner.cli.run import _exceeded
 from postprocessors.proving.promises import twincat_guarantees
 from postprocessors.reading.words import Reading
 from postprocessors.setpoints import write_csv, write_parquet
@@ -94,9 +94,9 @@ def test_a_limit_that_only_the_built_in_controller_passes_is_not_put_down_to_the
     """The case says that a TwinCAT keeps strut accelerations; the built-in controller and LinuxCNC do not."""
     guarantees = twincat_guarantees(Reading("p", (), 0), CASE)
     outcome = SimpleNamespace(run=SimpleNamespace(real=real), guarantees=guarantees)
-    (sentence,) = _passed({"angular velocity": 1.0, "strut acceleration": 1.03}, outcome)
+    (sentence,) = _exceeded({"angular velocity": 1.0, "strut acceleration": 1.03}, outcome)
     assert sentence.startswith(
-        "PASSED BY THE CONTROLLER" if real else "passed by the built-in controller only: strut acc"
+        "EXCEEDED BY THE CONTROLLER" if real else "exceeded by the built-in controller only: strut acc"
     )
     assert ("TwinCAT keeps it itself" in sentence) is not real
-    assert list(_passed({"jerk": 1.005}, outcome)) == []
+    assert list(_exceeded({"jerk": 1.005}, outcome)) == []

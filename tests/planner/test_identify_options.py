@@ -35,7 +35,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def answer_of(run: Path, tmp_path: Path, *words: object, files: tuple[str, ...] = ("run.csv",)) -> dict:
     names = [run / f for f in files]
-    return call("identify", *names, "--case", "hexapod", "-o", tmp_path / "result", "--json", *words).json()
+    return call(
+        "identify", *names, "--case", "hexapod", "-o", tmp_path / "result", "--overwrite", "--json", *words
+    ).json()
 
 
 @pytest.fixture(scope="module")

@@ -100,10 +100,14 @@ def test_a_folder_of_another_kind_is_not_overwritten(
     assert contents(result) == before
 
 
-def test_a_folder_of_the_same_kind_is_replaced_as_a_whole(sources: dict, chain: Any, shared: Path, tmp_path: Path):
+def test_what_an_earlier_run_made_stays_unless_it_may_be_replaced(
+    sources: dict, chain: Any, shared: Path, tmp_path: Path
+):
     result = Path(shutil.copytree(shared / "result", tmp_path / "result"))
     (result / "plots" / "old.svg").write_text("of another run")
-    call(*sources["identify"], "-o", result).json()
+    assert "--overwrite" in refused(*sources["identify"], "-o", result)
+    assert (result / "plots" / "old.svg").exists()
+    call(*sources["identify"], "-o", result, "--overwrite").json()
     assert not (result / "plots" / "old.svg").exists()
     assert (result / "result.json").is_file()
 
@@ -115,7 +119,10 @@ def test_without_o_a_command_writes_beside_the_user_under_a_name_that_tells(
     assert call(*sources["post"]).json()["program"] == "plan.ngc"
     assert call(*sources["run"]).json()["recording"] == "excitation-recording"
     assert call(*sources["identify"]).json()["result"] == "recording-result"
-    assert {p.name for p in tmp_path.iterdir()} == {"plan.ngc", "excitation-recording", "recording-result"}
+    assert call(*sources["post"]).json()["program"] == "plan-2.ngc"
+    assert call(*sources["post"], "--overwrite").json()["program"] == "plan.ngc"
+    names = {"plan.ngc", "plan-2.ngc", "excitation-recording", "recording-result"}
+    assert {p.name for p in tmp_path.iterdir()} == names
 
 
 def test_the_folder_in_which_the_user_stands_is_refused_and_left_as_it_was(

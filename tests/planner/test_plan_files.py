@@ -164,8 +164,12 @@ def test_a_plan_whose_case_was_edited_since_is_refused(copy: Path, hexapod_file:
     assert longer["blocks"] < count_of_blocks(copy.parent / "p.ngc")
     edited = hexapod_file.read_text().replace("velocity_mm_s = [600.0", "velocity_mm_s = [500.0")
     hexapod_file.write_text(edited)
-    line = refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
+    line = refused("post", copy, "-o", copy.parent / "stale.ngc", "--json")
     assert str(hexapod_file) in line
-    assert "has changed since in limits (hash" in line
+    assert "has changed since: limits.motion.velocity_mm_s was [600.0, 600.0, 600.0], is [500.0" in line
+    assert "--stale" in line
+    hexapod_file.write_text(edited.replace("[500.0", "[600.0").replace("range_N = 5000.0", "range_N = 6000.0"))
+    call("post", copy, *ACCEPT, "-o", copy.parent / "stale.ngc", "--stale", "--json").json()
+    assert "sensors.range_N was 5000, is 6000" in (copy.parent / "stale.ngc").read_text()
     hexapod_file.unlink()
-    assert "no such case" in refused("post", copy, "-o", copy.parent / "p.ngc", "--json")
+    assert "no such case" in refused("post", copy, "-o", copy.parent / "gone.ngc", "--json")

@@ -243,7 +243,7 @@ def test_the_command_prints_and_draws_the_reach(small: Case, tmp_path: Path) -> 
 
 @pytest.mark.parametrize(("name", "place"), [("ft_wrist", "machine: is missing"), ("clamping_table", "setup: is 1a")])
 def test_cases_without_a_motion_box(name: str, place: str) -> None:
-    assert set(call("case", "check", name, "--json").json()) == {"ok", "figures"}
+    assert set(call("case", "check", name, "--json").json()) == {"ok", "figures", "missing", "remarks"}
     assert "reach" not in call("case", "check", name).out
     message = refused("case", "check", name, "--propose")
     assert f"{name}/case.toml: {place}" in message

@@ -24,7 +24,7 @@ two stay micrometres apart, over seconds they have nothing in common."""
 def acceleration_headroom(reading: Reading, case: Case) -> float:
     """Acceleration limits that LinuxCNC gets for a program, as a multiple of the case's."""
     timed = any(isinstance(e, Move) and e.timing is Timing.DURATION for e in reading.events)
-    return case.need_controller(PURPOSE).linuxcnc.acceleration_headroom if timed else 1.0
+    return case.need_controller(PURPOSE).need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
 
 
 def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:

@@ -7,7 +7,6 @@ when hexcite itself is killed. Elsewhere (most containers) sessions wait for eac
 LinuxCNC of somebody else's.
 """
 
-import fcntl
 import logging
 import os
 import signal
@@ -165,6 +164,8 @@ def _marked(mark: str) -> dict[int, str]:
 @contextmanager
 def _alone() -> Iterator[None]:
     """Waits for other sessions of ours; refuses to start beside a LinuxCNC of somebody else's."""
+    import fcntl  # of POSIX only, as LinuxCNC is
+
     lock = os.open(Path(tempfile.gettempdir()) / f"hexcite-linuxcnc-{os.getuid()}.lock", os.O_RDWR | os.O_CREAT, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX)

@@ -92,7 +92,8 @@ def run_linuxcnc(
     lines = _lines(program, content)
     timed = any(timing.is_inverse_time(line) for line in lines)
     if headroom is None:
-        headroom = case.need_controller(configuration.PURPOSE).linuxcnc.acceleration_headroom if timed else 1.0
+        settings = case.need_controller(configuration.PURPOSE)
+        headroom = settings.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
     durations, switched = timing.dwells(program, lines), timing.switches(lines)
     speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
     with tempfile.TemporaryDirectory(prefix="hexcite-syntax-") as name:

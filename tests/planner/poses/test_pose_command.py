@@ -182,7 +182,7 @@ def test_standstills_are_averaged_wherever_they_are_if_asked_for(folder: Path, r
     plain = folder / "unnamed.csv"
     with plain.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([row[:trigger] + row[trigger + 1 :] for row in rows])
-    words = ("identify", plain, "--case", quick, "--standstills", "-o", folder / "wherever")
+    words = ("identify", plain, "--case", quick, "--standstills", "-o", folder / "wherever", "--overwrite")
     answer = call(*words, "--json").json()
     assert answer["standstills"]["count"] in (8, 9, 10)
     assert not answer["standstills"]["matched_to_poses"]

@@ -82,7 +82,7 @@ def test_a_wrong_argument_is_named_and_nothing_written(
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"case_hash": "0" * 16}, ("another state of case hexapod", "--case")),
+        ({"case_hash": "0" * 16}, ("case hexapod has changed since", "--stale")),
         ({"case": "my_machine"}, ("my_machine", "--case")),
         ({"warnings": None}, ("missing or damaged", "identify again")),
         ({"parameters": {}}, ("parameters are not those of model 9",)),
@@ -141,7 +141,8 @@ def test_c_is_compiled_on_demand(result: Path, here: Path) -> None:
     answer = call("export", result, "--to", "c", "--build", "-o", "model", "--json").json()
     assert [Path(f).name for f in answer["files"]] == ["hexapod_force.c", "hexapod_force.h", "hexapod_force.o"]
     assert (here / "model" / "hexapod_force.o").stat().st_size > 1000
-    call("export", result, "--to", "c", "-o", "model", "--json").json()  # replaces what is its own
+    assert "--overwrite" in refused("export", result, "--to", "c", "-o", "model")
+    call("export", result, "--to", "c", "-o", "model", "--overwrite", "--json").json()
     shutil.copy(result / "result.json", here / "model")
     assert "is not a C model" in refused("export", result, "--to", "c", "-o", "model")
 

@@ -1,0 +1,158 @@
+"""What of a case an artefact was computed from: kept in the artefact, compared when the artefact is used again."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from cases.errors import CaseError, FileProblem
+from cases.loading import built_in_cases, load_case
+from cases.schema import Case, fingerprint
+
+KEPT = "computed_from"  # key of plan.json, recording.json and result.json
+_MACHINE = ("setup", "gravity_m_s2", "sensor_frame", "machine")
+_MOTION = ("setup", "machine", "workspace", "limits", "controller.cycle_ms")
+_BOUND = (*_MACHINE, "workspace", "limits", "controller.cycle_ms")
+_PLAN = (*_BOUND, "sensors", "nominal", "payloads")
+_RESULT = (*_MACHINE, "sensors", "recording")
+_NOT_COMPUTED_WITH = ("recording.rate_Hz",)  # a plan keeps the rate that its predictions assume
+_SHOWN = 60  # characters of a value
+
+
+def plan_basis(case: Case, payload: int = 0, poses: bool = False) -> dict[str, Any]:
+    """Values behind a plan by dotted key: machine, limits, sensors, gravity, the body and the payloads that were used.
+
+    Args:
+        case: that the plan is for.
+        payload: number of payloads mounted on the body; a range of the sensors counts all of them.
+        poses: whether it is a plan of poses, which depends on `[poses]` too.
+    """
+    keys = (*_PLAN, *(["poses"] if poses else []))
+    if case.sensors.force_noise_N is None:  # predictions take that of the simulated machine
+        keys = (*keys, "simulation.force_noise_N")
+    if case.sensors.range_N is None and not payload:
+        keys = tuple(key for key in keys if key != "payloads")
+    return values(case, keys)
+
+
+def recording_basis(case: Case) -> dict[str, Any]:
+    """Values behind a recording by dotted key: the machine that was measured."""
+    return values(case, _MACHINE)
+
+
+def result_basis(case: Case) -> dict[str, Any]:
+    """Values behind a result by dotted key: machine, sensors, gravity, and how the recording was read and filtered."""
+    return values(case, _RESULT)
+
+
+def motion_hash(case: Case) -> str:
+    """Fingerprint of what programs are proven against: machine, workspace and limits."""
+    return fingerprint(values(case, _MOTION))
+
+
+def bound_hash(case: Case) -> str:
+    """Fingerprint of what a bound of the information depends on."""
+    return fingerprint(values(case, _BOUND))
+
+
+def values(case: Case, keys: Sequence[str]) -> dict[str, Any]:
+    """Leaves of the case below some keys; defaults that are stated and sources in words do not count."""
+    leaves = dict(_leaves("", case.model_dump(mode="json", exclude_defaults=True)))
+    return {
+        name: value
+        for name, value in leaves.items()
+        if any(name == key or name.startswith((f"{key}.", f"{key}[")) for key in keys)
+        and name not in _NOT_COMPUTED_WITH
+        and not name.endswith(".source")
+    }
+
+
+def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves(f"{name}.{key}" if name else key, inner)
+    elif isinstance(value, list) and any(isinstance(entry, Mapping) for entry in value):
+        for k, entry in enumerate(value):
+            yield from _leaves(f"{name}[{k + 1}]", entry)
+    else:
+        yield name, value
+
+
+class Artefact(NamedTuple):
+    """What an artefact says of its case.
+
+    Args:
+        file: that says it.
+        about: its entries.
+        again: what to do where the case has changed.
+    """
+
+    file: Path
+    about: Mapping[str, Any]
+    again: str
+
+    def case(self, override: str | None = None) -> Case:
+        """The case that the artefact names, or the one that is named instead.
+
+        Raises:
+            CaseError: it cannot be read.
+            FileProblem: the artefact names none, or one that is not there.
+        """
+        return load_case(self.case_name(override))
+
+    def case_name(self, override: str | None = None) -> str:
+        """Name or file of that case; errors as `case`."""
+        if override is not None:
+            return override
+        name = self.about.get("case_file", self.about.get("case"))
+        if not isinstance(name, str) or not name:
+            raise FileProblem(f"{self.file}: names no case; {self.again}, or name it with --case")
+        if name not in built_in_cases() and not Path(name).exists():
+            raise CaseError(self.file, "case_file", f"{name}: no such case; name the case file with --case")
+        return name
+
+    def changes(self, now: Mapping[str, Any], case_hash: str) -> list[str]:
+        """What the case had when the artefact was computed and has no longer: key, old value, new value.
+
+        Args:
+            now: values of the case today, by dotted key.
+            case_hash: of the case today, for artefacts of earlier versions, which know no more.
+        """
+        then = self.about.get(KEPT)
+        if not isinstance(then, Mapping):
+            return (
+                [] if self.about.get("case_hash") == case_hash else ["something (it says no more than a fingerprint)"]
+            )
+        # Of a list of tables that an artefact does not depend on nothing is kept.
+        names = [name for name in dict.fromkeys((*then, *now)) if then.get(name) != now.get(name)]
+        return [f"{name} was {_shown(then.get(name))}, is {_shown(now.get(name))}" for name in names]
+
+    def require_unchanged(self, now: Mapping[str, Any], case: Case, stale: bool) -> tuple[str, ...]:
+        """What to write into everything that is made of the artefact, where it is stale; nothing where it is not.
+
+        Args:
+            now: values of the case today, by dotted key.
+            case: the case.
+            stale: go on although the case has changed.
+
+        Raises:
+            FileProblem: the case has changed, and `stale` is not set.
+        """
+        changes = self.changes(now, case.hash)
+        earlier = tuple(str(s) for s in self.about.get("stale", ()))
+        if not changes:
+            return earlier
+        name = self.about.get("case_file", case.name)
+        more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
+        if not stale:
+            raise FileProblem(
+                f"{self.file}: case {name} has changed since: {changes[0]}{more}; {self.again}, restore the case, "
+                "or go on at your own risk with --stale"
+            )
+        return (*earlier, f"stale: {self.file} is of case {case.name} before {'; '.join(changes)}")
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "not stated"
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}.."

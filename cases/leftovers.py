@@ -1,0 +1,103 @@
+"""What is valid in a case and yet hardly meant: values left over from another machine, and units mistaken."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cases.basis import values
+from cases.loading import built_in_cases, load_case
+from cases.schema import Case
+
+_OTHER_BODY = 2.0  # ratio of simulated and nominal mass from which they are two bodies
+_RADIANS = 1.6  # largest angle in degrees of a table that holds radians: a right angle
+_SMALL_BOX = 0.9  # the same for the angles of a motion box
+_METRES = 5.0  # largest length in millimetres of a table that holds metres
+_TABLES = (
+    "machine", "workspace", "limits", "poses", "sensor_frame", "nominal", "simulation", "payloads",
+    "controller.sinumerik", "controller.twincat", "controller.setpoints",
+)  # fmt: skip
+
+
+def leftovers(case: Case) -> tuple[str, ...]:
+    """Sentences about values that the user should look at, each with its key."""
+    if case.name in built_in_cases() and case == load_case(case.name):
+        return ()
+    return (*_of_other_machines(case), *_of_bodies(case), *_of_poses(case), *_of_gravity(case), *_of_units(case))
+
+
+def _of_other_machines(case: Case) -> Iterator[str]:
+    """Tables that equal those of a built-in case, each named once, with the case that has most of them."""
+    own = {name: table for name in _TABLES if (table := values(case, [name]))}
+    same = {
+        other: [name for name, table in own.items() if table == values(load_case(other), [name])]
+        for other in built_in_cases()
+        if other != case.name
+    }
+    named: set[str] = set()
+    for name, tables in sorted(same.items(), key=lambda item: -len(item[1])):
+        if told := [table for table in tables if table not in named]:
+            named |= set(told)
+            yield (
+                f"{', '.join(told)}: still the values of the built-in case {name}; replace them by your machine's, or "
+                "delete tables that it does not need"
+            )
+
+
+def _of_bodies(case: Case) -> Iterator[str]:
+    if case.nominal is None or case.simulation is None:
+        return
+    simulated, nominal = case.simulation.parameters.body.mass_kg, case.nominal.mass_kg
+    if not 1.0 / _OTHER_BODY <= simulated / nominal <= _OTHER_BODY:
+        yield (
+            f"simulation.parameters.body.mass_kg = {simulated:g} is {simulated / nominal:.3g} times nominal.mass_kg = "
+            f"{nominal:g}; one of the two is of another machine"
+        )
+
+
+def _of_poses(case: Case) -> Iterator[str]:
+    if case.poses is None or case.workspace is None:
+        return
+    for axis in ("x_mm", "y_mm"):
+        first, last, _ = getattr(case.poses, axis)
+        low, high = getattr(case.workspace, axis)
+        if first < low or last > high:
+            yield (
+                f"poses.{axis} = {first:g} to {last:g} leaves workspace.{axis} = {low:g} to {high:g}; narrow it, poses "
+                "outside are never chosen"
+            )
+
+
+def _of_gravity(case: Case) -> Iterator[str]:
+    if case.gravity[2] > 0.0:
+        yield (
+            f"gravity_m_s2 = {list(case.gravity_m_s2)} points along +z of {{B}}; gravity points down: change its sign, "
+            "unless the machine hangs"
+        )
+
+
+def _of_units(case: Case) -> Iterator[str]:
+    """Angles that look like radians and lengths that look like metres."""
+    angles: dict[str, tuple[float, float]] = {}
+    lengths: dict[str, float] = {}
+    if case.workspace is not None:
+        for key in ("base_joint_angle_deg", "platform_joint_angle_deg"):
+            angles[f"workspace.{key}"] = (getattr(case.workspace, key), _RADIANS)
+        lengths["workspace.strut_length_mm"] = max(case.workspace.strut_length_mm)
+    if case.limits is not None:
+        motion = case.limits.motion
+        largest = max(abs(v) for key in ("a_deg", "b_deg", "c_deg") for v in getattr(motion, key))
+        angles["limits.motion.a_deg, b_deg and c_deg"] = (largest, _SMALL_BOX)
+        angles["limits.motion.angular_velocity_deg_s"] = (max(motion.angular_velocity_deg_s), _RADIANS)
+        lengths["limits.motion.strut_length_mm"] = max(motion.strut_length_mm)
+    if case.machine is not None:
+        lengths["machine.home.z_mm"] = abs(case.machine.home.z_mm) or np.inf
+        for name in ("base", "platform"):
+            joints = getattr(case.machine, name)
+            shown = "ring.radius_mm" if joints.ring is not None else "points_mm"
+            lengths[f"machine.{name}.{shown}"] = float(np.abs(joints.points).max()) * 1e3
+    for key, (value, most) in angles.items():
+        if value <= most:
+            yield f"{key}: {value:g} degrees at most; these look like radians, give degrees"
+    for key, value in lengths.items():
+        if value <= _METRES:
+            yield f"{key}: {value:g} mm at most; this looks like metres, give millimetres"

@@ -1,0 +1,255 @@
+"""Struts or force channels in another order or with another sign than the case says: told by what the model leaves.
+
+Every order that cables get into is tried on some instants of a run: exchanged pairs, one, two or three of them at once,
+shifts, and turned signs. An order that explains the run far better than the recorded one names what is wrong.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import HexciteError, IdentificationError
+from cases.recording_columns import STRUTS
+from cases.schema import Case
+from identification.findings.plausibility import scan
+from identification.formats.assembly import force_columns
+from identification.hexapod import Hexapod
+from identification.long.decimation import decimated
+from identification.model import Model, regressors
+from identification.recording import Recording
+from identification.runs.evaluation import MOST_DELAY
+from identification.runs.preparation import moving_run, standstills
+from identification.runs.wrist import wrist_run
+
+Array = NDArray[np.float64]
+
+FACTOR = 2.0  # by which another order must lower the residuals: chance does not, with so many forces to judge by
+ALIKE = 1.2  # ratio of residuals below which nothing tells struts from force channels
+LEAST = 60  # forces beyond the unknowns
+INSTANTS = 150  # that are tried
+
+
+def require_wiring(recording: Recording, case: Case, model: Model) -> None:
+    """Raises IdentificationError where exchanged struts or force channels explain what is wrong with a run.
+
+    Args:
+        recording: a run that something speaks against.
+        case: its case.
+        model: that its forces are compared with.
+    """
+    if (found := other_wiring(recording, case, model)) is not None:
+        raise IdentificationError(found)
+
+
+class Order(NamedTuple):
+    """An order of six columns: what was recorded as column `places[k]` belongs to k, with a sign."""
+
+    places: tuple[int, ...]
+    signs: tuple[int, ...] = (1,) * 6
+
+    def words(self, what: str) -> str:
+        """What is wrong where this order is the right one; `what` are struts or force channels."""
+        turned = [k + 1 for k, sign in enumerate(self.signs) if sign < 0]
+        if len(turned) == 6:
+            return f"the signs of all {what} are turned"
+        if turned:
+            if len(turned) == 1:
+                return f"the sign of {what[:-1]} {turned[0]} is turned"
+            return f"the signs of {what} {', '.join(map(str, turned))} are turned"
+        if self.places == tuple(range(5, -1, -1)):
+            return f"{what} are in reverse order"
+        moved = [k for k, place in enumerate(self.places) if place != k]
+        if all(self.places[self.places[k]] == k for k in moved):
+            pairs = [f"{k + 1} and {self.places[k] + 1}" for k in moved if k < self.places[k]]
+            return f"{what} {', '.join(pairs)} are exchanged"
+        return f"{what} are shifted by {self.places[0]} places"
+
+
+STRAIGHT = Order(tuple(range(6)))
+
+
+class Explained(NamedTuple):
+    """What an order leaves of the forces: weighted, and of the channels in newtons [N]."""
+
+    weighted: float
+    newtons: float
+
+
+class Data(NamedTuple):
+    """Some instants of a run.
+
+    Args:
+        forces: shape (n, 6) [N, or N and N m].
+        slopes: their derivative, which a delay adds, shape (n, 6); None of standstills.
+        weights: of each channel, shape (6,).
+        struts: lengths, velocities and accelerations, each of shape (n, 6); None without struts.
+        regressors: A as recorded, shape (n, 6, u); None where the struts do not close.
+    """
+
+    forces: Array
+    slopes: Array | None
+    weights: Array
+    struts: tuple[Array, Array, Array] | None
+    regressors: Array | None
+
+
+def other_wiring(recording: Recording, case: Case, model: Model) -> str | None:
+    """How struts or force channels seem to be exchanged, with the remedy; None where nothing else explains the run.
+
+    Args:
+        recording: the run.
+        case: its case.
+        model: that the forces are compared with.
+    """
+    try:
+        data = _data(recording, case, model)
+    except HexciteError:
+        return None
+    if data.forces.size - len(model.names) < LEAST:
+        return None
+    mass = model.names.index("m") if "m" in model.names else None
+    now = _left(data, data.regressors)
+    found: list[tuple[Explained, str, Order]] = []
+    for order in _orders(signs=True):
+        found.append((_left(data, data.regressors, order, mass), "force", order))
+    if data.struts is not None:
+        for order in _orders(signs=case.recording.drives is not None):
+            found.append((_left(data, _regressors_of(data, case, model, order), mass=mass), "strut", order))
+    best = min(found, key=lambda f: f[0].weighted)
+    if not np.isfinite(best[0].weighted) or best[0].weighted * FACTOR > now.weighted:
+        return None
+    rivals = [min((f for f in found if f[1] == side), key=lambda f: f[0].weighted) for side in {f[1] for f in found}]
+    alike = sorted((r for r in rivals if r[0].weighted <= ALIKE * best[0].weighted), key=lambda r: r[0].weighted)
+    names = " or ".join(order.words(_SIDES[side]) for _, side, order in alike)
+    instead = (
+        f" instead of {now.newtons:.2g} N" if np.isfinite(now.newtons) else ", while no pose fits them as recorded"
+    )
+    remedies = " or ".join(_remedy(case, side, order) for _, side, order in alike)
+    return f"{names}: residuals {best[0].newtons:.2g} N{instead}; {remedies}"
+
+
+_SIDES = {"force": "force channels", "strut": "struts"}
+
+
+def _remedy(case: Case, side: str, order: Order) -> str:
+    """What to write into the case."""
+    if any(sign < 0 for sign in order.signs):
+        if side == "strut":
+            return "turn these entries of recording.drives.sign in the case"
+        if case.sensor_frame.bars is not None:
+            return "exchange both ends of these bars in sensor_frame.bars, or turn the signs in the recorder"
+        return "turn the signs in the recorder, or set the other sensor_frame.transducer.sense"
+    if side == "strut" and case.recording.drives is not None:
+        numbers = [case.recording.drives.order[place] for place in order.places]
+        return f"write recording.drives.order = {numbers}"
+    names = STRUTS if side == "strut" else force_columns(case)
+    theirs = [case.recording.file_name(names[place]) for place in order.places]
+    moved = [
+        f'{ours} = "{name}"' for k, (ours, name) in enumerate(zip(names, theirs, strict=True)) if order.places[k] != k
+    ]
+    return f"write in [recording.columns]: {', '.join(moved)}"
+
+
+def _orders(signs: bool) -> Iterator[Order]:
+    """Exchanged pairs, up to three at once, shifts, and where `signs` is set turned signs."""
+    for places in _exchanges(tuple(range(6))):
+        if places != tuple(range(6)):
+            yield Order(places)
+    for shift in (1, 2, 4, 5):  # a shift by 3 exchanges pairs
+        yield Order(tuple((k + shift) % 6 for k in range(6)))
+    if signs:
+        for turned in product((1, -1), repeat=6):
+            if -1 in turned:
+                yield Order(tuple(range(6)), turned)
+
+
+def _exchanges(free: Sequence[int]) -> Iterator[tuple[int, ...]]:
+    """Orders of six that exchange disjoint pairs of `free` and leave the rest in place."""
+    if not free:
+        yield tuple(range(6))
+        return
+    first, *rest = free
+    yield from _exchanges(rest)
+    for other in rest:
+        for order in _exchanges([k for k in rest if k != other]):
+            places = list(order)
+            places[first], places[other] = other, first
+            yield tuple(places)
+
+
+def _data(recording: Recording, case: Case, model: Model) -> Data:
+    found = scan(recording, case)
+    slopes = struts = matrices = None
+    if recording.t is None or case.setup == "1a":
+        used = np.flatnonzero(~found.bad)
+        forces = recording.forces[used]
+        if recording.struts is None:
+            matrices = standstills(recording, case, model, found).regressors
+        else:
+            struts = (recording.struts[used], np.zeros_like(forces), np.zeros_like(forces))
+    elif recording.struts is None:
+        wrist = wrist_run(recording, case, model, MOST_DELAY, bad=found.bad)
+        matrices, forces = wrist.regressors(0.0), wrist.forces
+    else:
+        run = moving_run(recording, case, model, found=found)
+        assert run.recording.struts is not None
+        rows = run.rows[:: max(1, len(run.rows) // INSTANTS)]
+        lengths, velocities, accelerations = decimated(
+            run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)]
+        )
+        struts = (lengths, velocities, accelerations)
+        forces, slopes = decimated(run.filter, run.recording.forces, rows, [(0, 0.0), (1, 0.0)])
+    spread = forces.var(axis=0)
+    if case.sensor_frame.bars is None:  # newtons beside newton metres
+        spread = np.repeat([spread[:3].mean(), spread[3:].mean()], 3)
+    weights = np.ones(6) if case.sensor_frame.bars is not None else 1.0 / np.maximum(spread, np.finfo(float).tiny)
+    data = Data(forces, slopes, weights, struts, matrices)
+    if struts is not None:
+        data = data._replace(regressors=_regressors_of(data, case, model, STRAIGHT))
+    return data
+
+
+def _regressors_of(data: Data, case: Case, model: Model, order: Order) -> Array | None:
+    """A where the struts were recorded in another order, shape (n, 6, u); None where no pose has such struts."""
+    assert data.struts is not None
+    lengths, velocities, accelerations = (motion[:, list(order.places)] for motion in data.struts)
+    signs = np.array(order.signs)
+    if case.recording.drives is not None:  # a turned drive mirrors its strut at the offset
+        lengths = np.where(signs > 0, lengths, 2.0 * case.recording.drives.offset - lengths)
+    try:
+        motion = Hexapod.of(case).kinematics(lengths, velocities * signs, accelerations * signs)
+    except HexciteError:
+        return None
+    return regressors(model, motion)
+
+
+def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None) -> Explained:
+    """Rms residuals of the forces in an order; infinite where the struts do not close, or a mass would be negative.
+
+    Args:
+        data: of the run.
+        matrices: A, shape (n, 6, u); None where the struts do not close.
+        order: of the forces.
+        mass: its place among the parameters, where it must not be negative.
+    """
+    nothing = Explained(float("inf"), float("inf"))
+    if matrices is None:
+        return nothing
+    places, signs = list(order.places), np.array(order.signs)
+    forces = data.forces[:, places] * signs
+    root = np.sqrt(data.weights)
+    columns = matrices if data.slopes is None else np.dstack([matrices, data.slopes[:, places] * signs])
+    size = np.linalg.norm((columns * root[:, None]).reshape(-1, columns.shape[2]), axis=0)
+    scaled = columns / np.where(size > 0.0, size, 1.0)
+    flat = (scaled * root[:, None]).reshape(-1, columns.shape[2])
+    values = np.linalg.lstsq(flat, (forces * root).ravel(), rcond=1e-9)[0]
+    if mass is not None and values[mass] < 0.0:
+        return nothing
+    residuals = forces - scaled @ values
+    channels = slice(0, 6) if np.ptp(data.weights) == 0.0 else slice(0, 3)
+    return Explained(
+        float(np.sqrt(np.mean((residuals * root) ** 2))), float(np.sqrt(np.mean(residuals[:, channels] ** 2)))
+    )

@@ -1,0 +1,80 @@
+"""What artefacts depend on in a case, and what may be edited without making them worthless."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cases.basis import KEPT, Artefact, bound_hash, motion_hash, plan_basis, recording_basis, result_basis
+from cases.errors import CaseError, FileProblem
+from cases.loading import built_in_cases, load_case
+from cases.schema import Case
+
+
+def edited(key: str, value: Any) -> Case:
+    """The hexapod with another value."""
+    data = tomllib.loads(built_in_cases()["hexapod"].read_text(encoding="utf-8"))
+    *tables, name = key.split(".")
+    table = data
+    for inner in tables:
+        table = table[inner]
+    table[name] = value
+    return Case.model_validate(data)
+
+
+def kept(case: Case) -> dict[str, Artefact]:
+    bases = {"plan": plan_basis(case), "recording": recording_basis(case), "result": result_basis(case)}
+    return {n: Artefact(Path(f"{n}.json"), {"case": "hexapod", KEPT: b}, "do it again") for n, b in bases.items()}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "stale"),
+    [
+        ("title", "another title", ()),
+        ("simulation.source", "a better balance", ()),
+        ("recording.rate_Hz", 500.0, ()),
+        ("recording.filter_cutoff_Hz", 8.0, ("result",)),
+        ("controller.block_ms", 12.0, ()),
+        ("controller.cycle_ms", 2.0, ("plan",)),
+        ("simulation.force_noise_N", 2.0, ()),
+        ("limits.motion.x_mm", [-90.0, 90.0], ("plan",)),
+        ("nominal.mass_kg", 94.0, ("plan",)),
+        ("gravity_m_s2", [0.0, 0.0, -9.8], ("plan", "recording", "result")),
+        ("machine.home.z_mm", 901.0, ("plan", "recording", "result")),
+    ],
+)
+def test_only_what_an_artefact_was_computed_from_makes_it_stale(key: str, value: Any, stale: tuple[str, ...]):
+    before = load_case("hexapod")
+    if key == "simulation.force_noise_N" and before.sensors.force_noise_N is None:
+        stale = ("plan",)
+    now = edited(key, value)
+    bases = {"plan": plan_basis(now), "recording": recording_basis(now), "result": result_basis(now)}
+    for name, artefact in kept(before).items():
+        changes = artefact.changes(bases[name], now.hash)
+        assert bool(changes) == (name in stale), name
+        if not changes:
+            assert artefact.require_unchanged(bases[name], now, stale=False) == ()
+            continue
+        assert changes[0].startswith(f"{key} was ")
+        with pytest.raises(FileProblem, match=rf"{name}\.json: case hexapod has changed since: .*--stale"):
+            artefact.require_unchanged(bases[name], now, stale=False)
+        (remark,) = artefact.require_unchanged(bases[name], now, stale=True)
+        assert remark.startswith("stale: ")
+        assert key in remark
+
+
+def test_bounds_and_programs_outlive_a_new_title() -> None:
+    before, now = load_case("hexapod"), edited("title", "another title")
+    assert (bound_hash(now), motion_hash(now)) == (bound_hash(before), motion_hash(before))
+    assert bound_hash(edited("machine.home.z_mm", 901.0)) != bound_hash(before)
+
+
+def test_the_case_is_found_by_what_the_artefact_says() -> None:
+    artefact = Artefact(Path("result.json"), {"case_file": "hexapod"}, "identify again")
+    assert artefact.case().name == "hexapod"
+    assert artefact.case("ft_wrist").name == "ft_wrist"
+    with pytest.raises(FileProblem, match="names no case; identify again, or name it with --case"):
+        Artefact(Path("result.json"), {}, "identify again").case()
+    with pytest.raises(CaseError, match=r"gone\.toml: no such case; name the case file with --case"):
+        Artefact(Path("result.json"), {"case_file": "/gone.toml"}, "identify again").case()

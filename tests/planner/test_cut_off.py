@@ -1,0 +1,67 @@
+"""Runs that were cut off, recordings of another machine, and programs of another case are told as such."""
+
+import re
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.loading import built_in_cases
+from cases.schema import Case
+from identification.findings.plausibility import cut_off
+from identification.hexapod import Hexapod
+from identification.motion import Trajectory
+from planner.runs.followed import Followed
+from planner.runs.recorded import fitting_case, shorter_than_planned
+from tests.helpers import Harmonic
+from tests.identification.test_findings import CASE, run
+from tests.planner.command_line import refused
+
+
+def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
+    whole = run()
+    end = int(np.flatnonzero(whole.trigger)[-1]) - 200
+    columns = ("t", "struts", "forces", "trigger")
+    cut = replace(whole, **{name: getattr(whole, name)[:end] for name in columns})
+    assert any(re.match(r"line \d+: the recording ends while the trigger is on", w) for w in cut_off(cut))
+    assert cut_off(whole) == []
+    assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
+
+
+@pytest.mark.parametrize(("duration", "told"), [(2.6, False), (2.65, False), (3.0, True), (8.0, True)])
+def test_a_run_shorter_than_its_plan_is_told(duration: float, told: bool) -> None:
+    motion: Trajectory = Harmonic(duration=duration)
+    found = shorter_than_planned(run(), Followed("plan", motion))
+    assert bool(found) == told
+    assert all(sentence.startswith("the trigger is on for 2.6 s, plan lasts ") for sentence in found)
+
+
+def test_an_override_that_was_recorded_explains_a_short_run() -> None:
+    fast = replace(run(), override=np.full(len(run().forces), 1.2))
+    assert shorter_than_planned(fast, Followed("plan", Harmonic(duration=3.0))) == ()
+
+
+def test_a_machine_whose_struts_fit_is_named(tmp_path: Path) -> None:
+    """Of the built-in cases, or of the folders beside the case that was named."""
+    data = tomllib.loads(built_in_cases()["hexapod"].read_text(encoding="utf-8"))
+    data["machine"]["base"]["ring"]["z_mm"] = 400.0
+    data["name"] = "raised"
+    raised = Case.model_validate(data)
+    far = Hexapod.of(CASE).strut_lengths(CASE.machine.home.vector[None])[0]
+    assert fitting_case(far, raised, None) == "hexapod"
+    text = built_in_cases()["hexapod"].read_text(encoding="utf-8")
+    for name, height in (("mine", 900.0), ("theirs", 900.5)):
+        (tmp_path / name).mkdir()
+        changed = text.replace('name = "hexapod"', f'name = "{name}"').replace("z_mm = 900.0", f"z_mm = {height}")
+        (tmp_path / name / "case.toml").write_text(changed, encoding="utf-8")
+    assert fitting_case(far, CASE, None) is None  # the case itself is no other
+    assert fitting_case(far, CASE, str(tmp_path / "mine")) == str(tmp_path / "theirs" / "case.toml")
+
+
+def test_a_program_of_another_case_is_named_as_such_first(tmp_path: Path) -> None:
+    program = tmp_path / "a.ngc"
+    program.write_text("(case other, hash 0123456789abcdef, controller settings 0123456789abcdef)\nG1 X900 F100\nM2\n")
+    line = refused("run", program, "--case", "hexapod", "-o", tmp_path / "r")
+    assert "is written for another case, other; this is hexapod; " in line

@@ -1,0 +1,58 @@
+"""Commands find the case that a result or plan names, also in another folder; --case names another."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.planner.command_line import call, refused
+
+
+@pytest.fixture
+def mine(chain: dict[str, Any], shared: Path, tmp_path: Path, hexapod_file: Path) -> Path:
+    """A result of one's own machine, whose file it names."""
+    hexapod_file.write_text(hexapod_file.read_text().replace('name = "hexapod"', 'name = "mine"'), encoding="utf-8")
+    call("identify", shared / "recording" / "recording.csv", "--case", hexapod_file, "-o", tmp_path / "result")
+    return tmp_path / "result"
+
+
+def test_results_know_their_case(mine: Path, shared: Path, tmp_path: Path, hexapod_file: Path) -> None:
+    bare = shared / "recording" / "recording.csv"
+    wrench = call("force", bare, "--parameters", mine, "-o", tmp_path / "f.csv", "--json").json()
+    assert wrench["samples"] > 100
+    assert call("export", mine, "--to", "json", "--force", "-o", tmp_path / "m.json", "--json").json()["case"] == "mine"
+    again = Path(shutil.copytree(mine, tmp_path / "again"))
+    data = json.loads((again / "result.json").read_text())
+    (again / "result.json").write_text(json.dumps(data | {"inputs": []}))
+    assert "not by a payload" in refused("payload", mine, again)  # found, read and compared
+    assert "parameters of case mine, not hexapod" in refused("export", mine, "--to", "c", "--case", "hexapod")
+
+
+def test_a_case_that_changed_is_refused_by_key_and_stale_stays_written(
+    mine: Path, shared: Path, tmp_path: Path, hexapod_file: Path
+) -> None:
+    text = hexapod_file.read_text()
+    hexapod_file.write_text(text.replace("title = ", 'title = "new" # '), encoding="utf-8")
+    call("export", mine, "--to", "json", "--force", "-o", tmp_path / "a.json", "--json").json()
+    hexapod_file.write_text(text.replace("range_N = 5000.0", "range_N = 6000.0"), encoding="utf-8")
+    bare = shared / "recording" / "recording.csv"
+    for words in (
+        ("export", mine, "--to", "json", "--force", "-o", tmp_path / "b.json"),
+        ("force", bare, "--parameters", mine, "-o", tmp_path / "g.csv"),
+        ("compare", mine, "-o", tmp_path / "c"),
+    ):
+        line = refused(*words)
+        assert "sensors.range_N was 5000, is 6000" in line
+        assert "--stale" in line
+        answer = call(*words, "--stale", "--json").json()
+        assert "sensors.range_N was 5000, is 6000" in json.dumps(answer)
+    assert "sensors.range_N was 5000, is 6000" in (tmp_path / "b.json").read_text()
+
+
+def test_a_case_that_is_gone_can_be_named(mine: Path, tmp_path: Path, hexapod_file: Path) -> None:
+    moved = tmp_path / "moved.toml"
+    hexapod_file.rename(moved)
+    assert "no such case; name the case file with --case" in refused("export", mine, "--to", "json", "--force")
+    call("export", mine, "--to", "json", "--force", "--case", moved, "-o", tmp_path / "m.json", "--json").json()

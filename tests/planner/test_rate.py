@@ -1,0 +1,40 @@
+"""Predicted deviations go by the rate of recording that the case states; a recording of another rate says so."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from cases.schema import Case
+from identification.identify import identify
+from identification.model import identification_model
+from identification.reference import reference_scaling
+from planner.deviations import worst_std
+from planner.poses.plan import _noise
+from tests.helpers import Harmonic
+from tests.identification.test_findings import CASE, run
+
+
+def at_rate(rate: float) -> Case:
+    case = load_case("hexapod")
+    return case.model_copy(update={"recording": case.recording.model_copy(update={"rate_Hz": rate})})
+
+
+def test_half_the_rate_makes_deviations_the_root_of_two_times_as_large() -> None:
+    whole = load_case("hexapod")
+    model = identification_model(whole, 9)
+    motion, scaling = Harmonic(duration=2.0), reference_scaling(whole, model)
+    usual, half = (worst_std(case, model, scaling, motion, [0]) for case in (at_rate(1000.0), at_rate(500.0)))
+    assert whole.recording.rate_Hz == 1000.0
+    for name, (std, _) in usual.items():
+        assert half[name][0] == pytest.approx(np.sqrt(2.0) * std)
+    assert _noise(at_rate(500.0)) == pytest.approx(np.sqrt(2.0) * _noise(whole))
+
+
+def test_a_recording_of_another_rate_says_so() -> None:
+    recorded = run()
+    slow = replace(recorded, t=recorded.t[::2], struts=recorded.struts[::2], forces=recorded.forces[::2], trigger=None)
+    notes = identify(slow, CASE).notes
+    assert any("recorded at 500 Hz; predictions assume 1000 Hz" in n and "1.41 times" in n for n in notes)
+    assert not any("predictions assume" in note for note in identify(recorded, CASE).notes)
