@@ -1,6 +1,7 @@
 """Free order and period: whole numbers of periods near the frequency at which velocity and acceleration both bind."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from planner.request import FAMILIES, Request
 from planner.search.choices import choices
 from planner.search.parallel import Listener, Outcome
 from planner.search.patience import Patience
-from planner.search.solving import Start, Task, seeds_of
+from planner.search.solving import Start, Step, Task
 from tests.helpers import one_line
 
 SILENT = Listener(lambda start: None, lambda news: None)
@@ -86,38 +87,38 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
 
 
 @pytest.mark.parametrize(("criterion", "refinements"), [("D", 2), ("K", 4)])
-def test_each_choice_is_looked_at_and_the_best_get_all_starts(criterion: str, refinements: int, hexapod_case: Case):
-    """With results made up: the shorter the period the better, and later seeds and refinements better still."""
-    request = Request("hexapod", criterion=criterion, order=2, duration=3.0, free_period=True, starts=2)
-    first, second = seeds_of(0, 2)
+def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
+    criterion: str, refinements: int, hexapod_case: Case
+):
+    """With results made up: the shorter the period the better, and refinements better still."""
+    request = Request("hexapod", criterion=criterion, order=2, duration=3.0, free_period=True)
+    periods = sorted(choice.period for choice in choices(request, hexapod_case))
+    request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []
 
     def start_of(task: Task) -> Start:
-        period = float(task.family.settings.get("period_s", 100.0))
-        promise = -period + 10 * (task.seed == second)
-        score = promise if task.begin is not None else -100.0  # drawn back, a motion is worth as little as any
+        promise = -float(task.family.settings.get("period_s", 100.0))
+        refined = task.step is Step.REFINE
+        score = promise if refined else -100.0  # drawn back, a motion is worth as little as any
         unknowns = np.full(18, 0.01)
         return Start(
-            task.seed, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, 1.0, unknowns, promise,
-            task.begin is not None,
-        )  # fmt: skip
+            task.seed, 0.0, 0.0, score, "done", True, 1, 0.0, unknowns, task.family, 1.0, unknowns, promise, refined
+        )
 
     def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
         tried.extend(tasks)
         return Outcome([start_of(task) for task in tasks], False)
 
     found = search(request, hexapod_case, SILENT, run)
-    periods = [choice.period for choice in choices(request, hexapod_case)]
     assert len(periods) > KEPT
-    own = [task for task in tried if not task.rival]
-    seen = [(task.begin is not None, task.seed, task.family.settings["period_s"]) for task in own]
-    looks = [(False, first, period) for period in periods]
-    more = [(False, second, period) for period in sorted(periods)[:KEPT]]
-    best = [(second, period) for period in sorted(periods)[:KEPT]] + [(first, min(periods))]
-    refined = [(True, *choice) for choice in best[:refinements]]
-    assert sorted(seen) == sorted([*looks, *more, *refined])
-    assert [task.family.name for task in tried if task.rival] == ["ptp"]
-    assert found.rival is not None
-    assert found.rival.family.name == "ptp"
+    explored = [task for task in tried if task.step is Step.EXPLORE]
+    assert len({task.seed for task in explored}) == len(explored) == request.starts
+    seen = [task.family.settings["period_s"] for task in explored]
+    assert sorted(seen[: len(periods)]) == periods
+    assert set(seen[len(periods) :]) <= set(periods[:KEPT])
+    assert len([task for task in tried if task.step is Step.REFINE]) == refinements
+    glances = [task.family.name for task in tried if task.step is Step.GLANCE]
+    assert glances == (["ptp"] if criterion == "D" else [])
+    assert (found.rival is None) == (criterion != "D")
     assert all(start.family.name == "fourier" for start in found.starts)
-    assert found.settings["period_s"] == min(periods)
+    assert found.settings["period_s"] == periods[0]
