@@ -75,7 +75,8 @@ def _phases(times: ca.SX) -> tuple[ca.SX, ...]:
     return (tj, th, tj, tc, tj, th, tj)
 
 
-INFORMATION_POINTS = tuple((phase, share) for phase in range(7) for share in (GAUSS, 1 - GAUSS))
+# Where accelerations do not change one point does.
+INFORMATION_POINTS = tuple((k, share) for k in range(7) for share in ((0.5,) if k % 2 else (GAUSS, 1 - GAUSS)))
 # Where velocities and accelerations have their peaks: both ends of each phase of constant acceleration, mid-cruise.
 _HOLDS = ((0, 1.0), (1, 1.0), (5, 0.0), (5, 1.0))
 CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:], (6, 1.0))
@@ -155,7 +156,7 @@ class PointToPointFamily:
             times = own[12:] * self.unit
             columns = []
             for point in points:
-                share = _phases(times)[point[0]] / (2 * self.duration)  # two points a phase
+                share = _phases(times)[point[0]] / (1 if point[0] % 2 else 2) / self.duration
                 columns += [*_state_of_move(start, end, times, point), share]
             return KernelStates(index, Kernel(own, ca.vertcat(*columns)))
 

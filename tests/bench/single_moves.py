@@ -71,7 +71,7 @@ class Moves:
             scaled = model.coordinate_regressor.call([m[:, k] for m in states], True, False)[0] @ ca.diag(
                 ca.DM(scaling)
             )
-            total_information += lengths[phase] / (2 * total) * (scaled.T @ scaled)
+            total_information += lengths[phase] / ((1 if phase % 2 else 2) * total) * (scaled.T @ scaled)
         triangle = ca.densify(total_information)[ca.Sparsity.lower(len(scaling)).find()]
         velocity = (x[6:12] - x[:6]) / (2 * tj + th + tc)
         peaks = (velocity, velocity / (tj + th), velocity / (tj + th) / tj)
