@@ -33,7 +33,8 @@ CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back
 SMALLEST = 1e-6  # share of all ways below which nothing moves
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 PROPOSALS = 60  # of the annealing that finds starts of point-to-point motions, for each pair of moves
-SLIPPED = 5e-4  # share by which a limit may be exceeded between constrained instants
+SLIPPED = 5e-4  # share of each limit that rows leave free besides: for what slips between constrained instants
+FINER = 1e-4  # of that, for what slips between the instants of the quick look
 TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by what is left
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # a motion that had to shrink to less than this is searched for once more, from inside
@@ -254,7 +255,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
 
     exploring = task.begin is None and not task.moves
     begin = _start(task, model, scaling, told)
-    problem = build_problem(task.case, model, family, scaling, MARGIN)
+    problem = build_problem(task.case, model, family, scaling, MARGIN + SLIPPED)
     unknowns = family.start(np.random.default_rng(task.seed), problem.worst) if begin is None else begin
     before = rate(model, scaling, family, unknowns, task.criterion)
     if task.begin is not None:
@@ -267,14 +268,14 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
         reached = _solve(problem, unknowns, stage, told)
         iterations, unknowns = iterations + reached.iterations, reached.unknowns
         family = family.refined(unknowns)
-        problem = problem.within(family.layout(task.case, MARGIN))
+        problem = problem.within(family.layout(task.case, MARGIN + SLIPPED))
         for round_ in range(0 if exploring else TIGHTER):
             slips = problem.slips(family.motion(unknowns))
-            if stopped or (max(slips) <= 1.0 - MARGIN + SLIPPED and problem.outside(unknowns) < SLIPPED):
+            if stopped or (max(slips) <= 1.0 - MARGIN - FINER and problem.outside(unknowns) < SLIPPED):
                 break
             problem = problem.with_rows_above(unknowns, NEAR)
             if round_ or task.begin is not None:
-                problem = problem.tightened(slips, 1.0 - MARGIN)
+                problem = problem.tightened(slips, 1.0 - MARGIN - SLIPPED)
             reached = _solve(problem, unknowns, stage._replace(convex=False, iterations=REFINE, options=_AT_HAND), told)
             iterations, unknowns = iterations + reached.iterations, reached.unknowns
         inside = keep_limits(task.case, family, unknowns, QUICK_RATE)
