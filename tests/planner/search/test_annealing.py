@@ -1,5 +1,6 @@
 """Annealed walks of equal moves: inside box and limits, worth what they say, better than chance, reproducible."""
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -59,12 +60,12 @@ def unknowns_of(points: np.ndarray, moves: EqualMoves, family: PointToPointFamil
 
 def logdet_anew(moves: EqualMoves, points: np.ndarray) -> float:
     """Move by move, without what a walk remembers."""
-    rows = np.vstack([moves.rows(np.r_[a, b]).full() for a, b in zip(points[:-1], points[1:], strict=True)])
+    rows = np.vstack([moves.rows(np.r_[a, b]).full() for a, b in itertools.pairwise(points)])
     return float(np.linalg.slogdet(rows.T @ rows / MOVES + RIDGE * np.eye(moves.size))[1])
 
 
 def excess_anew(moves: EqualMoves, points: np.ndarray) -> np.ndarray:
-    return np.array([moves.excess(np.r_[a, b]).full()[:, 0] for a, b in zip(points[:-1], points[1:], strict=True)])
+    return np.array([moves.excess(np.r_[a, b]).full()[:, 0] for a, b in itertools.pairwise(points)])
 
 
 def test_a_full_step_takes_the_duration_and_one_limit_of_each_coordinate(moves: EqualMoves, family: PointToPointFamily):
@@ -153,7 +154,7 @@ def test_the_bound_by_concavity_is_never_below_the_exact_value(walk: Walk, moves
     for kind in KINDS:
         proposed: Proposals = getattr(walk, kind)(60)
         for points in proposed.points[proposed.valid]:
-            rows = np.array([moves.rows(np.r_[a, b]).full() for a, b in zip(points[:-1], points[1:], strict=True)])
+            rows = np.array([moves.rows(np.r_[a, b]).full() for a, b in itertools.pairwise(points)])
             traces = ((rows.reshape(-1, moves.size) @ walk.root) ** 2).sum()
             bound = walk.logdet + (traces - walk.traces.sum()) / MOVES
             assert bound >= logdet_anew(moves, points) - 1e-9
