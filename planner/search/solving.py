@@ -34,7 +34,8 @@ CLOSE_ENOUGH = 3e-4  # gap of the bisection that draws a motion back
 SMALLEST = 1e-6  # share of all ways below which nothing moves
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 PROPOSALS = 60  # of the annealing that finds starts of point-to-point motions, for each pair of moves
-SLIPPED = 2e-3  # share by which a limit may be exceeded between constrained instants
+SLIPPED = 5e-4  # share of each limit that rows leave free besides: for what slips between constrained instants
+FINER = 1e-4  # of that, for what slips between the instants of the quick look
 TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by what is left
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # a motion that had to shrink to less than this is searched for once more, from inside
@@ -305,7 +306,7 @@ class _Run:
         self.task, self.family, self.watch = task, task.family, watch
         self.scaling = reference_scaling(task.case, model)
         self.model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
-        self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN)
+        self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED)
         self.iterations, self.status, self.converged, self.stopped = 0, "", False, False
 
     def told(self, objective: float) -> bool:
@@ -342,16 +343,16 @@ class _Run:
     def constrained(self, unknowns: Array, stage: _Stage) -> Array:
         """Solves again where limits are exceeded between constrained instants: at more of them, then more tightly."""
         self.family = self.family.refined(unknowns)
-        self.problem = self.problem.within(self.family.layout(self.task.case, MARGIN))
+        self.problem = self.problem.within(self.family.layout(self.task.case, MARGIN + SLIPPED))
         again = stage._replace(convex=False, iterations=REFINE, options=_AT_HAND)
         for number in range(TIGHTER):
             slips = self.problem.slips(self.family.motion(unknowns))
-            kept = max(slips) <= 1.0 - MARGIN + SLIPPED and self.problem.outside(unknowns) < SLIPPED
+            kept = max(slips) <= 1.0 - MARGIN - FINER and self.problem.outside(unknowns) < SLIPPED
             if self.stopped or kept:
                 break
             self.problem = self.problem.with_rows_above(unknowns, NEAR)
             if number > 0 or self.task.step is Step.REFINE:
-                self.problem = self.problem.tightened(slips, 1.0 - MARGIN)
+                self.problem = self.problem.tightened(slips, 1.0 - MARGIN - SLIPPED)
             unknowns = self.solve(unknowns, again)
         return unknowns
 
