@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from planner.search.ipopt import INSIDE, SETTLED, Reached, solve
+from planner.search.ipopt import INSIDE, Reached, solve
 from planner.search.program import Program
 from planner.search.rows import Blocks, LinearRows
 from tests.planner.search.conftest import Small
@@ -104,7 +104,6 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
         return float(max((lower - rows).max(), (rows - upper).max()))
 
     inside = [value for value, unknowns in passed if outside(unknowns) < INSIDE]
-    assert reached.converged == (reached.status == SETTLED) or reached.converged
     if inside and not reached.converged:
         assert outside(reached.unknowns) < INSIDE
         assert program.value(reached.unknowns) <= min(inside) + 1e-9

@@ -110,7 +110,7 @@ def test_limits_that_are_left_out_are_not_near_anywhere_in_the_box(name: str):
 
 
 def chosen(part: Rows) -> np.ndarray | None:
-    return part.chosen.ravel() if isinstance(part, LinearRows | StateRows) and part is not None else None
+    return part.chosen.ravel() if isinstance(part, LinearRows | StateRows) else None
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.8])

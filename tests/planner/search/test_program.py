@@ -9,7 +9,7 @@ from cases.schema import Case
 from identification.model import Model, identification_model
 from identification.reference import reference_scaling
 from planner.search.problem import mean_information
-from planner.search.program import Program
+from planner.search.program import Program, regressor_kernel
 from tests.helpers import taylor_slope
 from tests.planner.search.conftest import Small
 
@@ -103,8 +103,6 @@ def test_with_weights_it_is_that_of_the_weighted_model(small: Small, model: Mode
     """The whitening of the noise enters through the model alone."""
     _, problem, at = small
     whitened = replace(model, whitening=2.0 * np.eye(6))
-    from planner.search.program import regressor_kernel
-
     plain, other = (regressor_kernel(m, np.ones(len(model.names))) for m in (model, whitened))
     states = problem.layout.states.at(at).reshape(-1, 19)
     assert other.values(states) == pytest.approx(2.0 * plain.values(states), rel=1e-12)
