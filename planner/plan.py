@@ -109,8 +109,8 @@ class Plan:
         refined = [s for s in self.starts if s.refined]
         if refined and not self.interrupted and not refined[0].converged:
             told.append(
-                f"the search had not converged where it ended ({solver_text(refined[0].status)}): --seconds "
-                f"{max(30, 2 * round(self.solve_seconds))} may find more"
+                f"the search had not converged where it ended ({solver_text(refined[0].status)}): more --seconds or "
+                "--starts may find more"
             )
         if self.starts and (share := self.starts[0].shrunk) < DRAWN_BACK:
             told.append(

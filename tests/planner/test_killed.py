@@ -48,7 +48,7 @@ def whole(folder: Path, file: str, others: list[str]) -> bool:
 def test_a_plan_that_is_killed_while_it_is_written_is_whole_or_absent(cache: Path, tmp_path: Path):
     moment = [".plan.*.part/plan.json", "plan"]
     signal_when(start(*QUICK, "-o", tmp_path / "plan"), moment, tmp_path, signal.SIGKILL)
-    whole(tmp_path / "plan", "plan.json", ["motion.csv", "plots/trajectory.svg"])
+    whole(tmp_path / "plan", "plan.json", ["motion.csv", "report.html"])
 
 
 @pytest.mark.slow
@@ -57,9 +57,9 @@ def test_a_result_that_is_killed_while_it_is_written_is_whole_or_absent(
 ):
     identify = ("identify", shared / "recording", "-o", tmp_path / "result", "--json")
     signal_when(start(*identify), [".result.*.part/result.json", "result"], tmp_path, signal.SIGKILL)
-    whole(tmp_path / "result", "result.json", ["plots"])
+    whole(tmp_path / "result", "result.json", ["report.html"])
     call(*identify).json()
-    assert whole(tmp_path / "result", "result.json", ["plots"])
+    assert whole(tmp_path / "result", "result.json", ["report.html"])
 
 
 def workers(session: int) -> list[float]:
@@ -114,7 +114,7 @@ def test_ctrl_c_ends_the_search_and_keeps_the_best_plan_so_far(cache: Path, tmp_
     out, err = process.communicate(timeout=300)
     assert (process.returncode, err) == (0, "")
     assert "stopped by Ctrl-C" in out
-    assert whole(tmp_path / "plan", "plan.json", ["motion.csv", "plots/trajectory.svg"])
+    assert whole(tmp_path / "plan", "plan.json", ["motion.csv", "report.html"])
     plan = one_json_object((tmp_path / "plan" / "plan.json").read_text(encoding="utf-8"))
     assert plan["interrupted"]
     assert plan["status"] == "proven"

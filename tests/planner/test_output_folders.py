@@ -104,6 +104,7 @@ def test_what_an_earlier_run_made_stays_unless_it_may_be_replaced(
     sources: dict, chain: Any, shared: Path, tmp_path: Path
 ):
     result = Path(shutil.copytree(shared / "result", tmp_path / "result"))
+    (result / "plots").mkdir(exist_ok=True)
     (result / "plots" / "old.svg").write_text("of another run")
     assert "--overwrite" in refused(*sources["identify"], "-o", result)
     assert (result / "plots" / "old.svg").exists()

@@ -78,7 +78,7 @@ def test_states_of_the_optimiser_are_states_of_the_motion(
 ):
     """Of information and of limits: each is found along the motion of its move, at the share of its phase."""
     states = problem.layout.states.at(start)
-    assert states.shape == (MOVES, 14, 19)
+    assert states.shape == (MOVES, 11, 19)
     assert states[:, :, 18].sum() == pytest.approx(1.0)  # shares of the duration
     motion = family.motion(start)
     lasting = states[:, :, 18].sum(axis=1) * motion.duration

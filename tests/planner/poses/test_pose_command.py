@@ -36,7 +36,7 @@ def quick(folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def planned(folder: Path, quick: Path) -> dict[str, Any]:
-    return call("poses", quick, "--count", FEW, "-o", folder / "plan", "--json").json()
+    return call("poses", quick, "--count", FEW, "--plots", "-o", folder / "plan", "--json").json()
 
 
 @pytest.fixture(scope="module")

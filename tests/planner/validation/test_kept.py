@@ -90,8 +90,8 @@ def test_a_finished_step_is_found_again_as_it_was(tmp_path: Path):
 
 
 def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
-    def left(settings: Settings, make: bool) -> bool:
-        with suppress(Stopped), unfinished(tmp_path / "v", CASE, settings) as folder:
+    def left(settings: Settings, make: bool, overwrite: bool = False) -> bool:
+        with suppress(Stopped), unfinished(tmp_path / "v", CASE, settings, overwrite) as folder:
             known = (folder / "plans" / "ptp" / "plan.json").is_file()
             if make:
                 (folder / "plans" / "ptp").mkdir(exist_ok=True)
@@ -101,7 +101,9 @@ def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
 
     assert not left(Settings("virtual", 2, 0), True)
     assert left(Settings("linuxcnc", 2, 0), True)  # plans are the same, whatever executes them
-    assert not left(Settings("virtual", 2, 1), False)
+    with pytest.raises(FileProblem, match="--overwrite"):
+        left(Settings("virtual", 2, 1), False)
+    assert not left(Settings("virtual", 2, 1), False, overwrite=True)
     assert not (tmp_path / "v.unfinished").exists()  # nothing in it is worth keeping
     (tmp_path / "v.unfinished").mkdir()
     (tmp_path / "v.unfinished" / "diary.txt").touch()
