@@ -67,7 +67,7 @@ def result_page(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.T
     recording = simulate_recording(hexapod_case, execution, np.array([[0.3, 3.7]]), seed=1)
     file = folder / "<img src=x onerror=\"document.title='taken over'\">.csv"
     write_recording(file, recording, hexapod_case)
-    assert call("identify", file, "--case", "hexapod", "-o", folder / "result").code == 0
+    assert call("identify", file, "--case", "hexapod", "--plots", "-o", folder / "result").code == 0
     return folder / "result" / "report.html"
 
 

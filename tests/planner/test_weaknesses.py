@@ -81,8 +81,7 @@ def test_a_search_that_had_not_converged(interrupted: bool, plan: Plan, start: S
         assert weak.weaknesses == []
     else:
         (told,) = weak.weaknesses
-        assert "had not converged where it ended (at its iteration limit): --seconds 30" in told
-    assert "--seconds 80" in "".join(replace(weak, interrupted=False, solve_seconds=40.0).weaknesses)
+        assert "had not converged where it ended (at its iteration limit): more --seconds" in told
 
 
 def test_only_the_best_refined_start_need_have_converged(plan: Plan, start: Start):
