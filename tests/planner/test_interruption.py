@@ -13,6 +13,7 @@ from planner.interruption import Interrupted, ctrl_c_raises
 from planner.plan import Plan
 from planner.request import Request
 from planner.search.parallel import Listener, Outcome
+from planner.search.patience import Patience
 from tests.planner.command_line import call
 
 SILENT = Listener(lambda start: None, lambda news: None)
@@ -51,7 +52,7 @@ def test_ctrl_c_before_a_search_keeps_it_from_beginning(hexapod_case: Case, monk
 
     def make(request: Request, case: Case, file: str, listener: Listener, run: Callable) -> Found:
         ctrl_c()
-        told.append(run([object()], listener, None))  # no task: it would fail
+        told.append(run([object()], listener, Patience.of(request, 20)))  # no task: it would fail
         return Found()
 
     planned(make, "fourier", hexapod_case, monkeypatch)
