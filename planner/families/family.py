@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.motion import Trajectory
-from planner.search.peaks import Peak
 from planner.search.rows import Rows
-from planner.search.states import States
+from planner.search.states import Peak, States
 
 Array = NDArray[np.float64]
 

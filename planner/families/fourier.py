@@ -19,7 +19,7 @@ from planner.families.family import Layout
 from planner.families.fourier_motion import FourierMotion
 from planner.families.linear import linear_layout
 from planner.families.run_in import run_in, run_out
-from planner.search.peaks import Peak
+from planner.search.states import Peak
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from planner.families.family import Layout, box_middle
-from planner.search.peaks import Peak
 from planner.search.rows import LinearRows
-from planner.search.states import linear_states
+from planner.search.states import Peak, linear_states
 
 Array = NDArray[np.float64]
 

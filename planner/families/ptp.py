@@ -19,9 +19,8 @@ from identification.motion import Joined
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.families.family import Layout, box_middle
 from planner.search.kernel import Kernel
-from planner.search.peaks import Peak
 from planner.search.rows import BlockRows, LinearRows
-from planner.search.states import STATE, KernelStates, LinearStates
+from planner.search.states import STATE, KernelStates, LinearStates, Peak
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.trajectories.polynomial import Piece, PolynomialMotion
 from planner.families.family import Layout, box_middle
 from planner.families.linear import linear_layout
-from planner.search.peaks import Peak
+from planner.search.states import Peak
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -22,8 +22,8 @@ from identification.evaluate import over_samples
 from identification.model import Model
 from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily, states_of_move
-from planner.search.peaks import Peak
 from planner.search.state_limits import near_limits
+from planner.search.states import Peak
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

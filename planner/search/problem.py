@@ -12,10 +12,10 @@ from identification.evaluate import over_samples
 from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
-from planner.search.peaks import Peak
 from planner.search.program import Program, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows
 from planner.search.state_limits import BINDS, LimitGroup, near_limits
+from planner.search.states import Peak
 
 Array = NDArray[np.float64]
 

@@ -20,8 +20,7 @@ from identification.parameters import body_parameters
 from identification.pose import rotation
 from planner.families.family import box_middle
 from planner.search.kernel import Kernel
-from planner.search.peaks import Peak
-from planner.search.states import STATE
+from planner.search.states import STATE, Peak
 
 Array = NDArray[np.float64]
 

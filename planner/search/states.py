@@ -6,6 +6,7 @@ matrices, one a block, and only gathered by those who need them.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +19,14 @@ Indices = NDArray[np.intp]
 
 STATE = 19
 SHARE = 18  # component of a state
+
+
+class Peak(Enum):
+    """Where along a motion a limit is used most."""
+
+    POSE = "where the pose is extreme"
+    VELOCITY = "where rates are largest"
+    ACCELERATION = "where accelerations are largest"
 
 
 class States(Protocol):

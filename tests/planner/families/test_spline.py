@@ -9,11 +9,10 @@ from identification.model import identification_model
 from identification.motion import sample
 from identification.reference import reference_scaling
 from planner.families.spline import CRITICAL, SplineFamily
-from planner.search.peaks import Peak
 from planner.search.problem import Problem, build_problem
 from planner.search.rows import LinearRows
 from planner.search.state_limits import state_limits
-from planner.search.states import STATE
+from planner.search.states import STATE, Peak
 
 
 @pytest.fixture(scope="module")
