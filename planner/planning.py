@@ -31,10 +31,11 @@ from planner.plan import Plan
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.choices import choices
+from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import FEWEST, Patience
 from planner.search.problem import mean_information
-from planner.search.solving import Failed, Start, Step, Task, keep_limits, seeds_of
+from planner.search.solving import Failed, Start, Step, Task, seeds_of
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from identification.trajectories.circle import CircularMove
 from identification.trajectories.online_profile import OnlineProfile, UntimedMove, online_move, online_profile
 from identification.trajectories.profile import Profile, StraightMove
 from planner.families.ptp import unit_profile
-from planner.search.solving import MARGIN
+from planner.search.inside import MARGIN
 
 Array = NDArray[np.float64]
 

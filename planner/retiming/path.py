@@ -20,7 +20,7 @@ from identification.trajectories.polynomial import PolynomialMotion
 from planner.infeasible import remedy
 from planner.retiming.pacing import POINTS, Course, PacedMotion, paced
 from planner.retiming.spline_fit import fitted_spline
-from planner.search.solving import MARGIN
+from planner.search.inside import MARGIN
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from cases.schema import Case
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion
-from planner.search.solving import keep_limits
+from planner.search.inside import keep_limits
 from tests.planner.monte_carlo import monte_carlo
 
 RUNS = 600

@@ -17,7 +17,7 @@ from planner.families.fourier import FourierFamily
 from planner.infeasible import remedy
 from planner.readiness import require_plannable
 from planner.request import Request
-from planner.search.solving import keep_limits
+from planner.search.inside import keep_limits
 from tests.helpers import one_line
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed

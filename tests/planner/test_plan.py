@@ -17,8 +17,8 @@ from planner.families.fourier_motion import FourierMotion
 from planner.plan import Plan
 from planner.request import Request
 from planner.saved_plan import SavedPlan
+from planner.search.inside import MARGIN, keep_limits
 from planner.search.problem import build_problem, mean_information
-from planner.search.solving import MARGIN, keep_limits
 from tests.postprocessors.independent import strut_lengths
 
 INSTANTS = 10 * DENSITY * 5  # instants of a period: ten times the optimiser's grid

@@ -23,8 +23,9 @@ from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion
 from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
+from planner.search.inside import keep_limits
 from planner.search.problem import mean_information
-from planner.search.solving import Task, keep_limits, run_start
+from planner.search.solving import Task, run_start
 from tests.planner.bounds.test_moments import CASE, FAMILIES
 
 MODEL = identification_model(CASE, 0)

@@ -10,9 +10,10 @@ from identification.motion import sample
 from identification.reference import reference_scaling
 from identification.trajectories.profile import StraightMove
 from planner.families.ptp import PointToPointFamily
+from planner.search.inside import MARGIN, keep_limits
 from planner.search.problem import Problem, build_problem, mean_information
 from planner.search.rows import BlockRows, StateRows
-from planner.search.solving import MARGIN, Start, Task, keep_limits, run_start
+from planner.search.solving import Start, Task, run_start
 from planner.search.state_limits import pose_shares
 
 MOVES = 9
