@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import accumulate
 from typing import Literal, NoReturn
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from cases.controller import Controller
 from cases.errors import CaseError
@@ -53,6 +53,19 @@ class Case(Part):
     nominal: RigidBody | None = None
     simulation: Simulation | None = None
     payloads: Payloads | None = None
+
+    _origin: str = PrivateAttr("")
+
+    @property
+    def origin(self) -> str:
+        """Name or file that finds the case again from any folder; empty where it was not loaded."""
+        return self._origin
+
+    def found_at(self, origin: str) -> "Case":
+        """The same case with another origin."""
+        case = self.model_copy()
+        case._origin = origin
+        return case
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":

@@ -5,7 +5,7 @@ with the CasADi models that the optimiser uses.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -104,9 +104,30 @@ class LimitReport:
                 "time_s": c.time,
                 "status": str(c.status),
                 **({"bounds": list(c.bounds)} if c.bounds is not None else {}),
+                **({} if c.binding else {"binding": False}),
             }
             for c in self.checks
         }
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Mapping[str, Any]]) -> "LimitReport":
+        """From what `to_json` made; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
+        return cls(tuple(_check(entry) for entry in data.values()))
+
+
+def _check(entry: Mapping[str, Any]) -> LimitCheck:
+    bounds = entry.get("bounds")
+    return LimitCheck(
+        name=str(entry["at"]),
+        worst=float(entry["worst"]),
+        limit=float(entry["limit"]),
+        unit=str(entry["unit"]),
+        ratio=float(entry["ratio"]),
+        time=float(entry["time_s"]),
+        status=Status(entry["status"]),
+        binding=bool(entry.get("binding", True)),
+        bounds=None if bounds is None else (float(bounds[0]), float(bounds[1])),
+    )
 
 
 def prove(

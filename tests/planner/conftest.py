@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from planner.saved_plan import SavedPlan, load_plan
 
 from cases.loading import built_in_cases
-from planner.saved_plan import SavedPlan, load_plan
 from tests.planner.browser import browser
 from tests.planner.command_line import ACCEPT, hexcite
 

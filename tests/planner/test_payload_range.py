@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from planner.saved_plan import load_plan
 
 from cases.loading import load_case
 from identification.model import identification_model
@@ -11,7 +12,6 @@ from planner.deviations import predicted_std_of, worst_std
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import expected_noise
 from planner.request import Request, read_payloads
-from planner.saved_plan import load_plan
 from tests.planner.command_line import call, refused
 from tests.planner.monte_carlo import vibrating
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from planner.saved_plan import SavedPlan
 
 from cases.schema import Case
 from identification.evaluate import over_samples
@@ -16,7 +17,6 @@ from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from planner.plan import Plan
 from planner.request import Request
-from planner.saved_plan import SavedPlan
 from planner.search.inside import MARGIN, keep_limits
 from planner.search.problem import build_problem, mean_information
 from tests.postprocessors.independent import strut_lengths

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from planner.saved_plan import SavedPlan
+
 from tests.planner.command_line import ACCEPT, call, refused
 from tests.planner.json_answer import one_json_object
 

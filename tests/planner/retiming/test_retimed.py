@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from planner.saved_plan import load_plan
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import load_case
@@ -19,7 +20,6 @@ from planner.retiming.motion_table import read_motion
 from planner.retiming.moves import by_controller
 from planner.retiming.plan import retimed_plan
 from planner.retiming.retimed import Method, fitting_method, retimed
-from planner.saved_plan import load_plan
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from planner.search.choices import choices
 
 from cases.errors import HexciteError
 from cases.schema import Case
 from planner.cli.plan import BELONGS, refuse_foreign
 from planner.planning import KEPT, search
 from planner.request import FAMILIES, Request
-from planner.search.choices import choices
 from planner.search.parallel import Listener, Outcome
 from planner.search.patience import Patience
 from planner.search.solving import Start, Step, Task

@@ -27,7 +27,7 @@ class Progress:
         self.request, self.remark, self.bound = request, remark, None
         model = identification_model(case, request.model)
         self.size = len(model.names)
-        if request.family != "manual" and expected_noise(case, model, request.payload).whitening is None:
+        if request.family.optimised and expected_noise(case, model, request.payload).whitening is None:
             remark("the limit of information")
             self.bound = box_bound(case, model)
         self.begin(request)
@@ -40,7 +40,7 @@ class Progress:
 
     def done(self, start: Start | Failed) -> None:
         """A start has ended."""
-        if isinstance(start, Start) and start.family.name != self.request.family:
+        if isinstance(start, Start) and start.family.name != self.request.family.name:
             return
         self.count, self.since = self.count + 1, self.since + 1
         if isinstance(start, Start):
