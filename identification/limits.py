@@ -104,14 +104,13 @@ class LimitReport:
                 "time_s": c.time,
                 "status": str(c.status),
                 **({"bounds": list(c.bounds)} if c.bounds is not None else {}),
-                **({} if c.binding else {"binding": False}),
             }
             for c in self.checks
         }
 
     @classmethod
     def of_json(cls, data: Mapping[str, Mapping[str, Any]]) -> "LimitReport":
-        """From what `to_json` made; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
+        """Of a motion, from what `to_json` made; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
         return cls(tuple(_check(entry) for entry in data.values()))
 
 
@@ -125,7 +124,6 @@ def _check(entry: Mapping[str, Any]) -> LimitCheck:
         ratio=float(entry["ratio"]),
         time=float(entry["time_s"]),
         status=Status(entry["status"]),
-        binding=bool(entry.get("binding", True)),
         bounds=None if bounds is None else (float(bounds[0]), float(bounds[1])),
     )
 

@@ -112,6 +112,16 @@ class Plan:
         raise HexciteError(f"{self.name}: is a plan of poses; here a plan of a motion is wanted")
 
     @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the search early."""
+        return isinstance(self.worth, Worth) and self.worth.search.interrupted
+
+    def ended_early(self) -> "Plan":
+        """The same as the plan of a search that Ctrl-C ended."""
+        worth = self.of_motion[1]
+        return replace(self, worth=replace(worth, search=worth.search._replace(interrupted=True)))
+
+    @property
     def payloads(self) -> range:
         """Numbers of payloads that may be mounted."""
         return self.request.payloads if isinstance(self.request, Request) else range(1)
@@ -218,12 +228,6 @@ class Plan:
 def poses_in_units(poses: Array) -> Array:
     """Poses in mm and degrees, shape (n, 6), without the noise of the conversion."""
     return np.asarray(np.round(poses / np.r_[np.full(3, MM), np.full(3, DEG)], 9))
-
-
-def interrupted(plan: Plan) -> Plan:
-    """The plan of a search that Ctrl-C ended."""
-    assert isinstance(plan.worth, Worth)
-    return replace(plan, worth=replace(plan.worth, search=plan.worth.search._replace(interrupted=True)))
 
 
 def motion_csv(motion: Motion) -> str:

@@ -24,7 +24,7 @@ from planner.found import Found, notes, weaknesses
 from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.plan import Plan, interrupted
+from planner.plan import Plan
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits
@@ -165,7 +165,7 @@ def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
             return Outcome([], True) if pressed.is_set() else run_all(tasks, listener, patience)
 
         plan = make(request, case, listener, run)
-    return interrupted(plan) if pressed.is_set() else plan
+    return plan.ended_early() if pressed.is_set() else plan
 
 
 def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:

@@ -7,10 +7,9 @@ import numpy as np
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from planner.interruption import Interrupted
-from planner.plan import Plan, interrupted
+from planner.plan import Plan
 from planner.request import LONGEST, Request
 from planner.target import UNITS, Target, parse_targets
-from planner.worth import Worth
 
 ROUNDS = 4  # of shortening: each lands within a few percent of what the information rate promises
 RESERVE = 1.03  # shorter motions carry a little less information a second: turning round at the ends takes its time
@@ -47,7 +46,7 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
         if duration <= too_short:
             duration = (too_short + best.motion.duration) / 2
         duration = request.family.allowed_duration(duration)
-        if duration > WORTHWHILE * best.motion.duration or _stopped(best):
+        if duration > WORTHWHILE * best.motion.duration or best.interrupted:
             break
         try:
             trial = make(request.lasting(duration))
@@ -55,24 +54,20 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
             too_short = duration
             continue
         except Interrupted:
-            return interrupted(best)
+            return best.ended_early()
         if use(trial) <= 1.0:
             best = trial
-        elif _stopped(trial):
-            return interrupted(best)
+        elif trial.interrupted:
+            return best.ended_early()
         else:
             too_short = duration
     return best
 
 
-def _stopped(plan: Plan) -> bool:
-    return isinstance(plan.worth, Worth) and plan.worth.search.interrupted
-
-
 def _missed(request: Request, best: Plan, target: Target) -> BaseException:
     """What to say of the longest motion that is allowed where it does not meet a target."""
     reached = f"{best.predicted_std[target.name] / UNITS[target.unit][1]:.3g} {target.unit}"
-    if _stopped(best):
+    if best.interrupted:
         return Interrupted(f"the best found until then has {reached}, not {target.text}: nothing was written")
     needed = request.duration * target.share(best.predicted_std) ** 2 * RESERVE
     longer = request.family.allowed_duration(float(np.ceil(needed)))

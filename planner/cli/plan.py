@@ -90,6 +90,7 @@ def plan(
     from planner.families.settings import family_class
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned
+    from planner.readiness import require_plannable
     from planner.request import Request, read_payloads
 
     kind, options = family_class(family), context.params
@@ -111,6 +112,7 @@ def plan(
     loaded, optimised = load_case(case), request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
+    require_plannable(request, loaded)
     if not json:
         what = f"{duration:g} s, criterion {criterion}, " if optimised else ""
         print(f"Planning for {loaded.name}: {family}, {what}model {model}", flush=True)

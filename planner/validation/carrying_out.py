@@ -267,7 +267,7 @@ def _planned(case: Case, method: str, settings: Settings, folder: Path) -> Plan:
         plan = poses_planned(request, case)
     else:
         plan = planned(request.searched(settings.starts, settings.seed), case)
-        if plan.of_motion[1].search.interrupted:
+        if plan.interrupted:
             raise Interrupted
     plan.save(place)
     return Plan.load(place, case)

@@ -10,12 +10,12 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from planner.saved_plan import load_plan
 
 from cases.loading import load_case
 from identification.motion import sample
 from identification.recording import read_recording
 from planner.comparison.truth import truth_rows
+from planner.plan_folder import load_plan
 
 BLUE, RED, GREY = "#0072b2", "#d55e00", "#627d98"
 

@@ -14,6 +14,7 @@ from identification.limits import prove
 from identification.motion import Standstill
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
+from planner.families.settings import Fourier, PointToPoint
 from planner.infeasible import remedy
 from planner.readiness import require_plannable
 from planner.request import Request
@@ -120,7 +121,7 @@ def test_limits_that_forbid_even_to_stand_are_named_before_planning_begins(
 def test_a_box_around_the_start_is_to_be_made_smaller(hexapod_case: Case):
     case = changed(hexapod_case, workspace__keep_out=[BEHIND_HOME])
     with pytest.raises(InfeasiblePlan, match=r"distance from vice \(origin\) .* workspace.keep_out smaller") as caught:
-        require_plannable(Request("hexapod"), case)
+        require_plannable(Request(), case)
     one_line(caught.value)
 
 
@@ -144,15 +145,15 @@ def test_moves_need_their_controller_cycles(hexapod_case: Case):
         r"12 s is too short for 40 moves: 4 phases of 3 .* of 50 ms take 0.6 s; choose at least 24 s, or --moves 20 or"
     )
     with pytest.raises(HexciteError, match=words) as caught:
-        require_plannable(Request("hexapod", family="ptp"), case)
+        require_plannable(Request(PointToPoint()), case)
     one_line(caught.value)
-    require_plannable(Request("hexapod", family="ptp", moves=40, duration=24.0), case)
-    require_plannable(Request("hexapod", family="ptp", moves=20), case)
+    require_plannable(Request(PointToPoint(moves=40), duration=24.0), case)
+    require_plannable(Request(PointToPoint(moves=20)), case)
 
 
 def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
     """At 100 m/s^3 it takes 0.03 s to 3 m/s^2, at 200 rad/s^3 0.025 s to 5 rad/s^2; a move rises and falls twice."""
-    request = Request("hexapod", family="ptp", moves=40, duration=4.0)
+    request = Request(PointToPoint(moves=40), duration=4.0)
     require_plannable(request, hexapod_case)
     softer = changed(
         hexapod_case, limits__motion__jerk_m_s3=[50.0] * 3, limits__motion__angular_jerk_rad_s3=[100.0] * 3
@@ -165,10 +166,10 @@ def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
 
 
 def test_what_no_filter_holds_back_may_have_any_period(hexapod_case: Case):
-    require_plannable(Request("hexapod", period=0.25, duration=0.25), hexapod_case)
+    require_plannable(Request(Fourier(period=0.25), duration=0.25), hexapod_case)
     case = changed(hexapod_case, recording__filter_cutoff_Hz=10.0)
     with pytest.raises(HexciteError, match=r"order 5 reaches 20 Hz, the evaluation hears up to 5 Hz"):
-        require_plannable(Request("hexapod", period=0.25, duration=0.25), case)
+        require_plannable(Request(Fourier(period=0.25), duration=0.25), case)
 
 
 def test_a_motion_is_drawn_back_out_of_a_small_box_close_to_its_middle(hexapod_case: Case):

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from planner.saved_plan import load_plan
 
 from cases.loading import built_in_cases
 from identification.motion import Measurement
+from planner.plan_folder import load_plan
 from postprocessors.proving.measured import measured_poses, measures_at_poses
 from postprocessors.proving.stretches import stretches
 from tests.planner.command_line import call, refused

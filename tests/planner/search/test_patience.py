@@ -25,7 +25,7 @@ def start(promise: float, seed: int = 0) -> Start:
 
 
 def patience(**settings: object) -> Patience:
-    return Patience.of(replace(Request("hexapod"), **settings), SIZE)
+    return Patience.of(replace(Request(), **settings), SIZE)
 
 
 def ended_after(promises: list[float]) -> int | None:
@@ -74,7 +74,7 @@ def test_time_is_shared_between_exploring_and_refining():
     now = time.monotonic()
     assert before + 100.0 <= watch.until <= now + 100.0
     assert watch.exploring().until == pytest.approx(before + 100.0 * EXPLORING, abs=1.0)
-    moves = patience(seconds=100.0, family="ptp")
+    moves = patience(seconds=100.0, family=PointToPoint())
     assert moves.exploring().until == moves.until  # its starts are refined at once
     assert not watch.over()
     assert replace(watch, until=now).over()
