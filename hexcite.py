@@ -21,10 +21,12 @@ if TYPE_CHECKING:
     from cases.loading import load_case as load_case
     from cases.schema import Case as Case
     from identification.estimation.estimators import method as method
-    from identification.force import tare as tare
     from identification.outcome import Result as Result
+    from identification.outcome import force as force
+    from identification.outcome import tare as tare
     from identification.recording import Recording as Recording
     from identification.recording import read as read
+    from planner.bounds.kept import bound as bound
     from planner.comparison.compare import compare as compare
     from planner.demo import demo as demo
     from planner.families.settings import Fourier as Fourier
@@ -45,37 +47,42 @@ if TYPE_CHECKING:
     from postprocessors.files import read_program as read_program
 
 _PLACES = {
-    "cases.errors": ("HexciteError",),
-    "cases.loading": ("load_case",),
-    "cases.schema": ("Case",),
-    "identification.estimation.estimators": ("method",),
-    "identification.force": ("force=external_force", "tare"),
-    "identification.outcome": ("Result",),
-    "identification.recording": ("Recording", "read"),
-    "planner.bounds.kept": ("bound=information_bound",),
-    "planner.comparison.compare": ("compare",),
-    "planner.demo": ("demo",),
-    "planner.families.settings": ("Fourier", "Manual", "PointToPoint", "Spline"),
-    "planner.library": ("plan", "plan_poses"),
-    "planner.plan": ("Plan",),
-    "planner.reports.report": ("report",),
-    "planner.retiming.plan": ("retime",),
-    "planner.runs.identified": ("identify",),
-    "planner.runs.running": ("run",),
-    "planner.runs.writing": ("write",),
-    "planner.validation.validate": ("validate",),
-    "postprocessors.export.targets": ("export",),
-    "postprocessors.files": ("Program", "read_program"),
+    "HexciteError": "cases.errors",
+    "load_case": "cases.loading",
+    "Case": "cases.schema",
+    "method": "identification.estimation.estimators",
+    "Result": "identification.outcome",
+    "force": "identification.outcome",
+    "tare": "identification.outcome",
+    "Recording": "identification.recording",
+    "read": "identification.recording",
+    "bound": "planner.bounds.kept",
+    "compare": "planner.comparison.compare",
+    "demo": "planner.demo",
+    "Fourier": "planner.families.settings",
+    "Manual": "planner.families.settings",
+    "PointToPoint": "planner.families.settings",
+    "Spline": "planner.families.settings",
+    "plan": "planner.library",
+    "plan_poses": "planner.library",
+    "Plan": "planner.plan",
+    "report": "planner.reports.report",
+    "retime": "planner.retiming.plan",
+    "identify": "planner.runs.identified",
+    "run": "planner.runs.running",
+    "write": "planner.runs.writing",
+    "validate": "planner.validation.validate",
+    "export": "postprocessors.export.targets",
+    "Program": "postprocessors.files",
+    "read_program": "postprocessors.files",
 }
 
 
 def __getattr__(name: str) -> object:
-    for place, names in _PLACES.items():
-        for shown, _, own in (entry.partition("=") for entry in names):
-            if shown == name:
-                return getattr(import_module(place), own or shown)
-    raise AttributeError(f"hexcite has no {name}; it has {', '.join(__dir__())}")
+    if name not in _PLACES:
+        raise AttributeError(f"hexcite has no {name}; it has {', '.join(_PLACES)}")
+    return getattr(import_module(_PLACES[name]), name)
 
 
 def __dir__() -> list[str]:
-    return sorted(entry.partition("=")[0] for names in _PLACES.values() for entry in names)
+    return list(_PLACES)

@@ -21,6 +21,7 @@ from cases.payloads import Payloads
 from cases.poses import Poses
 from cases.recording import RecordingFormat
 from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation, together
+from cases.shown import as_html
 from cases.units import MINUTE, MM
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
@@ -66,6 +67,18 @@ class Case(Part):
         case = self.model_copy()
         case._origin = origin
         return case
+
+    def __repr__(self) -> str:
+        """Two lines: what it is, and which parts it has."""
+        optional = ("machine", "workspace", "limits", "poses", "controller", "nominal", "simulation", "payloads")
+        there = [part for part in optional if getattr(self, part) is not None]
+        what = f"Case {self.name}: {self.title} (setup {self.setup}, hash {self.hash})"
+        return f"{what}\nhas {', '.join(there) or 'sensors only'}"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return as_html(repr(self))
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":

@@ -110,7 +110,7 @@ class LimitReport:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Mapping[str, Any]]) -> "LimitReport":
-        """Of a motion, from what `to_json` made; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
+        """Of a motion, from what `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
         return cls(tuple(_check(entry) for entry in data.values()))
 
 

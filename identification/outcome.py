@@ -8,10 +8,14 @@ from typing import Any
 from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.shown import as_html
+from identification.force import ExternalForce, external_force
+from identification.force import tare as new_offsets
 from identification.identifiability import Identifiability
+from identification.recording import Recording
 from identification.result import Estimate, Value
+from identification.runs.rates import on_one_clock
 from identification.runs.residuals import Residuals
-from identification.saved import load_result
+from identification.saved import SavedResult, load_result, solution_of, with_tare
 
 # Of what recording.json says of a run, what a result keeps.
 TOLD_OF_RUNS = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
@@ -54,6 +58,11 @@ class Result:
     def notes(self) -> tuple[str, ...]:
         """What else there is to say of the evaluation."""
         return tuple(self.record["notes"])
+
+    @property
+    def solution(self) -> SavedResult:
+        """The linear parameters with their covariance, for predictions."""
+        return solution_of(self.record, str(self.record["recording"]))
 
     def write(self, folder: Path) -> None:
         """Writes result.json and identifiability.json into a folder that is there."""
@@ -106,3 +115,32 @@ class Result:
 
     def _repr_html_(self) -> str:
         return as_html(repr(self))
+
+
+def force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:
+    """External force and moment over a recording, in {P}; of a moving run behind the filter of the case.
+
+    Args:
+        recording: a run of the same machine.
+        result: identified parameters; their delay is compensated.
+        whole: all samples; else only the excitation.
+
+    Raises:
+        RecordingError, IdentificationError: the recording cannot be evaluated.
+    """
+    return external_force(on_one_clock(recording, result.case), result.case, result.solution, whole)
+
+
+def tare(recording: Recording, result: Result) -> Result:
+    """The result with sensor offsets identified anew from a standstill without contact; all else stays.
+
+    Args:
+        recording: one pose, any number of samples.
+        result: identified parameters.
+
+    Raises:
+        IdentificationError: the machine moves, or there are fewer than two samples.
+    """
+    known = result.solution
+    found = new_offsets(on_one_clock(recording, result.case), result.case, known)
+    return Result(result.case, with_tare(known, result.case, found.values, found.covariance, recording.source))

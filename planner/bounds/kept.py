@@ -126,7 +126,7 @@ def require_time(time_limit: float) -> None:
         raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")
 
 
-def information_bound(
+def bound(
     case: Case,
     model: int = 9,
     tight: bool = False,

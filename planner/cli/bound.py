@@ -30,7 +30,8 @@ def bound(
 
     from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
-    from planner.bounds.kept import information_bound, require_time
+    from planner.bounds.kept import bound as information_limit
+    from planner.bounds.kept import require_time
 
     require_time(time_limit)
     if output is not None:
@@ -38,7 +39,7 @@ def bound(
     loaded = load_case(case)
     began = perf_counter()
     with status_text(f"information limit of {loaded.name}, model {model}", json) as tell:
-        found = information_bound(loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=tell)
+        found = information_limit(loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=tell)
     answer = {
         "case": loaded.name,
         "case_hash": loaded.hash,

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.families.fourier import FourierFamily
+from planner.families.settings import PointToPoint
 from planner.request import Request
 from planner.search.patience import ENDLESS, EXPLORING, FEWEST, IDLE, MOST, WORTHWHILE, Patience, gain
 from planner.search.solving import Failed, Start
