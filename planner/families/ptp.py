@@ -36,8 +36,8 @@ TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
 
 def unit_profile(jerk_time: float, hold_time: float, cruise_time: float) -> Profile:
     """The profile over a distance of 1 with these times [s]."""
-    jerk = 1.0 / (jerk_time * (jerk_time + hold_time) * (2 * jerk_time + hold_time + cruise_time))
-    return Profile(jerk, jerk_time, hold_time, cruise_time)
+    acceleration = 1.0 / ((jerk_time + hold_time) * (2 * jerk_time + hold_time + cruise_time))
+    return Profile(acceleration, jerk_time, hold_time, cruise_time)
 
 
 def _profile_state(time: ca.SX, times: tuple[ca.SX, ...], phase: int) -> tuple[ca.SX, ca.SX, ca.SX]:

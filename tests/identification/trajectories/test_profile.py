@@ -67,7 +67,7 @@ def test_velocity_and_acceleration_are_the_integrals_of_the_jerk(shape: tuple[fl
 
 
 def test_before_and_after_its_time_a_profile_stands_at_its_ends() -> None:
-    profile = Profile(jerk=8.0, jerk_time=0.5, hold_time=0.1, cruise_time=0.2)
+    profile = Profile(acceleration=4.0, jerk_time=0.5, hold_time=0.1, cruise_time=0.2)
     s = profile.at([-1.0, 0.0, profile.duration, profile.duration + 1.0])[0]
     assert s[0] == s[1] == 0.0
     assert s[2] == s[3] > 0.0
