@@ -57,6 +57,14 @@ def plan(
     moves: Annotated[
         int | None, typer.Option(help="ptp: point-to-point moves, 8 to 64; by default ten in three seconds.")
     ] = None,
+    controller: Annotated[
+        str | None,
+        typer.Option(
+            "--for",
+            help="ptp: plan with the time law of linuxcnc, virtual, sinumerik, twincat or setpoints; by default as the "
+            "case says, else with limited jerk.",
+        ),
+    ] = None,
     knots: Annotated[int | None, typer.Option(help="spline: intervals, 20 to 150; by default ten a second.")] = None,
     sequence: Annotated[
         Path | None, typer.Option(help="manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
@@ -104,6 +112,7 @@ def plan(
         centred=centred,
         moves=moves,
         knots=knots,
+        controller=controller,
         sequence=sequence,
         payload=most,
         payload_from=fewest,

@@ -76,7 +76,7 @@ class EqualMoves:
             times = np.array(fastest_profile(way, *limits)[1:])
             velocity = 1.0 / (times @ [2.0, 1.0, 1.0])
             acceleration = velocity / (times @ [1.0, 1.0, 0.0])
-            peaks = np.array([velocity, acceleration, acceleration / times[0]])
+            peaks = np.array([velocity, acceleration, *([] if family.steps else [acceleration / times[0]])])
             steps = np.min(family.limits / peaks[:, None], axis=0) / family.half
             choices.append((float(np.prod(np.minimum(steps, 2.0))), times, steps))
         _, times, steps = max(choices, key=lambda choice: choice[0])
