@@ -24,6 +24,7 @@ from planner.request import Request
 from planner.search.last_words import solver_text
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.target import parse_targets
+from planner.vibration import BothLaws
 
 Array = NDArray[np.float64]
 
@@ -63,6 +64,7 @@ class Plan:
         solve_seconds: time spent on optimising [s].
         tight: what no motion from rest to rest with limited jerk can exceed, where that is known.
         rival: what another family found in seconds.
+        laws: what the time law of point-to-point moves costs on a machine that is not stiff.
     """
 
     case: Case
@@ -86,6 +88,7 @@ class Plan:
     solve_seconds: float
     tight: Bound | None = None
     rival: Start | None = None
+    laws: BothLaws | None = None
 
     @property
     def d_efficiency(self) -> float:
@@ -149,11 +152,13 @@ class Plan:
         if self.starts and self.bound_by:
             notes.append(f"shaped by these limits: {', '.join(self.bound_by)}")
         if steps := [c for c in self.limits.checks if c.status is Status.STEPS]:
-            limits = ", ".join(f"{c.limit:.4g} {c.unit}" for c in steps)
+            limits = ", ".join(f"{abs(c.limit):.4g} {c.unit}" for c in steps)
             notes.append(
-                f"made for {self.settings['made_for']}, which does not limit jerk: accelerations step, and the limits "
-                f"of jerk of the case ({limits}) do not count"
+                f"made for {self.settings.get('made_for')}, which does not limit jerk: accelerations step, and the "
+                f"limits of jerk of the case ({limits}) do not count"
             )
+        if self.laws is not None:
+            notes.append(self.laws.sentence)
         tried = {(s.family.order, s.family.period) for s in self.starts if isinstance(s.family, FourierFamily)}
         if len(tried) > 1:
             own = f"order {self.settings['order']} with period {self.settings['period_s']:g} s"
@@ -237,6 +242,7 @@ class Plan:
             "payload_from": self.request.payloads[0],
             "weaknesses": self.weaknesses,
             "rival": self._rival(),
+            "vibration": None if self.laws is None else self.laws.to_json(),
             "notes": self.notes,
             "targets": list(self.request.targets),
             "bound_by": self.bound_by,

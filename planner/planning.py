@@ -18,7 +18,7 @@ from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound, known_tight_bound
-from planner.controlled import Controlled, planned_for
+from planner.controlled import Controlled, move_count, planned_for
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily
@@ -37,6 +37,7 @@ from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import FEWEST, Patience
 from planner.search.problem import mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
+from planner.vibration import both_laws
 
 Array = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ def first_family(request: Request, case: Case) -> Family:
         return FourierFamily.lasting(order, period, request.periods, middle, half, request.centred)
     if request.family == "spline":
         return SplineFamily.of(case, request.intervals, request.duration)
-    return PointToPointFamily.of(case, request.move_count, request.duration)
+    return PointToPointFamily.of(case, move_count(request, case), request.duration)
 
 
 def _rival(request: Request, case: Case) -> Task | None:
@@ -276,6 +277,7 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
         limits=found.limits,
         solve_seconds=seconds,
         tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
+        laws=both_laws(case, request.model, found.motion, request.payload),
     )
 
 

@@ -6,7 +6,7 @@ from cases.errors import HexciteError
 from cases.manual import load_poses, load_sequence
 from cases.schema import Case
 from identification.model import identification_model
-from planner.controlled import planned_for
+from planner.controlled import move_count, planned_for
 from planner.families.manual import sequence_file
 from planner.families.ptp import FEWEST, SHORTEST_PHASE
 from planner.infeasible import require_rest
@@ -71,12 +71,13 @@ def _require_long_moves(request: Request, case: Case) -> None:
     cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
     if request.family != "ptp":
         return
-    box = planned_for(request, case).case.need_machine("planning")[2].motion
+    own = planned_for(request, case).case
+    box, moves = own.need_machine("planning")[2].motion, move_count(request, own)
     count = 4 if box.limits_jerk else 2
     phases = count * SHORTEST_PHASE * cycle
     rise = 4 * HALF * float(np.min(box.acceleration / box.jerk))
     least = max(phases, rise)
-    if not request.duration >= request.move_count * least * (1.0 - ROUNDING):
+    if not request.duration >= moves * least * (1.0 - ROUNDING):
         why = f"{count} phases of {SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
         if rise > phases:
             why = (
@@ -85,6 +86,6 @@ def _require_long_moves(request: Request, case: Case) -> None:
         fewer = int(request.duration / least * (1.0 + ROUNDING))
         remedy = f", or --moves {fewer} or fewer" if fewer >= FEWEST else ""
         raise HexciteError(
-            f"duration {request.duration:g} s is too short for {request.move_count} moves: {why}; choose at least "
-            f"{request.move_count * least:g} s{remedy}"
+            f"duration {request.duration:g} s is too short for {moves} moves: {why}; choose at least "
+            f"{moves * least:g} s{remedy}"
         )

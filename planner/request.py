@@ -37,7 +37,7 @@ class Request:
         free_order: family fourier: `order` is open, the best is searched for.
         free_period: family fourier: `period` is open, likewise; the duration is a whole number of what is found.
         centred: family fourier: x0 is the middle of the box.
-        moves: family ptp; None for ten in three seconds.
+        moves: family ptp; None for ten in three seconds, or where accelerations step as many as reach their velocity.
         knots: family spline, intervals between knots; None for ten a second.
         sequence: family manual: file of steps or poses; None for the one beside the case.
         payload: number of the case's payloads that are mounted, at most.
@@ -50,7 +50,7 @@ class Request:
     """
 
     case_file: str
-    family: str = "fourier"
+    family: str = "ptp"
     criterion: str = "D"
     model: int = 9
     duration: float = 12.0

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from identification.motion import Motion
+from identification.motion import Joined, Motion, Trajectory
 
 Array = NDArray[np.float64]
 
@@ -170,3 +170,10 @@ class StraightMove:
         share, *derivatives = self.profile.at(time)
         way = self.end - self.start
         return Motion(time, self.start + share[:, None] * way, *(d[:, None] * way for d in derivatives))
+
+
+def has_steps(motion: Trajectory) -> bool:
+    """Whether a motion has straight moves whose accelerations step."""
+    parts = motion.parts if isinstance(motion, Joined) else (motion,)
+    laws = (part.profile for part in parts if isinstance(part, StraightMove))
+    return any(isinstance(law, Profile) and law.jerk_time == 0.0 for law in laws)
