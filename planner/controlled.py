@@ -119,9 +119,9 @@ def fits_law(
     made_for, steps = plan["settings"].get("made_for"), bool(controlled(case, dialect_name).step_time)
     if has_steps(motion) and not steps:
         raise HexciteError(
-            f"{folder}: was made for {made_for}, which does not limit jerk; moves for {dialect_name} keep the limits of "
-            f"jerk and last longer: plan with --for {dialect_name}, or re-time the moves with hexcite retime {folder} "
-            "-o NEW"
+            f"{folder}: was made for {made_for}, which does not limit jerk; moves for {dialect_name} keep the limits "
+            f"of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with hexcite retime "
+            f"{folder} -o NEW"
         )
     if steps and not has_steps(motion):
         return (

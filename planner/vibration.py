@@ -122,14 +122,13 @@ def _evaluated(
     t = t[t <= execution.duration]
     struts, moved = execution.struts(t), execution.kinematics(t)
     shaken = replace(moved, twist_rate=vibrating(moved.twist_rate, step, frequency, damping))
-    added = low_pass.apply((regressors(model, shaken) - regressors(model, moved)) @ u)
-    seen = hexapod.kinematics(*(low_pass.apply(struts, order) for order in range(3)))
-    matrices = regressors(model, seen)
-    late = np.gradient(matrices @ u, step, axis=0)
-    bent = np.gradient(late, step, axis=0)
+    rigid = regressors(model, moved) @ u
+    added = low_pass.apply(regressors(model, shaken) @ u - rigid)
     inside = t[low_pass.margin : -low_pass.margin]
-    rows = (inside >= REST) & (inside <= run.duration - REST)
-    columns = np.concatenate([matrices, late[:, :, None], bent[:, :, None]], axis=2)[rows]
+    rows = np.flatnonzero((inside >= REST) & (inside <= run.duration - REST))[:: low_pass.stride]
+    matrices = regressors(model, hexapod.kinematics(*(low_pass.apply(struts, order)[rows] for order in range(3))))
+    nuisances = [low_pass.apply(rigid, order)[rows, :, None] for order in (1, 2)]
+    columns = np.concatenate([matrices, *nuisances], axis=2)
     return columns.reshape(-1, columns.shape[2]), added[rows].ravel()
 
 
