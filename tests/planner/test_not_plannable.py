@@ -58,7 +58,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--family", "manual", "--target", "m=1kg"), ("--target does nothing",)),
         (("--family", "ptp", "--order", "5"), ("--order does nothing with --family ptp", "choose --family fourier")),
         (("--family", "ptp", "--sequence", "s.toml"), ("--sequence does nothing", "manual")),
-        (("--moves", "12"), ("--moves does nothing with --family fourier", "ptp")),
+        (("--family", "fourier", "--moves", "12"), ("--moves does nothing with --family fourier", "ptp")),
         (("--knots", "60"), ("--knots does nothing", "spline")),
         (("--family", "manual", "--sequence", "none.toml"), ("none.toml", "cannot be read", "TOML file of steps")),
         (("--family", "manual", "--sequence", "none.csv"), ("none.csv", "cannot be read", "CSV of poses")),
@@ -165,10 +165,10 @@ def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
 
 
 def test_what_no_filter_holds_back_may_have_any_period(hexapod_case: Case):
-    require_plannable(Request("hexapod", period=0.25, duration=0.25), hexapod_case)
+    require_plannable(Request("hexapod", family="fourier", period=0.25, duration=0.25), hexapod_case)
     case = changed(hexapod_case, recording__filter_cutoff_Hz=10.0)
     with pytest.raises(HexciteError, match=r"order 5 reaches 20 Hz, the evaluation hears up to 5 Hz"):
-        require_plannable(Request("hexapod", period=0.25, duration=0.25), case)
+        require_plannable(Request("hexapod", family="fourier", period=0.25, duration=0.25), case)
 
 
 def test_a_motion_is_drawn_back_out_of_a_small_box_close_to_its_middle(hexapod_case: Case):
