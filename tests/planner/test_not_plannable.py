@@ -42,10 +42,22 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--payload", "3-9"), ("payloads.weights", "9 cannot be mounted", "choose 0 to 5")),
         (("--payload", "4-2"), ("payloads 4-2 are no range",)),
         (("--payload", "some"), ("some", "give 2, or 0-5")),
-        (("--period", "0.1", "--duration", "0.1"), ("period 0.1 s is too short", "50 Hz", "20 Hz", "--period 0.25")),
-        (("--duration", "0.1"), ("period 0.1 s is too short", "50 Hz", "20 Hz", "--duration 0.25 or more")),
-        (("--period", "0.2"), ("period 0.2 s is too short", "25 Hz", "20 Hz", "--period 0.25 or more")),
-        (("--period", "5"), ("duration 12 s is not a whole number of periods of 5 s", "choose 10 s")),
+        (
+            ("--family", "fourier", "--period", "0.1", "--duration", "0.1"),
+            ("period 0.1 s is too short", "50 Hz", "20 Hz", "--period 0.25"),
+        ),
+        (
+            ("--family", "fourier", "--duration", "0.1"),
+            ("period 0.1 s is too short", "50 Hz", "20 Hz", "--duration 0.25 or more"),
+        ),
+        (
+            ("--family", "fourier", "--period", "0.2"),
+            ("period 0.2 s is too short", "25 Hz", "20 Hz", "--period 0.25 or more"),
+        ),
+        (
+            ("--family", "fourier", "--period", "5"),
+            ("duration 12 s is not a whole number of periods of 5 s", "choose 10 s"),
+        ),
         (("--duration", "0"), ("duration 0 s", "choose about 12 s")),
         (("--family", "ptp", "--duration", "0.5"), ("too short for 8 moves", "choose at least 0.8 s")),
         (
@@ -53,6 +65,9 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
             ("too short for 40", "4 s, or --moves 24 or fewer"),
         ),
         (("--family", "spline", "--duration", "1"), ("too short for a spline", "2 s")),
+        (("--for", "fanuc"), ("controller 'fanuc' is unknown", "choose linuxcnc, virtual, sinumerik")),
+        (("--for", "linuxcnc", "--family", "spline"), ("--for linuxcnc", "spline", "leave out --for", "--family ptp")),
+        (("--for", "linuxcnc", "--duration", "0.04"), ("too short for 8 moves: 2 phases of 3", "at least 0.048 s")),
         (("--family", "manual", "--duration", "8"), ("--duration does nothing with --family manual", "leave it out")),
         (("--family", "manual", "--starts", "3"), ("--starts does nothing", "fourier, ptp, spline")),
         (("--family", "manual", "--target", "m=1kg"), ("--target does nothing",)),
