@@ -1,8 +1,8 @@
 """What a structural mode makes of a planned motion: forces that no identification model contains, and their errors.
 
-A run is evaluated behind a low-pass, with its delay and smoothing estimated; what the vibration adds to the forces
-passes the same least squares. Steps of acceleration excite a mode more than ramps do, but carry more information: which
-of the two is better follows from the errors to be expected of both.
+A run is evaluated behind a low-pass, with its delay estimated, and its smoothing where that can be told; what the
+vibration adds to the forces passes the same least squares. Steps of acceleration excite a mode more than ramps do, but
+carry more information: which of the two is better follows from the errors to be expected of both.
 """
 
 from dataclasses import dataclass, replace
@@ -18,6 +18,7 @@ from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
+from identification.runs.smoothing import SAMPLED
 from identification.signals import Filter
 from identification.trajectories.executed import StrutExecution
 from identification.trajectories.profile import StraightMove, has_steps
@@ -96,11 +97,10 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     run = Joined((still[0], motion, still[1]))
     low_pass, damping = Filter(cutoff, cycle), around.disturbances.mode_damping
     columns, added = _evaluated(Hexapod.of(case), model, run, u, low_pass, frequency, damping)
-    size = np.linalg.norm(columns, axis=0)
-    answer, *_ = np.linalg.lstsq(columns / size, added, rcond=None)
-    left = added - (columns / size) @ answer
-    s0 = float(np.sqrt(noise.sensors**2 + np.mean(left**2) / low_pass.noise_gain))
-    shift = (answer / size)[: len(u)]
+    shift, s0 = _shift(columns[:, :-1], added, noise.sensors, low_pass)
+    if _tells_smoothing(columns, u, s0, low_pass):
+        shift, s0 = _shift(columns, added, noise.sensors, low_pass)
+    shift = shift[: len(u)]
     form, none = physical_form(model), np.zeros((len(u), len(u)))
     errors = form.of(u + shift, none)[0] - form.of(u, none)[0]
     white = predicted_std_of(case, model, reference_scaling(case, model), motion, noise, payload)
@@ -108,6 +108,25 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     white = {name: std * share for name, std in white.items()}
     found = {p.name: float(np.hypot(white[p.name], error)) for p, error in zip(form.parameters, errors, strict=True)}
     return Vibration(frequency, found, _mean_ratio(found, white), s0)
+
+
+def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: Filter) -> bool:
+    """Whether identification estimates the smoothing too, by its own rule: differences of evaluated samples decide."""
+    step, matrices = low_pass.stride * low_pass.step, columns[:, : len(u)].reshape(-1, 6, len(u))
+    expected = matrices @ u
+    slope = (expected[2:] - expected[:-2]) / (2.0 * step)
+    bend = (expected[2:] - 2.0 * expected[1:-1] + expected[:-2]) / step**2
+    rows = np.concatenate([matrices[1:-1], slope[:, :, None], bend[:, :, None]], axis=2)
+    triangle = np.linalg.qr(rows.reshape(-1, rows.shape[2]), mode="r")
+    return bool(s0 / np.sqrt(low_pass.stride) < SAMPLED * low_pass.step**2 * abs(triangle[-1, -1]))
+
+
+def _shift(columns: Array, added: Array, noise: float, low_pass: Filter) -> tuple[Array, float]:
+    """What added forces move each unknown by, and the residual of a force sample beside its noise [N]."""
+    size = np.linalg.norm(columns, axis=0)
+    answer, *_ = np.linalg.lstsq(columns / size, added, rcond=None)
+    left = added - (columns / size) @ answer
+    return answer / size, float(np.sqrt(noise**2 + np.mean(left**2) / low_pass.noise_gain))
 
 
 def _evaluated(

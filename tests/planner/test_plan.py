@@ -150,8 +150,8 @@ def test_a_spline_whose_knots_keep_it_from_full_acceleration_says_how_many_would
 ):
     """At 200 rad/s^3 it takes 0.1 s from -10 to 10 rad/s^2, at 100 m/s^3 0.12 s from -6 to 6 m/s^2."""
     found = SimpleNamespace(
-        motion=SimpleNamespace(duration=12.0), starts=(), family="spline", settings={"knots": knots}, noise_note=(), laws=None,
-        request=Request("hexapod", family="spline"), limits=LimitReport(()), case=hexapod_case,
+        motion=SimpleNamespace(duration=12.0), starts=(), family="spline", settings={"knots": knots}, noise_note=(),
+        laws=None, request=Request("hexapod", family="spline"), limits=LimitReport(()), case=hexapod_case,
     )  # fmt: skip
     notes = vars(Plan)["notes"].fget(found)
     assert [f"{knots} knots, not the machine" in n and "--knots 120 carries more" in n for n in notes] == [
