@@ -117,7 +117,7 @@ def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: Filter) -> b
     slope = (expected[2:] - expected[:-2]) / (2.0 * step)
     bend = (expected[2:] - 2.0 * expected[1:-1] + expected[:-2]) / step**2
     rows = np.concatenate([matrices[1:-1], slope[:, :, None], bend[:, :, None]], axis=2)
-    triangle = np.linalg.qr(rows.reshape(-1, rows.shape[2]), mode="r")
+    triangle = np.asarray(np.linalg.qr(rows.reshape(-1, rows.shape[2]), mode="r"))
     return bool(s0 / np.sqrt(low_pass.stride) < SAMPLED * low_pass.step**2 * abs(triangle[-1, -1]))
 
 
