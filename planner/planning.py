@@ -116,9 +116,11 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     own = planned_for(request, case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
     results, rivals, interrupted = _explored(request, own, case, listener, run, patience.exploring())
-    rough = sorted((s for s in results if isinstance(s, Start) and not s.refined), key=lambda s: -s.promise)
+    done = max((s.score for s in results if isinstance(s, Start) and s.refined), default=-np.inf)
+    # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
+    rough = [s for s in results if isinstance(s, Start) and not s.refined and s.promise > done]
     best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
-            for s in rough[: patience.refined]]  # fmt: skip
+            for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
     if best and not interrupted:
         second = run(best, listener, patience)
         results, interrupted = results + second.results, second.interrupted
