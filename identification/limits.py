@@ -31,6 +31,7 @@ class Status(StrEnum):
     PROVEN = "proven"
     ENFORCED = "enforced by controller"
     NOT_ENFORCED = "NOT enforced"
+    STEPS = "steps, not limited by controller"
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +117,7 @@ class LimitReport:
 
 def _check(entry: Mapping[str, Any]) -> LimitCheck:
     bounds = entry.get("bounds")
+    status = Status(entry["status"])
     return LimitCheck(
         name=str(entry["at"]),
         worst=float(entry["worst"]),
@@ -123,7 +125,8 @@ def _check(entry: Mapping[str, Any]) -> LimitCheck:
         unit=str(entry["unit"]),
         ratio=float(entry["ratio"]),
         time=float(entry["time_s"]),
-        status=Status(entry["status"]),
+        status=status,
+        binding=status is not Status.STEPS,
         bounds=None if bounds is None else (float(bounds[0]), float(bounds[1])),
     )
 

@@ -10,6 +10,7 @@ from cases.schema import Case
 from identification.outcome import Result
 from identification.recording import Recording
 from planner.comparison.truth import truth_rows
+from planner.families.settings import PointToPoint
 from planner.library import planned
 from planner.plan import Plan
 from planner.request import Request
@@ -18,7 +19,7 @@ from planner.runs.running import Outcome, best_controller, execute
 from planner.runs.writing import write
 from postprocessors.files import Program
 
-ACCEPTED = ("acceleration", "jerk", "strut acceleration", "sensor force")  # no metal moves in a demo
+ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
 MODEL = 9
 
 Done = Callable[[Plan | Program | Outcome | Result], None]
@@ -57,7 +58,7 @@ def demo(
     on: str | None = None,
     *,
     seed: int = 0,
-    starts: int | None = None,
+    starts: int | None = 1,
     done: Done = lambda value: None,
 ) -> Demo:
     """Plans, programs, proves, executes and identifies, end to end.
@@ -67,7 +68,7 @@ def demo(
         folder: to make: plan, program, recording and result are written there, one after the other.
         on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed.
         seed: of the starts and of the sensors' noise.
-        starts: number of random starts; as many as pay unless given.
+        starts: number of random starts; one is enough for a demo.
         done: called with the value of each step: plan, program, outcome of the run, result.
 
     Raises:
@@ -77,7 +78,9 @@ def demo(
     case.need_simulation("the demo")
     check_folder(place, DEMO, overwrite=True)
     controller, why = best_controller() if on is None else (on, "as asked")
-    planned(Request(starts=starts, seed=seed), case).save(place / "plan", overwrite=True)
+    planned(Request(PointToPoint(controller="linuxcnc"), starts=starts, seed=seed), case).save(
+        place / "plan", overwrite=True
+    )
     plan = Plan.load(place / "plan", case)
     done(plan)
     file = place / "excitation.ngc"

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.schema import Case
-from identification.limits import LimitReport
+from identification.limits import LimitReport, Status
 from identification.motion import Trajectory
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
@@ -14,6 +14,7 @@ from planner.request import Request
 from planner.search.last_words import solver_text
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.target import parse_targets
+from planner.vibration import BothLaws
 
 RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
 FULL = 0.9  # share of a limit that a good motion uses of at least one
@@ -81,7 +82,7 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
             f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
             f"another --seed, or in a smaller box (hexcite case check {case.origin or case.name} --propose)"
         )
-    used = [c for c in found.limits.checks if c.name.split(" (")[0] not in _PLACES]
+    used = [c for c in found.limits.checks if c.binding and c.name.split(" (")[0] not in _PLACES]
     if found.starts and used and (most := max(used, key=lambda c: c.ratio)).ratio < FULL:
         words.append(
             f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
@@ -90,7 +91,18 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
     return tuple(words)
 
 
-def notes(found: Found, request: Request, case: Case, worst: dict[str, tuple[float, int]]) -> tuple[str, ...]:
+def bound_by(limits: LimitReport) -> list[str]:
+    """The limits that shape a motion."""
+    return [c.name for c in limits.checks if c.binding and c.ratio > BINDING]
+
+
+def notes(
+    found: Found,
+    request: Request,
+    case: Case,
+    worst: dict[str, tuple[float, int]],
+    laws: BothLaws | None = None,
+) -> tuple[str, ...]:
     """What the user should know before running it.
 
     Args:
@@ -98,6 +110,7 @@ def notes(found: Found, request: Request, case: Case, worst: dict[str, tuple[flo
         request: what was asked for.
         case: machine and limits.
         worst: predicted standard deviation of each parameter, and the number of payloads with which it is so large.
+        laws: what the time law of point-to-point moves costs on a machine that is not stiff.
     """
     motion, settings = found.motion, found.settings
     words = []
@@ -106,8 +119,16 @@ def notes(found: Found, request: Request, case: Case, worst: dict[str, tuple[flo
         if order < motion.order:
             which = "highest harmonic is" if needless == 1 else f"{needless} highest harmonics are"
             words.append(f"the {which} negligible: --order {order} would do")
-    if found.starts and (binding := [c.name for c in found.limits.checks if c.ratio > BINDING]):
+    if found.starts and (binding := bound_by(found.limits)):
         words.append(f"shaped by these limits: {', '.join(binding)}")
+    if steps := [c for c in found.limits.checks if c.status is Status.STEPS]:
+        limits = ", ".join(f"{abs(c.limit):.4g} {c.unit}" for c in steps)
+        words.append(
+            f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
+            f"jerk of the case ({limits}) do not count"
+        )
+    if laws is not None:
+        words.append(laws.sentence)
     tried = {(s.family.order, s.family.period) for s in found.starts if isinstance(s.family, FourierFamily)}
     if len(tried) > 1:
         own = f"order {settings['order']} with period {settings['period_s']:g} s"

@@ -6,7 +6,7 @@ from typing import TypedDict, Unpack
 from threadpoolctl import threadpool_limits
 
 from cases.schema import Case
-from planner.families.settings import FamilySettings, Fourier
+from planner.families.settings import FamilySettings, PointToPoint
 from planner.plan import Plan
 from planner.planning import make_until_ctrl_c
 from planner.poses.plan import poses_planned
@@ -82,7 +82,7 @@ def plan(
 
     Args:
         case: machine and limits.
-        family: of motions; a Fourier series unless given.
+        family: of motions; point-to-point moves unless given.
         duration: of the excitation [s].
         progress: shows a line now and then.
         **settings: see `Settings`.
@@ -90,7 +90,7 @@ def plan(
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
-    return planned(Request(Fourier() if family is None else family, duration, **settings), case, progress)
+    return planned(Request(PointToPoint() if family is None else family, duration, **settings), case, progress)
 
 
 def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:

@@ -16,7 +16,7 @@ from identification.model import identification_model
 from identification.motion import Joined, Measurement, Motion, Trajectory
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
-from planner.found import BINDING
+from planner.found import bound_by
 from planner.poses.request import PoseRequest
 from planner.precision import share_text, std_text
 from planner.request import Request
@@ -180,7 +180,7 @@ class Plan:
             "last_pose_m_rad": last.tolist(),
             "payload": self.payloads[-1],
             "payload_from": self.payloads[0],
-            "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],
+            "bound_by": bound_by(self.limits),
         }
 
     def _of_poses(self) -> dict[str, Any]:

@@ -18,8 +18,10 @@ from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound, known_tight_bound
+from planner.controlled import Controlled
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family
+from planner.families.shipped import shipped_start
 from planner.found import Found, notes, weaknesses
 from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
@@ -32,6 +34,7 @@ from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import FEWEST, Patience
 from planner.search.problem import mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
+from planner.vibration import both_laws
 from planner.worth import Rival, Search, Tried, Worth
 
 Array = NDArray[np.float64]
@@ -51,7 +54,7 @@ def _rival(request: Request, case: Case) -> Task | None:
     except HexciteError:  # too short for it, or too fast for the filter
         return None
     (family,) = rival.families(case, request.duration)
-    return Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE)
+    return Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, shipped_start(family))
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> Found:
@@ -61,11 +64,14 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
+    own = request.family.controlled(case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
-    results, rivals, interrupted = _explored(request, case, listener, run, patience.exploring())
-    rough = sorted((s for s in results if isinstance(s, Start) and not s.refined), key=lambda s: -s.promise)
-    best = [Task(case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
-            for s in rough[: patience.refined]]  # fmt: skip
+    results, rivals, interrupted = _explored(request, own, case, listener, run, patience.exploring())
+    done = max((s.score for s in results if isinstance(s, Start) and s.refined), default=-np.inf)
+    # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
+    rough = [s for s in results if isinstance(s, Start) and not s.refined and s.promise > done]
+    best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
+            for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
     if best and not interrupted:
         second = run(best, listener, patience)
         results, interrupted = results + second.results, second.interrupted
@@ -76,27 +82,31 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
     winner = starts[0].family
-    unknowns, report, _ = keep_limits(case, winner, starts[0].unknowns, PROOF_RATE)
+    unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)
     motion = winner.motion(unknowns)
+    report = own.reported(prove(motion, case)) if own.step_time else report
+    settings = {**winner.settings, **({} if own.controller is None else {"made_for": own.controller})}
     rival = next(iter(rivals), None)
-    return Found(motion, winner.settings, report, tuple(starts), tuple(failed), interrupted, rival)
+    return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, rival)
 
 
 def _explored(
-    request: Request, case: Case, listener: Listener, run: Runner, patience: Patience
+    request: Request, own: Controlled, case: Case, listener: Listener, run: Runner, patience: Patience
 ) -> tuple[list[Start | Failed], list[Start], bool]:
     """Results of all starts, of other families to compare with, and whether Ctrl-C ended them.
 
-    Of several orders and periods each is looked at once; the starts that follow go to the best of them.
+    `own` holds the limits that the controller keeps. Of several orders and periods each is looked at once; the starts
+    that follow go to the best of them.
     """
-    families = request.family.families(case, request.duration)
+    families = request.family.families(own.case, request.duration)
     seeds, several = iter(seeds_of(request.seed, patience.most + len(families))), len(families) > 1
 
     def fresh(family: Family) -> Task:
-        return Task(case, request.model, family, request.criterion, next(seeds), request.payload)
+        return Task(own.case, request.model, family, request.criterion, next(seeds), request.payload)
 
     first = max(len(families), min(FEWEST, patience.most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
+    tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family))
     rival = _rival(request, case)
     results: list[Start | Failed] = []
     rivals: list[Start] = []
@@ -191,6 +201,7 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     if noise.whitening is not None:
         weighted = mean_information(seen_through(model, noise.whitening), scaling, found.motion)
         chosen = singular_values(weighted, model.names)
+    laws = both_laws(case, request.model, found.motion, request.payload)
     told = _told(case, model, scaling, found.motion, noise, request.payload)
     logdet, bound = CRITERIA["D"].of(mu), box_bound(case, model)
     worth = Worth(
@@ -205,7 +216,8 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
         shaken=noise.shaken,
         weights=noise.weights,
         weaknesses=weaknesses(found, case, len(mu)),
-        notes=(*notes(found, request, case, worst), *told),
+        notes=(*notes(found, request, case, worst, laws), *told),
+        vibration=None if laws is None else laws.to_json(),
     )
     predicted = {name: std for name, (std, _) in worst.items()}
     rate = case.recording.rate_Hz

@@ -10,7 +10,7 @@ import numpy as np
 
 from cases.errors import HexciteError
 from identification.criteria import CRITERIA
-from planner.families.settings import FamilySettings, Fourier, family_class
+from planner.families.settings import FamilySettings, PointToPoint, family_class
 
 LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 MOST_SECONDS = 86_400.0  # of a search
@@ -33,7 +33,7 @@ class Request:
         seed: of the starts.
     """
 
-    family: FamilySettings = field(default_factory=Fourier)
+    family: FamilySettings = field(default_factory=PointToPoint)
     duration: float = 12.0
     criterion: str = "D"
     model: int = 9
@@ -99,6 +99,7 @@ class Request:
         """
         settings, kind = data["settings"], family_class(str(data["family"]))
         names = {"order": "order", "period_s": "period", "centred": "centred", "moves": "moves", "knots": "knots"}
+        names["made_for"] = "controller"
         became = {name: settings[key] for key, name in names.items() if key in settings}
         asked = data.get("asked", {"duration_s": data["duration_s"], "family": became})
         return cls(

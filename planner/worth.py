@@ -76,6 +76,7 @@ class Worth:
         weights: of the identification that predictions assume.
         weaknesses: why another plan would carry more information.
         notes: what the user should know before running it.
+        vibration: what the time law costs on a machine with a structural mode, as `planner.vibration` tells it.
     """
 
     settings: Mapping[str, Any]
@@ -90,6 +91,7 @@ class Worth:
     weights: str
     weaknesses: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    vibration: Mapping[str, Any] | None = None
 
     @property
     def d_efficiency(self) -> float:
@@ -119,6 +121,7 @@ class Worth:
             "bound_tight": self.tight.to_json() if self.tight is not None else None,
             "weaknesses": list(self.weaknesses),
             "rival": None if search.rival is None else search.rival._asdict(),
+            "vibration": self.vibration,
             "notes": list(self.notes),
             "assumed_noise_of_channels": list(self.noise),
             "noise_of_accelerations": self.shaken,
@@ -153,6 +156,7 @@ class Worth:
             weights=str(data["weights"]),
             weaknesses=tuple(str(w) for w in data["weaknesses"]),
             notes=tuple(str(w) for w in data["notes"]),
+            vibration=data.get("vibration"),
         )
 
 

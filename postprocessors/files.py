@@ -26,7 +26,7 @@ class Program:
         reading: what it says.
         guarantees: what the controller answers for.
         case: that it is for.
-        stale: what has changed in the case since the plan that it was written from.
+        remarks: what to know of it beside its proof.
     """
 
     path: Path
@@ -35,7 +35,7 @@ class Program:
     reading: Reading
     guarantees: Guarantees
     case: Case
-    stale: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @cached_property
     def proof(self) -> ProgramProof:

@@ -19,7 +19,7 @@ def demo(
         str | None, typer.Option(help="Controller: virtual or linuxcnc; by default LinuxCNC if installed.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the starts and of the sensors' noise.")] = 0,
-    starts: Annotated[int | None, typer.Option(help="Number of random starts; by default as many as pay.")] = None,
+    starts: Annotated[int, typer.Option(help="Number of random starts; one is enough for a demo.")] = 1,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for everything; hexcite-demo by default.")
     ] = None,
@@ -78,7 +78,7 @@ def demo(
             if not json:
                 show_result(answer["identify"])
 
-    step("plan: the most informative motion inside the limits")
+    step("plan: the most informative moves inside the limits, with the time law of LinuxCNC")
     chain = whole_chain(loaded, place, on, seed=seed, starts=starts, done=done)
     answer["truth"] = list(chain.truth)
     if not json:

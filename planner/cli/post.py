@@ -20,7 +20,11 @@ Accept = Annotated[
 def post(
     plan: Annotated[Path | None, typer.Argument(help="Plan folder.")] = None,
     dialect: Annotated[
-        str | None, typer.Option(help="The controller's language; linuxcnc by default; without a plan, all are listed.")
+        str | None,
+        typer.Option(
+            help="The controller's language; by default that of the controller that the plan was made for, else "
+            "linuxcnc; without a plan, all are listed."
+        ),
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
@@ -42,9 +46,8 @@ def post(
     from cases.files import check_file, output_place
     from planner.plan import Plan
     from planner.runs.in_struts import changed_motion
-    from planner.runs.writing import write
+    from planner.runs.writing import language_of, write
     from postprocessors.dialects import DIALECTS
-    from postprocessors.dialects import dialect as dialect_named
 
     if plan is None:
         rows = [[d.name, " ".join(d.suffixes), d.description] for d in DIALECTS.values()]
@@ -54,7 +57,7 @@ def post(
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
     loaded = Plan.load(plan, stale=stale)
-    language = dialect_named(dialect or "linuxcnc")
+    language = language_of(loaded, dialect)
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
     with status(f"writing and proving {file.name}", json):
@@ -82,7 +85,7 @@ def answer_of_program(program: "Program") -> dict[str, Any]:
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
         "predicted_stretch": forecast.stretch,
-        "remarks": [*forecast.remarks, *program.stale],
+        "remarks": [*program.remarks, *forecast.remarks],
         "limits": proof.limits.to_json(),
     }
 

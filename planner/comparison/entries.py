@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from enum import IntEnum
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,6 +33,7 @@ from planner.plan_folder import fingerprint, load_plan
 from planner.poses.regressors import pose_regressors
 from planner.runs.recorded import standing_of
 from planner.search.problem import mean_information
+from planner.vibration import Vibration, vibration
 
 Array = NDArray[np.float64]
 
@@ -78,6 +79,7 @@ class Entry:
         load: mass of the weights that are mounted [kg]; None where nothing tells.
         machine: that was measured, in words; None for plans, and where nothing tells.
         warnings: that its evaluation gave.
+        vibration: of a planned motion on a machine with a structural mode; None where the case states none.
     """
 
     name: str
@@ -98,6 +100,7 @@ class Entry:
     load: float | None = None
     machine: str | None = None
     warnings: tuple[str, ...] = ()
+    vibration: Vibration | None = None
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer."""
@@ -116,6 +119,7 @@ class Entry:
             "load_kg": self.load,
             "machine": self.machine,
             "warnings": list(self.warnings),
+            "vibration": None if self.vibration is None else asdict(self.vibration),
         }
 
 
@@ -155,8 +159,9 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     rate, assumed, poses = saved.case.recording.rate_Hz, saved.assumed_rate, saved.poses
     if len(poses):
         matrix = (pose_regressors(model, poses) * scaling).reshape(-1, len(scaling))
-        information, samples = matrix.T @ matrix / len(poses), len(poses)
+        information, samples, vibrating = matrix.T @ matrix / len(poses), len(poses), None
     else:
+        vibrating = vibration(saved.case, model.number, saved.motion, saved.payloads[-1], saved.duration)
         information = mean_information(model, scaling, saved.motion)
         samples = round(saved.motion.duration * rate)
     units, noise, weights = _units(model), saved.assumed_noise, saved.payloads[-1]
@@ -169,7 +174,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     return Entry(
         name, Level.PLANNED, saved.case, model.number, saved.family, saved.duration, samples,
         _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
-        fingerprint(saved), noise, float(load), warnings=saved.stale,
+        fingerprint(saved), noise, float(load), warnings=saved.stale, vibration=vibrating,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from cases.errors import HexciteError
 from cases.manual import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
+from planner.controlled import CONTROLLERS, Controlled, controlled, moves_in
 from planner.families import ptp, spline
 from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily
@@ -48,6 +49,10 @@ class FamilySettings:
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Raises HexciteError where no search can succeed on this machine."""
+
+    def controlled(self, case: Case) -> Controlled:
+        """The case as the controller executes it that the motion is made for."""
+        return Controlled(case)
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
         """The sets of motions to search: several where a setting is left free, none where nothing is optimised."""
@@ -211,37 +216,57 @@ class PointToPoint(FamilySettings):
     """Straight moves in the six coordinates, each from rest to rest.
 
     Args:
-        moves: 8 to 64; None for ten in three seconds.
+        moves: 8 to 64; None for ten in three seconds, or where accelerations step as many as reach their velocity.
+        controller: whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat or setpoints; None
+            for the one that the case plans for, else limited jerk.
     """
 
     moves: int | None = None
+    controller: str | None = None
 
     name: ClassVar[str] = "ptp"
 
     def __post_init__(self) -> None:
         if self.moves is not None and not ptp.FEWEST <= self.moves <= ptp.MOST:
             raise HexciteError(f"{self.moves} moves are outside {ptp.FEWEST} to {ptp.MOST}; choose about 40")
+        if self.controller is not None and self.controller not in CONTROLLERS:
+            raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(CONTROLLERS)}")
 
-    def count(self, duration: float) -> int:
-        """Number of moves; where it is not stated, of any duration one that can be had."""
+    def controlled(self, case: Case) -> Controlled:
+        """With the time law of the controller that is named here, else of the one that the case plans for."""
+        named = self.controller
+        if named is None and case.controller is not None:
+            named = case.controller.plan_for
+        return controlled(case, named)
+
+    def count(self, case: Case, duration: float) -> int:
+        """Number of moves; where it is not stated, of any duration one that can be had.
+
+        Args:
+            case: with the limits that count, see `controlled`.
+            duration: of all moves [s].
+        """
         if self.moves is not None:
             return self.moves
-        return int(np.clip(round(MOVES_A_SECOND * duration), ptp.FEWEST, ptp.MOST))
+        fitting = moves_in(case.need_machine("planning")[2].motion, duration)
+        return int(np.clip(round(MOVES_A_SECOND * duration if fitting is None else fitting), ptp.FEWEST, ptp.MOST))
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """Every move has four phases of jerk, each three controller cycles at least.
+        """Every move has four phases of jerk, or two of acceleration where it steps, each three controller cycles.
 
         A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search
         would take minutes to make few moves of many, and find less than with few.
         """
         cycle = _cycle(case)
-        box = case.need_machine("planning")[2].motion
-        phases = 4 * ptp.SHORTEST_PHASE * cycle
+        own = self.controlled(case).case
+        box, count = own.need_machine("planning")[2].motion, self.count(own, duration)
+        number = 4 if box.limits_jerk else 2
+        phases = number * ptp.SHORTEST_PHASE * cycle
         rise = 4 * HALF * float(np.min(box.acceleration / box.jerk))
-        least, count = max(phases, rise), self.count(duration)
+        least = max(phases, rise)
         if duration >= count * least * (1.0 - ROUNDING):
             return
-        why = f"4 phases of {ptp.SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
+        why = f"{number} phases of {ptp.SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
         if rise > phases:
             why = (
                 f"at the limits of jerk it takes {least:g} s to reach half of a limit of acceleration and come to rest"
@@ -255,7 +280,7 @@ class PointToPoint(FamilySettings):
 
     def families(self, case: Case, duration: float) -> tuple[Family, ...]:
         """One."""
-        return (ptp.PointToPointFamily.of(case, self.count(duration), duration),)
+        return (ptp.PointToPointFamily.of(case, self.count(case, duration), duration),)
 
     def refinements(self, criterion: str) -> int:
         """Annealed walks are refined at once."""

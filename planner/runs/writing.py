@@ -5,7 +5,10 @@ from importlib.metadata import version
 from pathlib import Path
 
 from cases.errors import HexciteError
+from planner.controlled import fits_law, usual_dialect
+from planner.families.settings import PointToPoint
 from planner.plan import Plan
+from planner.request import Request
 from planner.runs.fingerprints import case_line, plan_line
 from postprocessors.dialects import DIALECTS, Dialect, dialect_of_file
 from postprocessors.dialects import dialect as dialect_named
@@ -30,7 +33,7 @@ def write(
     Args:
         plan: a motion or poses.
         dialect: the controller's language: linuxcnc, sinumerik, twincat or setpoints; by default what the suffix of
-            `file` says, else linuxcnc.
+            `file` says, else that of the controller that the plan was made for, else linuxcnc.
         speed: share of the planned speed; 0.1 for a first try.
         accept: limits that the controller does not enforce and that the caller answers for, such as `("jerk",)`.
         file: name of the program, for messages; its suffix says how a table of set points is written.
@@ -41,7 +44,7 @@ def write(
             enforces and that is not accepted.
         HexciteError: an unknown dialect, or a speed that cannot be.
     """
-    language = language_of(dialect, file)
+    language = language_of(plan, dialect, file)
     path = Path(f"{plan.name}{language.suffix}" if file is None else file)
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
@@ -50,6 +53,10 @@ def write(
         raise HexciteError(
             f"{language.name} has no moves straight in the struts; leave out --ptp-struts, or use {able}"
         )
+    remarks: tuple[str, ...] = ()
+    if isinstance(plan.request, Request) and isinstance(plan.request.family, PointToPoint):
+        where = plan.name if plan.saved is None else str(plan.saved.folder)
+        remarks = fits_law(where, plan.worth.settings.get("made_for"), plan.motion, language.name, plan.case)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {plan.model}",
         case_line(plan.case),
@@ -62,11 +69,11 @@ def write(
     words = language.load(path.suffix.lower())
     written = proven_program(plan.motion, plan.case, words, str(path), header, speed, accept, in_struts)
     guarantees = words.guarantees(written.reading, plan.case)
-    return Program(path, language, written.content, written.reading, guarantees, plan.case, plan.stale)
+    return Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))
 
 
-def language_of(dialect: str | None, file: Path | str | None) -> Dialect:
-    """The dialect of a name; without one that of a file's suffix, else LinuxCNC's."""
+def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None) -> Dialect:
+    """The dialect of a name; without one that of a file's suffix, else of the controller that a plan was made for."""
     if dialect is not None:
         return dialect_named(dialect)
-    return dialect_named("linuxcnc") if file is None else dialect_of_file(str(file))
+    return dialect_named(usual_dialect(plan.worth.settings)) if file is None else dialect_of_file(str(file))

@@ -36,14 +36,15 @@ from postprocessors.proving.measured import measured_poses, measures_at_poses
 from postprocessors.proving.stretches import stretches
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
-# are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does.
-ACCEPTED = ("acceleration", "jerk", "strut acceleration", "sensor force")
+# are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does, but for moves with steps.
+ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 REQUESTS: Mapping[str, Request | PoseRequest] = {
     "Q5M": PoseRequest(method=Method.ALL),
     "Q5N": PoseRequest(criterion="N", count=30, method=Method.BACKWARD),
     "D9M": Request(Manual()),
     "D9N": Request(Fourier(order=3, period=4.0), criterion="N"),
-    "ptp": Request(PointToPoint()),
+    "ptp": Request(PointToPoint(controller="virtual")),
+    "ptp-steps": Request(PointToPoint(controller="linuxcnc")),
     "spline": Request(Spline()),
 }
 
@@ -183,7 +184,8 @@ def carry_out(
 
 
 def _program(method: str, settings: Settings, plan: Plan, folder: Path) -> Program:
-    dialect, suffix, accepted = ("sinumerik", "mpf", ()) if settings.on == "virtual" else ("linuxcnc", "ngc", ACCEPTED)
+    smooth = settings.on == "virtual" and method != "ptp-steps"
+    dialect, suffix, accepted = ("sinumerik", "mpf", ()) if smooth else ("linuxcnc", "ngc", ACCEPTED)
     file = folder / "programs" / f"{method}.{suffix}"
     program = write(plan, dialect, accept=accepted, file=file)
     program.save(file, overwrite=True)

@@ -7,7 +7,7 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from planner.cli.console import print_table
 from planner.families.manual import manual_motion, sequence_file
-from planner.families.settings import PointToPoint, Spline
+from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.planning import search
 from planner.request import Request
 from planner.retiming.retimed import Method, retimed
@@ -20,7 +20,7 @@ MOVES = ("ruckig", "ipopt", "toppra")
 
 def motions(case: Case) -> dict[str, tuple[Trajectory, tuple[str, ...]]]:
     """A motion of each family, and the methods that it can be re-timed with."""
-    fourier = search(Request(criterion="N", starts=2), case, SILENT, run_here).motion
+    fourier = search(Request(Fourier(), criterion="N", starts=2), case, SILENT, run_here).motion
     ptp = search(Request(PointToPoint(moves=12), duration=4.0, starts=1), case, SILENT, run_here).motion
     spline = search(Request(Spline(knots=40), duration=4.0, starts=1), case, SILENT, run_here).motion
     return {

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.errors import HexciteError
+from cases.schema import Case
 from planner.families.settings import USUAL_PERIOD, Fourier, PointToPoint, family_class
 from planner.request import Request
 from tests.helpers import one_line
@@ -103,8 +104,8 @@ def test_moves_and_their_duration_must_fit(settings: dict[str, float], words: st
 
 
 @pytest.mark.parametrize(("duration", "moves"), [(2.4, 8), (6.0, 20), (12.0, 40), (60.0, 64)])
-def test_moves_that_are_not_stated_fit_the_duration(duration: float, moves: int):
-    assert PointToPoint().count(duration) == moves
+def test_moves_that_are_not_stated_fit_the_duration(duration: float, moves: int, hexapod_case: Case):
+    assert PointToPoint().count(hexapod_case, duration) == moves
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from planner.cli.plan import BELONGS, refuse_foreign
+from planner.cli.plan import BELONGS, OPTIONS, refuse_foreign
 from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
 from planner.request import Request
@@ -82,7 +82,9 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
     if family in BELONGS[option]:
         refuse_foreign([option], family)
         return
-    with pytest.raises(HexciteError, match=f"--{option.replace('_', '-')} does nothing with --family {family}") as told:
+    with pytest.raises(
+        HexciteError, match=f"--{OPTIONS.get(option, option.replace('_', '-'))} does nothing with --family {family}"
+    ) as told:
         refuse_foreign([option], family)
     assert all(other in one_line(told.value) for other in BELONGS[option])
 

@@ -1,0 +1,120 @@
+"""The controller that a plan is made for: which limits count with its own time law in point-to-point moves."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cases.errors import HexciteError
+from cases.machine import MotionLimits
+from cases.schema import Case
+from identification.limits import PROOF_RATE, LimitReport, Status
+from identification.motion import Trajectory
+from identification.trajectories.profile import has_steps
+from postprocessors.dialects import DIALECTS, dialect
+from postprocessors.proving.guarantees import family, limits_jerk
+from postprocessors.reading.words import Reading
+
+CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints")
+
+
+class Controlled(NamedTuple):
+    """A case as a controller executes point-to-point moves.
+
+    Args:
+        case: with the limits that count: those of jerk do not where the controller knows none.
+        controller: its name; None where the plan is made for none, and all limits of the case count.
+        step_time: within which its accelerations step; 0 where it limits the jerk [s].
+    """
+
+    case: Case
+    controller: str | None = None
+    step_time: float = 0.0
+
+    def reported(self, report: LimitReport) -> LimitReport:
+        """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""
+        if not self.step_time:
+            return report
+        share = 1.0 / (PROOF_RATE * self.step_time)
+        return LimitReport(
+            tuple(
+                replace(c, worst=c.worst * share, ratio=c.ratio * share, status=Status.STEPS, binding=False)
+                if family(c.name) == "jerk"
+                else c
+                for c in report.checks
+            )
+        )
+
+
+def controlled(case: Case, controller: str | None) -> Controlled:
+    """The case as a controller executes point-to-point moves.
+
+    Args:
+        case: whose limits of jerk count unless the controller's time law knows none.
+        controller: a name of `CONTROLLERS`; None for none.
+
+    Raises:
+        CaseError: the case has no limits, or no settings of this controller.
+    """
+    if controller is None or controller == "virtual":  # the virtual one has the law of the program's own controller
+        return Controlled(case, controller)
+    guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
+    if limits_jerk(guarantees.law):
+        return Controlled(case, controller)
+    limits = case.need_machine("planning")[2]
+    freed = limits.model_copy(update={"motion": limits.motion.without_jerk()})
+    return Controlled(case.model_copy(update={"limits": freed}), controller, guarantees.jerk_time)
+
+
+def moves_in(box: MotionLimits, duration: float) -> float | None:
+    """How many moves a duration has room for where accelerations step; None where jerk is limited.
+
+    A good move then is one that just reaches its limit of velocity, or crosses the box before that.
+
+    Args:
+        box: limits that count, see `Controlled`.
+        duration: of all moves [s].
+    """
+    if box.limits_jerk:
+        return None
+    width = box.pose[1] - box.pose[0]
+    one = float(np.max(2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))))
+    return duration / one
+
+
+def usual_dialect(settings: Mapping[str, Any]) -> str:
+    """The language of the controller that a plan with these settings was made for, else LinuxCNC's."""
+    made_for = settings.get("made_for")
+    return made_for if made_for in DIALECTS else "linuxcnc"
+
+
+def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: str, case: Case) -> tuple[str, ...]:
+    """What to know about moves that the controller of a dialect times by another law than they were planned with.
+
+    Args:
+        plan: its folder or name.
+        made_for: the controller that it was made for.
+        motion: of point-to-point moves.
+        dialect_name: of the program.
+        case: settings of its controller.
+
+    Raises:
+        HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.
+        CaseError: the case has no settings of this controller.
+    """
+    steps = bool(controlled(case, dialect_name).step_time)
+    if has_steps(motion) and not steps:
+        raise HexciteError(
+            f"{plan}: was made for {made_for}, which does not limit jerk; moves for {dialect_name} keep the limits "
+            f"of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with hexcite retime "
+            f"{plan} -o NEW"
+        )
+    if steps and not has_steps(motion):
+        return (
+            f"planned with limited jerk; {dialect_name} does not limit it and makes trapezoids of the moves: a plan "
+            f"made with --for {dialect_name} carries more information there",
+        )
+    if made_for not in (None, "virtual", dialect_name):
+        return (f"made for {made_for}; {dialect_name} times moves by the same law",)
+    return ()
