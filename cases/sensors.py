@@ -12,7 +12,6 @@ from cases.machine import Joints
 from cases.parts import Array, NonNegative, Number, Part, Positive, Six, Vector, frozen
 from cases.units import MM, MS, UM
 
-
 LEAST_LENGTH_MM, MOST_LENGTH_MM = 0.1, 10_000.0  # of errors that depend on the pose: others are metres or radians
 
 

@@ -28,13 +28,14 @@ from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.plan import Plan
+from planner.pose_errors import PoseErrors
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.choices import choices
 from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import FEWEST, Patience
-from planner.search.problem import mean_information
+from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
 
 Array = NDArray[np.float64]
@@ -238,9 +239,9 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
     mu = singular_values(information, model.names)
     noise = expected_noise(case, model, request.payload)
     worst = worst_std(case, model, scaling, found.motion, request.payloads)
-    chosen = mu
-    if noise.whitening is not None:
-        weighted = mean_information(seen_through(model, noise.whitening), scaling, found.motion)
+    chosen, errors = mu, PoseErrors.of(case, noise)
+    if noise.whitening is not None or errors is not None:
+        weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
         chosen = singular_values(weighted, model.names)
     return Plan(
         case=case,

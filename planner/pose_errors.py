@@ -1,11 +1,11 @@
 """What a run tells where forces err with the pose: the information of the estimate that identification will make.
 
-Errors of encoders, joints and frame are the same wherever a motion comes back to a place: they do not average out there.
-Identification weighs samples alike, for weights that count on such errors would rest on small differences at one place,
-which vibration falsifies (of the built-in hexapod they would draw the mass by 1 %). Its estimate then scatters by F^-1 M
-F^-1, where M = F + sum_ij A_i^T C_ij A_j and C is the covariance of the errors in units of the noise, and S = F M^-1 F
-takes the place of F: without errors it is F, and it is never more than the information of the best estimate,
-sum A^T (1 + C)^-1 A.
+Errors of encoders, joints and frame are the same wherever a motion comes back to a place: they do not average out
+there. Identification weighs samples alike all the same: weights that count on such errors would rest on small
+differences at one place, which vibration falsifies (on the built-in hexapod it would bias the mass by 1 %). Its
+estimate then scatters by F^-1 M F^-1, where M = F + sum_ij A_i^T C_ij A_j and C is the covariance of the errors in
+units of the noise, and S = F M^-1 F takes the place of F: without errors it is F, and it is never more than the
+information of the best estimate, in which the errors are marginalised, sum_ij A_i^T ((1 + C)^-1)_ij A_j.
 """
 
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ class PoseErrors:
 
     @classmethod
     def of(cls, case: Case, noise: ExpectedNoise) -> "PoseErrors | None":
-        """What a case states, as a run at its rate and with the weights of `noise` has it; None where it states none."""
+        """What a case states, for a run at its rate with the weights of `noise`; None where it states none."""
         field = PoseField.of(case.sensors)
         if field is None:
             return None

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv, ndtri
 
 from identification.noise.memory import LEAST_SAMPLES, autoregressive, slow_noises, toeplitz
-from identification.noise.pose_field import matern, squared_distances
+from identification.noise.pose_field import PoseField, matern, squared_distances
 from identification.noise.restricted import Family, Left, likeliest, mixtures, shares_by_channel
 from identification.noise.turned import Turned
 
@@ -47,14 +47,16 @@ class ByPose(NamedTuple):
     share: float
     length: float
 
+    def field(self, residuals: Array) -> PoseField:
+        """The field of a channel, where residuals, shape (n, 6), are those of forces [N]."""
+        return PoseField(float(np.sqrt(self.share * np.mean(residuals**2))), self.length)
+
     @property
     def note(self) -> str:
         """For the user."""
-        each = 1e3 * self.length / np.sqrt(6.0)
         return (
-            f"errors come back with the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the "
-            f"parameters take a part of them, and half alike where struts differ by {each:.2g} mm: std_robust allows "
-            "for them"
+            f"errors depend on the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the parameters "
+            "take a part of them: std_robust allows for them"
         )
 
 

@@ -1,8 +1,8 @@
 """The information that errors of the pose leave, by the states of a motion: value and derivatives.
 
-With y = A X, X = M^-1 F, and r = R X, R_i = sum_j C_ij w_j A_j (see `planner.pose_errors`), a change dA of the regressor
-of state i, of share w_i, and a change dC of its correlations change S = F M^-1 F by w_i (B + B^T), B = y^T (dA - h) +
-(A - y - r)^T dA X with h = sum_j dC_ij w_j A_j X: a product of rows with slopes, as that of F is A^T dA + dA^T A.
+With y = A X, X = M^-1 F, and r = R X, R_i = sum_j C_ij w_j A_j (see `planner.pose_errors`), a change dA of the
+regressor of state i, of share w_i, and a change dC of its correlations change S = F M^-1 F by w_i (B + B^T), where
+B = y^T (dA - h) + (A - y - r)^T dA X and h = sum_j dC_ij w_j A_j X: a product of rows with slopes, like that of F.
 """
 
 from typing import NamedTuple
@@ -103,4 +103,4 @@ def _estimate(plain: Array, scatter: Array) -> tuple[Array, Array]:
     except np.linalg.LinAlgError:
         turn = np.full(plain.shape, np.nan)
     information = plain @ turn
-    return turn, (information + information.T) / 2.0
+    return np.asarray(turn), np.asarray((information + information.T) / 2.0)

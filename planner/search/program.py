@@ -187,8 +187,8 @@ class Program:
         self._add_through(unknowns, factor, local, point.states, point.felt, total)
         if self.errors is not None:  # where field and motion change together the part above is flat, and steps too long
             square = _weighted_square(point.regressors, point.states[:, SHARE], size)
-            plain = Felt(square, point.regressors, point.slopes, point.regressors)
-            self._add_through(unknowns, factor, criterion_at("D", square), point.states, plain, total)
+            without = Felt(square, point.regressors, point.slopes, point.regressors)
+            self._add_through(unknowns, factor, criterion_at("D", square), point.states, without, total)
             return None
         if self.convex:
             return None
@@ -225,11 +225,11 @@ class Program:
         upper, lower = np.triu_indices(size)
         elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
         if flat_slopes[:, SHARE].any():
-            squares = turned.reshape(len(states), -1, size)
-            if felt.own is felt.rows:
-                squares = squares.transpose(0, 2, 1) @ squares
-            else:
-                squares = squares.transpose(0, 2, 1) @ (felt.own.reshape(-1, size) @ local.vectors).reshape(squares.shape)
+            right = left = turned.reshape(len(states), -1, size)
+            if felt.own is not felt.rows:
+                right = (felt.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
+            squares = left.transpose(0, 2, 1) @ right
+            if felt.own is not felt.rows:
                 squares = (squares + squares.transpose(0, 2, 1)) / 2.0
             squares = squares.reshape(blocks, -1, size * size)
             lengths = slopes[:, :, SHARE].transpose(0, 2, 1)

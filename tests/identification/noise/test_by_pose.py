@@ -165,7 +165,7 @@ def identified(around: Circumstances) -> Estimate:
 def test_identify_says_that_errors_come_back_and_allows_for_them() -> None:
     quiet = identified(UNDISTURBED)
     disturbed = identified(Circumstances((), CASE.simulation.disturbances))
-    assert not any("come back with the pose" in note for note in quiet.notes)
-    assert sum("come back with the pose" in note for note in disturbed.notes) == 1
+    assert not any("errors depend on the pose" in note for note in quiet.notes)
+    assert sum("errors depend on the pose" in note for note in disturbed.notes) == 1
     wider = [v.reported / v.std for v in disturbed.physical.values()]
     assert min(wider) > 1.5
