@@ -25,6 +25,7 @@ from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
+from planner.families.shipped import shipped_start
 from planner.families.spline import SplineFamily
 from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
@@ -96,7 +97,8 @@ def _rival(request: Request, case: Case) -> Task | None:
         require_plannable(replace(wanted, targets=()), case)
     except HexciteError:  # too short for it, or too fast for the filter
         return None
-    return Task(case, request.model, first_family(wanted, case), "D", request.seed, request.payload, Step.GLANCE)
+    family = first_family(wanted, case)
+    return Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, shipped_start(family))
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> Found:
@@ -157,6 +159,7 @@ def _explored(
 
     first = max(len(families), min(FEWEST, patience.most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
+    tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family))
     rival = _rival(request, case)
     results: list[Start | Failed] = []
     rivals: list[Start] = []

@@ -222,6 +222,42 @@ class PointToPointFamily:
         limits = np.min(self.limits[:, None, :] / np.maximum(ways, TINY), axis=2)
         return np.array([fastest_profile(1.0, *limits[:, k])[1:] for k in range(self.moves)])
 
+    def longest_steps(self) -> tuple[Array, Array]:
+        """Three times [s] of moves of mean duration, and how far each coordinate goes in them, in half widths, (6,).
+
+        Of the times that let one coordinate go as far as it can, those that give the largest product of all steps.
+        """
+        choices = []
+        for limits in self.limits.T:
+            times = np.array(fastest_profile(_largest_way(limits, self.unit), *limits)[1:])
+            velocity = 1.0 / (times @ [2.0, 1.0, 1.0])
+            acceleration = velocity / (times @ [1.0, 1.0, 0.0])
+            peaks = np.array([velocity, acceleration, acceleration / times[0]])
+            steps = np.minimum(np.min(self.limits / peaks[:, None], axis=0) / self.half, 2.0)
+            choices.append((float(np.prod(steps)), times, steps))
+        _, times, steps = max(choices, key=lambda choice: choice[0])
+        return times, steps
+
+    def table(self, unknowns: Array) -> Array:
+        """Where it begins; then the way of each move in longest steps, and its times in units of a mean move."""
+        points, times = self.split(unknowns)
+        rows = np.vstack([points[0], np.diff(points, axis=0) / self.longest_steps()[1]])
+        return np.hstack([rows, np.vstack([np.zeros(3), times])])
+
+    def like(self, table: Array) -> Array:
+        """Moves by as many longest steps, within the box; beyond the last of them back again the same way."""
+        count, (_, steps) = len(table) - 1, self.longest_steps()
+        places = [table[0, :6]]
+        times = np.empty((self.moves, 3))
+        for k in range(self.moves):
+            back, number = divmod(k, count)
+            row = table[count - number if back % 2 else 1 + number]
+            way = -row[:6] if back % 2 else row[:6]
+            places.append(np.clip(places[-1] + way * steps, -1.0, 1.0))
+            times[k] = row[6:]
+        lower, upper = self._time_bounds()
+        return np.concatenate([np.ravel(places), np.clip(times, lower, upper).ravel()])
+
     def motion(self, unknowns: Array) -> Joined:
         """The motion of unknowns of shape (9 * moves + 6,)."""
         points, times = self.split(unknowns)
@@ -241,3 +277,12 @@ class PointToPointFamily:
         """Phases that are too short for the controller are left out from now on, or last three cycles."""
         phases = self.split(unknowns)[1][:, 1:] * self.unit
         return replace(self, absent=phases < SHORTEST_PHASE / 2 * self.cycle)
+
+
+def _largest_way(limits: Array, duration: float) -> float:
+    """The way that one coordinate can go from rest to rest within a duration, by bisection."""
+    small, large = 0.0, float(limits[0] * duration)
+    for _ in range(50):
+        way = (small + large) / 2
+        small, large = (way, large) if fastest_profile(way, *limits).duration <= duration else (small, way)
+    return small
