@@ -60,7 +60,7 @@ class Found(NamedTuple):
         failed: starts that led nowhere.
         interrupted: whether Ctrl-C ended the search early.
         rival: what another family found in seconds.
-        white: what the search goes on to from the best where errors of the pose do not count.
+        white: what one start reaches where errors of the pose do not count.
     """
 
     motion: Trajectory
@@ -124,8 +124,10 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         raise InfeasiblePlan(failed[0].reason)
     white = None
     if PoseField.of(case.sensors) is not None and not interrupted:
-        one = Task(without_pose_errors(case), request.model, starts[0].family, "D", starts[0].seed, request.payload,
-                   Step.REFINE, starts[0].unknowns)  # fmt: skip
+        fresh, best_family = first_family(request, case), starts[0].family
+        fresh = fresh if fresh.settings == best_family.settings else best_family
+        one = Task(without_pose_errors(case), request.model, fresh, "D", starts[0].seed, request.payload,
+                   begin=shipped_start(fresh))  # fmt: skip
         last = run([one], Listener(lambda start: None, listener.news), patience)
         white, interrupted = next((r for r in last.results if isinstance(r, Start)), None), last.interrupted
     winner = starts[0].family
@@ -332,8 +334,8 @@ def _of_pose_errors(
     best = np.linalg.slogdet(mean_information(model, scaling, other))[1]
     bound = box_bound(case, model)
     return (
-        f"{told}D-efficiency counts white noise alone: {bound.efficiency(float(plain)):.3f}, and a search that does so "
-        f"too goes on from here to {bound.efficiency(float(max(best, plain))):.3f}",
+        f"{told}D-efficiency, which counts white noise alone, is {bound.efficiency(float(plain)):.3f}; a plan for it "
+        f"reaches {bound.efficiency(float(max(best, plain))):.3f}",
     )
 
 

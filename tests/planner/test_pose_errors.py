@@ -9,12 +9,9 @@ from scipy.linalg import block_diag
 from scipy.special import gamma, kv
 
 from cases.loading import find_case, load_case
-from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
-from identification.loaded import pose_covariance
 from identification.model import identification_model
 from identification.noise.pose_field import PoseField
-from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
 from planner.deviations import predicted_std_at_poses, predicted_std_of
 from planner.families.family import Family, box_middle
@@ -26,6 +23,7 @@ from planner.noise import expected_noise
 from planner.pose_errors import PoseErrors, of_estimate, without_pose_errors
 from planner.poses.regressors import pose_regressors
 from planner.search.problem import build_problem, information_of, mean_information
+from tests.bench.pose_errors import over_machines
 from tests.helpers import taylor_slope
 
 CASE = load_case("hexapod")
@@ -171,26 +169,9 @@ def test_predictions_are_the_scatter_over_machines_that_err_otherwise(name: str)
             family.start(np.random.default_rng(0), build_problem(CASE, MODEL, family, SCALING, 1e-3).worst)
         )
     predicted = predicted_std_of(case, MODEL, SCALING, motion, expected_noise(case, MODEL), 0)
-    true = _over_machines(motion)
+    true = over_machines(motion)
     ratio = np.array([predicted[n] / true[n] for n in true])
     assert np.exp(np.mean(np.log(ratio))) == pytest.approx(1.0, abs=0.25)
-
-
-def _over_machines(motion) -> dict[str, float]:
-    """Standard deviations over simulated machines that differ in their errors of the pose."""
-    count = 1500
-    states = motion.at((np.arange(count) + 0.5) * motion.duration / count)
-    regressors = over_samples(MODEL.coordinate_regressor, states.pose, states.rates, states.accelerations)[0]
-    answer = np.linalg.pinv(regressors.reshape(-1, len(SCALING)) * SCALING).reshape(len(SCALING), count, 6)
-    answer *= SCALING[:, None, None]
-    by_pose = pose_covariance(CASE.simulation.disturbances, CASE.machine.home.vector, states.pose, 0.0)
-    by_pose += count / (motion.duration * 1000.0) * np.eye(count)
-    covariance = sum(answer[:, :, k] @ by_pose @ answer[:, :, k].T for k in range(6))
-    form, body = physical_form(MODEL), body_parameters(CASE.nominal)
-    values = np.array([body.get(n, 0.0) for n in MODEL.names])
-    return {
-        p.name: float(s) for p, s in zip(form.parameters, np.sqrt(np.diag(form.of(values, covariance)[1])), strict=True)
-    }
 
 
 def test_standstills_do_not_average_them_out():
