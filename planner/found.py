@@ -35,6 +35,7 @@ class Found(NamedTuple):
         failed: starts that led nowhere.
         interrupted: whether Ctrl-C ended the search early.
         rival: what another family found in seconds.
+        white: what one start reaches where errors of the pose do not count.
     """
 
     motion: Trajectory
@@ -44,6 +45,7 @@ class Found(NamedTuple):
     failed: tuple[Failed, ...] = ()
     interrupted: bool = False
     rival: Start | None = None
+    white: Start | None = None
 
     def of_rival(self, parameters: int) -> float:
         """D-efficiency of the other family's motion in units of this one's, with the weights of the search.
@@ -67,9 +69,10 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
     words = []
     times = found.of_rival(parameters)
     if found.rival is not None and times > RIVALS:
+        counted = "" if case.sensors.pose_error_N is None else ", errors of the pose counted"
         words.append(
             f"weaker than a motion of another family that took seconds: --family {found.rival.family.name} has "
-            f"{times:.2f} times the D-efficiency"
+            f"{times:.2f} times the D-efficiency{counted}"
         )
     refined = [s for s in found.starts if s.refined]
     if refined and not found.interrupted and not refined[0].converged:

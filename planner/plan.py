@@ -14,6 +14,7 @@ from cases.units import DEG, MM
 from identification.limits import LimitReport
 from identification.model import identification_model
 from identification.motion import Joined, Measurement, Motion, Trajectory
+from identification.noise.pose_field import PoseField
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.found import bound_by
@@ -169,6 +170,7 @@ class Plan:
             "predicted_std": self.predicted_std,
             "assumed_noise_N": self.assumed_noise,
             "assumed_rate_Hz": self.assumed_rate,
+            "pose_errors": None if (field := PoseField.of(self.case.sensors)) is None else field.keys,
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),
         }

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
+from cases.units import MM
 from identification.criteria import CRITERIA, singular_values
 from identification.limits import PROOF_RATE, prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
+from identification.noise.pose_field import PoseField
 from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound, known_tight_bound
 from planner.controlled import Controlled
@@ -27,12 +29,13 @@ from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.plan import Plan
+from planner.pose_errors import PoseErrors, without_pose_errors
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import FEWEST, Patience
-from planner.search.problem import mean_information
+from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
 from planner.vibration import both_laws
 from planner.worth import Rival, Search, Tried, Worth
@@ -81,13 +84,21 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         if interrupted:
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
+    white = None
+    if PoseField.of(case.sensors) is not None and not interrupted:
+        fresh, best_family = request.family.families(own.case, request.duration)[0], starts[0].family
+        fresh = fresh if fresh.settings == best_family.settings else best_family
+        one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].seed, request.payload,
+                   begin=shipped_start(fresh))  # fmt: skip
+        last = run([one], Listener(lambda start: None, listener.news), patience)
+        white, interrupted = next((r for r in last.results if isinstance(r, Start)), None), last.interrupted
     winner = starts[0].family
     unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)
     motion = winner.motion(unknowns)
     report = own.reported(prove(motion, case)) if own.step_time else report
     settings = {**winner.settings, **({} if own.controller is None else {"made_for": own.controller})}
     rival = next(iter(rivals), None)
-    return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, rival)
+    return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, rival, white)
 
 
 def _explored(
@@ -197,12 +208,16 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     mu = singular_values(information, model.names)
     noise = expected_noise(case, model, request.payload)
     worst = worst_std(case, model, scaling, found.motion, request.payloads)
-    chosen = mu
-    if noise.whitening is not None:
-        weighted = mean_information(seen_through(model, noise.whitening), scaling, found.motion)
+    chosen, errors = mu, PoseErrors.of(case, noise)
+    if noise.whitening is not None or errors is not None:
+        weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
         chosen = singular_values(weighted, model.names)
     laws = both_laws(case, request.model, found.motion, request.payload)
-    told = _told(case, model, scaling, found.motion, noise, request.payload)
+    predicted = {name: std for name, (std, _) in worst.items()}
+    told = (
+        *_told(case, model, scaling, found.motion, noise, request.payload),
+        *_of_pose_errors(case, model, scaling, found, request, predicted),
+    )
     logdet, bound = CRITERIA["D"].of(mu), box_bound(case, model)
     worth = Worth(
         settings=found.settings,
@@ -219,7 +234,6 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
         notes=(*notes(found, request, case, worst, laws), *told),
         vibration=None if laws is None else laws.to_json(),
     )
-    predicted = {name: std for name, (std, _) in worst.items()}
     rate = case.recording.rate_Hz
     return Plan(case, request, found.motion, found.limits, predicted, noise.sensors, rate, worth)
 
@@ -271,6 +285,29 @@ def _told(
         told,
         f'identify --weights stated, or sensors.weights = "stated" in the case, makes the standard deviations '
         f"{100 * less:.0f} % smaller than the weights {noise.weights} (geometric mean, this motion)",
+    )
+
+
+def _of_pose_errors(
+    case: Case, model: Model, scaling: Array, found: Found, request: Request, predicted: dict[str, float]
+) -> tuple[str, ...]:
+    """What errors that depend on the pose cost a plan, and what it gave up for them."""
+    field = PoseField.of(case.sensors)
+    if field is None:
+        return ()
+    white = worst_std(without_pose_errors(case), model, scaling, found.motion, request.payloads)
+    times = float(np.exp(np.mean([np.log(predicted[name] / std) for name, (std, _) in white.items()])))
+    told = f"errors that depend on the pose ({field.size:.3g} N, {field.length / MM:.3g} mm of strut lengths) make the "
+    told += f"standard deviations {times:.3g} times those of white noise alone (geometric mean); "
+    if found.white is None:
+        return (told + "D-efficiency counts white noise alone",)
+    plain = np.linalg.slogdet(mean_information(model, scaling, found.motion))[1]
+    other = found.white.family.motion(found.white.unknowns)
+    best = np.linalg.slogdet(mean_information(model, scaling, other))[1]
+    bound = box_bound(case, model)
+    return (
+        f"{told}D-efficiency, which counts white noise alone, is {bound.efficiency(float(plain)):.3f}; a plan for it "
+        f"reaches {bound.efficiency(float(max(best, plain))):.3f}",
     )
 
 

@@ -83,11 +83,11 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
         efficiency=approximate_design(regressors).efficiency(chosen),
         efficiency_space=float(np.exp((logdet - space.logdet) / len(scaling))),
         fewest=smallest_set(model, scaling, poses, request.criterion),
-        std_of_all=predicted_std_at_poses(case, model, scaling, total_information(regressors), noise),
+        std_of_all=predicted_std_at_poses(case, model, scaling, regressors, candidates.poses, noise),
         select_seconds=selected,
         solve_seconds=perf_counter() - began,
     )
-    predicted = predicted_std_at_poses(case, model, scaling, information, noise)
+    predicted = predicted_std_at_poses(case, model, scaling, chosen, poses, noise)
     return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth)
 
 

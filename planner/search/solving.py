@@ -21,6 +21,7 @@ from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.infeasible import require_rest
 from planner.noise import expected_noise, seen_through
+from planner.pose_errors import PoseErrors
 from planner.search.annealing import annealed_start
 from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate
 from planner.search.ipopt import Watch, solve
@@ -242,8 +243,9 @@ class _Run:
         model = identification_model(task.case, task.model)
         self.task, self.family, self.watch = task, task.family, watch
         self.scaling = reference_scaling(task.case, model)
-        self.model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
-        self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED)
+        noise = expected_noise(task.case, model, task.payload)
+        self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
+        self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
         self.iterations, self.status, self.converged, self.stopped, self.close = 0, "", False, False, False
 
     def told(self, objective: float) -> bool:
@@ -253,14 +255,15 @@ class _Run:
 
     def rate(self, unknowns: Array, letter: str | None = None) -> Rating:
         """What a motion is worth by the criterion asked for, or another."""
-        return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion)
+        return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion, self.errors)
 
     def begin(self) -> Array:
         """Where the solver begins."""
         task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
         if begin is not None:
             worst = self.problem.worst(begin)
-            self.close = task.step is Step.EXPLORE and worst <= CLOSE
+            # What is good for white noise alone is far from what errors of the pose call for.
+            self.close = task.step is Step.EXPLORE and worst <= CLOSE and self.errors is None
             if self.close or task.step is Step.REFINE:
                 self.problem = self.problem.with_rows_above(begin, NEAR)
                 return begin
