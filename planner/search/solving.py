@@ -160,19 +160,22 @@ _AT_HAND: dict[str, object] = {"mu_init": 1e-5}
 def _stages(task: Task, close: bool) -> Iterator[_Stage]:
     """First by D, which is smooth everywhere, then, when refining, by the criterion asked for.
 
-    `close`: whether the start is a good motion within the limits.
+    `close`: whether the start is a good motion within the limits, which is refined at once.
     """
-    afar = _FAR if task.begin is None and not task.moves else _AT_HAND if close else _NEAR
+    afar = _FAR if task.begin is None and not task.moves else _NEAR
+    at_hand = _Stage("D", 0, False, REFINE, _AT_HAND)
     if task.step is Step.GLANCE:
         if not task.moves:
             yield _Stage("D", 0, True, GLANCE, afar)
         return
-    if task.step is Step.EXPLORE:
+    if close:
+        yield at_hand
+    elif task.step is Step.EXPLORE:
         yield _Stage("D", 0, not task.moves, EXPLORE[task.family.name], afar)
         if not task.moves:
             return
     if task.criterion == "D" and task.step is Step.REFINE:
-        yield _Stage("D", 0, False, REFINE, _AT_HAND)
+        yield at_hand
     elif task.criterion == "A":
         yield _Stage("A", 0, not task.moves, OTHERWISE, afar)
     elif task.criterion in "KN":
@@ -190,11 +193,11 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     run = _Run(task, watch)
     unknowns = run.begin()
     before = run.rate(unknowns)
-    exploring = task.step is not Step.REFINE and not task.moves
+    exploring = task.step is not Step.REFINE and not task.moves and not run.close
     best: tuple[Rating, Inside] | None = None
-    if task.step is Step.GLANCE and task.moves:  # its annealed walk tells enough
-        glance = keep_limits(task.case, run.family, unknowns, QUICK_RATE)
-        best = run.rate(glance.unknowns), glance
+    if run.close or (task.step is Step.GLANCE and task.moves):  # of a glance the annealed walk tells enough
+        inside = keep_limits(task.case, run.family, unknowns, QUICK_RATE)
+        best = run.rate(inside.unknowns), inside
     for stage in _stages(task, run.close):
         if run.stopped and best is not None:
             break
@@ -260,7 +263,7 @@ class _Run:
         if begin is not None:
             worst = self.problem.worst(begin)
             # A start that is good for white noise alone is far from what errors of the pose call for.
-            self.close = task.step is not Step.REFINE and worst <= CLOSE and self.errors is None
+            self.close = task.step is Step.EXPLORE and worst <= CLOSE and self.errors is None
             if self.close or task.step is Step.REFINE:
                 self.problem = self.problem.with_rows_above(begin, NEAR)
                 return begin

@@ -70,7 +70,7 @@ def test_starts_that_all_fail_end_it_too():
 
 def test_time_is_shared_between_exploring_and_refining():
     before = time.monotonic()
-    watch = patience(seconds=100.0)
+    watch = patience(seconds=100.0, family="fourier")
     now = time.monotonic()
     assert before + 100.0 <= watch.until <= now + 100.0
     assert watch.exploring().until == pytest.approx(before + 100.0 * EXPLORING, abs=1.0)
