@@ -262,7 +262,7 @@ class _Run:
         task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
         if begin is not None:
             worst = self.problem.worst(begin)
-            # A start that is good for white noise alone is far from what errors of the pose call for.
+            # What is good for white noise alone is far from what errors of the pose call for.
             self.close = task.step is Step.EXPLORE and worst <= CLOSE and self.errors is None
             if self.close or task.step is Step.REFINE:
                 self.problem = self.problem.with_rows_above(begin, NEAR)
