@@ -106,9 +106,9 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     shift = shift[: len(u)]
     form, none = physical_form(model), np.zeros((len(u), len(u)))
     errors = form.of(u + shift, none)[0] - form.of(u, none)[0]
-    white = predicted_std_of(case, model, reference_scaling(case, model), motion, noise, payload)
-    share = np.sqrt(motion.duration / seconds)
-    white = {name: std * share for name, std in white.items()}
+    share = float(np.sqrt(motion.duration / seconds))  # of white noise, which averages out over time
+    at_equal_time = replace(noise, sensors=share * noise.sensors, channels=share**2 * noise.channels)
+    white = predicted_std_of(case, model, reference_scaling(case, model), motion, at_equal_time, payload)
     found = {p.name: float(np.hypot(white[p.name], error)) for p, error in zip(form.parameters, errors, strict=True)}
     return Vibration(frequency, found, _mean_ratio(found, white), s0)
 

@@ -264,8 +264,11 @@ class PointToPointFamily:
             way = -row[:6] if back % 2 else row[:6]
             places.append(np.clip(places[-1] + way * steps, -1.0, 1.0))
             times[k] = row[6:]
-        lower, upper = self._time_bounds()
-        return np.concatenate([np.ravel(places), np.clip(times, lower, upper).ravel()])
+        if self.steps:
+            times[:, 1], times[:, 0] = times[:, 1] + 2 * times[:, 0], 0.0
+        times = np.clip(times, *self._time_bounds())
+        times *= self.moves / (times @ [4.0, 2.0, 1.0]).sum()
+        return np.concatenate([np.ravel(places), times.ravel()])
 
     def motion(self, unknowns: Array) -> Joined:
         """The motion of unknowns of shape (9 * moves + 6,)."""

@@ -30,6 +30,7 @@ from tests.bench.identified import identification_figures
 from tests.bench.leaps import leaps
 from tests.bench.monte_carlo import monte_carlo_table
 from tests.bench.portfolio import portfolio
+from tests.bench.pose_errors import pose_error_rows
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.retiming import retiming_table
@@ -117,6 +118,8 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     yield "Exported models", exported()
     with tempfile.TemporaryDirectory() as name:
         yield "Validation", validation_rows(Path(name), command)
+    with tempfile.TemporaryDirectory() as name:
+        yield "Errors of the pose", pose_error_rows(Path(name), command)
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
