@@ -106,15 +106,15 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
     steps = bool(controlled(case, dialect_name).step_time)
     if has_steps(motion) and not steps:
         raise HexciteError(
-            f"{plan}: was made for {made_for}, which does not limit jerk; moves for {dialect_name} keep the limits "
-            f"of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with hexcite retime "
-            f"{plan} -o NEW"
+            f"{plan}: was made for {made_for or 'a controller'}, which does not limit jerk; moves for {dialect_name} "
+            f"keep the limits of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with "
+            f"hexcite retime {plan} -o NEW"
         )
     if steps and not has_steps(motion):
         return (
             f"planned with limited jerk; {dialect_name} does not limit it and makes trapezoids of the moves: a plan "
             f"made with --for {dialect_name} carries more information there",
         )
-    if made_for not in (None, "virtual", dialect_name):
+    if made_for not in (None, "", "virtual", dialect_name):
         return (f"made for {made_for}; {dialect_name} times moves by the same law",)
     return ()

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
-from cases.units import MM
 from identification.criteria import CRITERIA, singular_values
 from identification.limits import PROOF_RATE, prove
 from identification.model import Model, identification_model
@@ -297,8 +296,10 @@ def _of_pose_errors(
         return ()
     white = worst_std(without_pose_errors(case), model, scaling, found.motion, request.payloads)
     times = float(np.exp(np.mean([np.log(predicted[name] / std) for name, (std, _) in white.items()])))
-    told = f"errors that depend on the pose ({field.size:.3g} N, {field.length / MM:.3g} mm of strut lengths) make the "
-    told += f"standard deviations {times:.3g} times those of white noise alone (geometric mean); "
+    told = (
+        f"errors that depend on the pose ({field.words}) make the standard deviations {times:.3g} times those of white "
+    )
+    told += "noise alone (geometric mean); "
     if found.white is None:
         return (told + "D-efficiency counts white noise alone",)
     plain = np.linalg.slogdet(mean_information(model, scaling, found.motion))[1]

@@ -62,7 +62,7 @@ def demos(folder: Path) -> list[list[str]]:
         rows += [
             [f"hexcite demo on {controller}", f"{seconds:.1f} s", "25 s"],
             ["  worst error in reported standard deviations", f"{answer['worst_error_in_std']:.2f}", "4"],
-            ["  Fourier order 5, solving", f"{plan['solve_s']:.1f} s", "6 s"],
+            [f"  {plan['settings']['moves']} moves, solving", f"{plan['solve_s']:.1f} s", ""],
             ["  D-efficiency planned / executed", f"{plan['d_efficiency']:.3f} / {run['d_efficiency']:.3f}", ""],
             ["  duration executed / planned", f"{run['duration_s'] / run['planned_s']:.4f}", ""],
             ["  distance from the planned path", f"{run['path_error_mm']:.3f} mm", ""],
