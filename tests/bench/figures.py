@@ -12,6 +12,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is no installed package
 
+from tests.bench.reliability.interrupted import interrupted_rows
+
 from cases.loading import load_case
 from identification.identify import identify
 from identification.recording import read_recording, write_recording
@@ -32,9 +34,11 @@ from tests.bench.monte_carlo import monte_carlo_table
 from tests.bench.portfolio import portfolio
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
+from tests.bench.reliability.everything import reliability_rows
 from tests.bench.retiming import retiming_table
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.study import study_rows
+from tests.bench.under_load import under_load_rows
 from tests.bench.validation import validation_rows
 from tests.bench.wall_times import wall_time_rows
 
@@ -119,6 +123,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
         yield "Validation", validation_rows(Path(name), command)
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
+    yield "Reliability", [*reliability_rows(), *interrupted_rows(), *([] if linuxcnc_missing() else under_load_rows())]
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
 
 
