@@ -56,9 +56,9 @@ class Quantity:
             scale: the unit in SI.
         """
         values = np.asfortranarray(values)  # column by column, or every operation below goes through rows of three
-        ratio = values - (low / 2 + high / 2)
+        ratio = values - (low + high) / 2
         np.abs(ratio, out=ratio)
-        ratio /= high / 2 - low / 2  # of limits like 1e308 the difference would overflow
+        ratio /= (high - low) / 2
         if np.isnan(ratio.max()):
             ratio[np.isnan(ratio)] = np.inf
         return cls(name, unit, labels, values, np.stack([low, high]), ratio, scale)
@@ -66,7 +66,7 @@ class Quantity:
     def limit_of(self, row: int, column: int) -> float:
         """The limit on whose side of the middle a value lies."""
         low, high = self.limits[:, column]
-        return float(high if self.values[row, column] >= low / 2 + high / 2 else low)
+        return float(high if self.values[row, column] >= (low + high) / 2 else low)
 
 
 def limited_coordinates(
