@@ -251,6 +251,13 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
             warnings.append(
                 "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
             )
+    if moving.fit.field is not None:
+        told["pose_errors"] = moving.fit.field.keys
+        if not case.sensors.pose_error_N:
+            stated = ", ".join(f"{key} = {value:g}" for key, value in moving.fit.field.keys.items())
+            notes.append(
+                f"[sensors] {stated}: with this in the case, plans count on the errors that depend on the pose"
+            )
     if isinstance(moving.run, Run):
         components = noise_components(moving.run, moving.fit, case.sensor_frame.bars is None)
         if components is not None:

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from identification.noise.pose_field import PoseField
+
 Array = NDArray[np.float64]
 
 
@@ -32,10 +34,12 @@ class Robust(NamedTuple):
     Args:
         covariance: of u, shape (u, u).
         notes: sentences about the noise that it allows for.
+        field: errors that depend on the pose, where the run shows them.
     """
 
     covariance: Array
     notes: tuple[str, ...] = ()
+    field: PoseField | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +58,7 @@ class Fit:
         condition: mu_1 / mu_u of the scaled regressor (26).
         notes: sentences about what the estimator did beside: a constraint that bound, what a prior moved.
         doubts: sentences about what speaks against it: a prior that disagrees, a search that did not settle.
+        field: errors that depend on the pose, where the run shows them.
     """
 
     values: Array
@@ -67,6 +72,7 @@ class Fit:
     condition: float
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    field: PoseField | None = None
 
 
 Estimator = Callable[[Array, Array, Sequence[str]], Fit]

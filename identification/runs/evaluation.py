@@ -197,7 +197,7 @@ class Run:
         assert self.recording.struts is not None
         placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows])
         if placed is not None:
-            return Robust(placed.covariance, (placed.note,))
+            return Robust(placed.covariance, (placed.note,), placed.field(residuals) if whitening is None else None)
         coloured = coloured_covariance(found)
         return None if coloured is None else Robust(coloured)
 

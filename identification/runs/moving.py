@@ -133,7 +133,8 @@ def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.
         robust = run.robust_covariance(white[0] @ basis, fit.residuals, fit.weights, whitening)
         if robust is not None:
             notes = (*fit.notes, *robust.notes)
-            fit = replace(fit, covariance_robust=basis @ robust.covariance @ basis.T, notes=notes)
+            covariance = basis @ robust.covariance @ basis.T
+            fit = replace(fit, covariance_robust=covariance, notes=notes, field=robust.field)
     fit = of_forces(whitening, fit, augmented, forces)
     require_sense(model, fit)
     told = augmented.shape[2] - (held is None)

@@ -1,6 +1,6 @@
 """What belongs together among plans, runs and results, and which excitation to prefer."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from cases.basis import bound_hash
 from cases.errors import HexciteError
+from identification.noise.pose_field import PoseField
 from planner.comparison.entries import Entry, Level
 
 SAME_PATH = 2e-3  # [m] a run that strays less from a plan, and the plan from it, is a run of that plan
@@ -84,7 +85,8 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(chosen)
     if len(alike) == 1:
-        return _among(chosen, level, remarks)
+        found_best = _among(chosen, level, remarks)
+        return found_best._replace(sentences=(*found_best.sentences, *_where_it_vibrates(chosen)))
     told = "; ".join(f"{', '.join(e.name for e in some)} ({_conditions(some)})" for some in alike)
     parts = [_among(some, level, remarks) for some in alike if len(some) > 1]
     return Recommendation(
@@ -95,6 +97,19 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
             f"these were planned or measured under different conditions, and none is preferred across them: {told}",
             *(sentence for part in parts for sentence in part.sentences),
         ),
+    )
+
+
+def _where_it_vibrates(chosen: Sequence[Entry]) -> Iterator[str]:
+    """Which planned motion to prefer on a machine with a structural mode, by the errors to be expected there."""
+    known = [(e.name, e.vibration) for e in chosen if e.vibration is not None]
+    if len(known) < 2 or len({frozenset(v.errors) for _, v in known}) > 1:
+        return
+    best, least = min(known, key=lambda pair: pair[1].over(known[0][1]))
+    others = ", ".join(f"{name} {v.over(least):.2f} times as much" for name, v in known if name != best)
+    yield (
+        f"on a machine with a structural mode at {least.frequency:.3g} Hz (simulation.disturbances) {best} is expected "
+        f"to err least: {others}"
     )
 
 
@@ -119,15 +134,22 @@ def _comparable(one: Entry, other: Entry) -> bool:
         return False
     if one.noise is None or other.noise is None:
         return True
+    if PoseField.of(one.case.sensors) != PoseField.of(other.case.sensors):  # one prediction counts errors of the pose
+        return False
     return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
 
 
 def _conditions(entries: Sequence[Entry]) -> str:
     """Machine, load and noise of entries that have them in common, in words."""
     loads = [f"{e.load:.4g} kg mounted" for e in entries if e.load is not None]
-    noises = [f"noise {e.noise:.3g} N" for e in entries if e.noise is not None]
+    noises = [f"noise {e.noise:.3g} N{_by_pose(e)}" for e in entries if e.noise is not None]
     machines = [e.machine for e in entries if e.machine is not None]
     return ", ".join([f"case {entries[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
+
+
+def _by_pose(entry: Entry) -> str:
+    field = PoseField.of(entry.case.sensors)
+    return "" if field is None else f" and {field.words} that depends on the pose"
 
 
 def _among(chosen: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recommendation:

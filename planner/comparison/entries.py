@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import IntEnum
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,11 +29,13 @@ from identification.runs.rates import on_one_clock
 from identification.saved import load_result
 from planner.deviations import predicted_std
 from planner.noise import expected_noise
+from planner.pose_errors import PoseErrors
 from planner.poses.regressors import pose_regressors
 from planner.runs.fingerprints import plan_hash
 from planner.runs.recorded import standing_of
 from planner.saved_plan import load_plan
 from planner.search.problem import mean_information
+from planner.vibration import Vibration, vibration
 
 Array = NDArray[np.float64]
 
@@ -79,6 +81,7 @@ class Entry:
         load: mass of the weights that are mounted [kg]; None where nothing tells.
         machine: that was measured, in words; None for plans, and where nothing tells.
         warnings: that its evaluation gave.
+        vibration: of a planned motion on a machine with a structural mode; None where the case states none.
     """
 
     name: str
@@ -99,6 +102,7 @@ class Entry:
     load: float | None = None
     machine: str | None = None
     warnings: tuple[str, ...] = ()
+    vibration: Vibration | None = None
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer."""
@@ -117,6 +121,7 @@ class Entry:
             "load_kg": self.load,
             "machine": self.machine,
             "warnings": list(self.warnings),
+            "vibration": None if self.vibration is None else asdict(self.vibration),
         }
 
 
@@ -153,8 +158,11 @@ def _plan(path: Path, case: str | None, stale: bool) -> Entry:
     if saved.data["family"] == "poses" and isinstance(saved.motion, Joined):
         poses = np.array([p.pose for p in saved.motion.parts if isinstance(p, Measurement)])
         matrix = (pose_regressors(model, poses) * scaling).reshape(-1, len(scaling))
-        information, samples = matrix.T @ matrix / len(poses), len(poses)
+        information, samples, vibrating = matrix.T @ matrix / len(poses), len(poses), None
     else:
+        vibrating = vibration(
+            saved.case, model.number, saved.motion, int(saved.data.get("payload", 0)), saved.motion.duration
+        )
         information = mean_information(model, scaling, saved.motion)
         samples = round(saved.motion.duration * rate)
     units, noise, weights = _units(model), float(saved.data["assumed_noise_N"]), int(saved.data.get("payload", 0))
@@ -167,7 +175,7 @@ def _plan(path: Path, case: str | None, stale: bool) -> Entry:
     return Entry(
         str(path), Level.PLANNED, saved.case, model.number, str(saved.data["family"]), saved.motion.duration, samples,
         _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
-        plan_hash(path), noise, float(load), warnings=saved.stale,
+        plan_hash(path), noise, float(load), warnings=saved.stale, vibration=vibrating,
     )  # fmt: skip
 
 
@@ -192,7 +200,8 @@ def _run(path: Path, case_name: str | None, stale: bool) -> Entry:
     recording, _ = standing_of(recorded, case, path)
     model = identification_model(case, default_model(recording))
     scaling = reference_scaling(case, model)
-    matrices, way, samples = _matrices(recording, case, model)
+    matrices, struts, samples = _matrices(recording, case, model)
+    way = None if struts is None or recording.t is None else Hexapod.of(case).poses(struts)[:, :3]
     information = _seen(matrices, None, scaling)
     duration = about.get("executed_s")
     noise = expected_noise(case, model)
@@ -201,6 +210,11 @@ def _run(path: Path, case_name: str | None, stale: bool) -> Entry:
         seconds = float(np.count_nonzero(recorded.trigger) * recorded.step)  # of standing still, averaged
     weighted = _seen(matrices, noise.whitening, scaling)
     scattered = None if noise.scatter is None else _seen(matrices, noise.scatter, scaling)
+    errors = PoseErrors.of(case, noise)
+    if errors is not None and struts is not None:
+        seen = matrices if noise.whitening is None else noise.whitening @ matrices
+        scattered = weighted if scattered is None else scattered
+        scattered = scattered + errors.scatter(seen * scaling, struts, seconds)
     units = _units(model)
     expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors, 0, scattered)
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
@@ -232,14 +246,14 @@ def _seen(matrices: Array, root: Array | None, scaling: Array) -> Array:
 
 
 def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Array | None, int]:
-    """Regressors that are evaluated, the way of the platform, and the number of samples that they stand for."""
+    """Regressors that are evaluated, strut lengths there, and the number of samples that they stand for."""
     found = scan(recording, case)
     if recording.t is None:
-        return standstills(recording, case, model, found).regressors, None, int(np.sum(~found.bad))
+        struts = None if recording.struts is None else recording.struts[~found.bad]
+        return standstills(recording, case, model, found).regressors, struts, int(np.sum(~found.bad))
     run = moving_run(recording, case, model, found=found)
     struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
-    way = None if struts is None else Hexapod.of(case).poses(struts)[:, :3]
-    return run.regressors(0.0), way, run.samples
+    return run.regressors(0.0), struts, run.samples
 
 
 def _fingerprints(path: Path) -> frozenset[str]:

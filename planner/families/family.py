@@ -47,6 +47,11 @@ class Family(Protocol):
         ...
 
     @property
+    def duration(self) -> float:
+        """Of the excitation [s]."""
+        ...
+
+    @property
     def settings(self) -> dict[str, Any]:
         """What was chosen beforehand, for `plan.json`."""
         ...
@@ -62,6 +67,18 @@ class Family(Protocol):
             draw: the source of chance.
             worst: largest share of any limit that is used, of unknowns.
         """
+        ...
+
+    def like(self, table: Array) -> Array | None:
+        """Unknowns like those of another machine's motion, limits apart; None where it does not fit.
+
+        Args:
+            table: what `table` gave there.
+        """
+        ...
+
+    def table(self, unknowns: Array) -> Array:
+        """Unknowns in units that do not depend on the machine."""
         ...
 
     def motion(self, unknowns: Array) -> Trajectory:

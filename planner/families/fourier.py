@@ -81,6 +81,11 @@ class FourierFamily:
         return "fourier"
 
     @property
+    def duration(self) -> float:
+        """Of the excitation [s]."""
+        return self.period * self.repeats + 2.0 * self.run_in
+
+    @property
     def settings(self) -> dict[str, Any]:
         """Order, period and number of periods."""
         own = {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}
@@ -94,6 +99,15 @@ class FourierFamily:
         """Random unknowns well inside the limits."""
         unknowns = draw.normal(size=self.unknowns * 6)
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
+
+    def table(self, unknowns: Array) -> Array:
+        """A row for each unknown of a coordinate."""
+        return unknowns.reshape(-1, 6)
+
+    def like(self, table: Array) -> Array | None:
+        """The same series of the same order."""
+        fits = len(table) == self.unknowns and not (self.run_in or self.centred)
+        return table.ravel() if fits else None
 
     def refined(self, unknowns: Array) -> Self:
         """Nothing is left open."""
