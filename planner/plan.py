@@ -159,8 +159,6 @@ class Plan:
                 f"made for {self.settings.get('made_for')}, which does not limit jerk: accelerations step, and the "
                 f"limits of jerk of the case ({limits}) do not count"
             )
-        if self.laws is not None:
-            notes.append(self.laws.sentence)
         tried = {(s.family.order, s.family.period) for s in self.starts if isinstance(s.family, FourierFamily)}
         if len(tried) > 1:
             own = f"order {self.settings['order']} with period {self.settings['period_s']:g} s"
@@ -185,6 +183,7 @@ class Plan:
             notes.append(f"predicted standard deviations are the largest with {self.request.mounted}: {self._by_load}")
         forces = [c for c in self.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
         notes += [f"{c.name} shapes the motion: with fewer weights in [payloads] it could tell more" for c in forces]
+        notes += [] if self.laws is None else [self.laws.sentence]
         return [*notes, *self.noise_note]
 
     @property
