@@ -41,6 +41,11 @@ class PoseField:
         """As `[sensors]` of a case states it."""
         return {"pose_error_N": float(f"{self.size:.3g}"), "pose_error_length_mm": float(f"{self.length / MM:.3g}")}
 
+    @property
+    def words(self) -> str:
+        """For people."""
+        return f"{self.size:.3g} N over {self.length / MM:.3g} mm of strut lengths"
+
     def covariance(self, struts: Array) -> Array:
         """Covariance of a channel's errors between places, shape (n, n) [N^2]; struts: shape (n, 6) [m]."""
         return self.size**2 * matern(np.sqrt(squared_distances(struts, struts)) / self.length)[0]

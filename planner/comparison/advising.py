@@ -9,10 +9,12 @@ from scipy.spatial import cKDTree
 
 from cases.basis import bound_hash
 from cases.errors import HexciteError
+from identification.noise.pose_field import PoseField
 from planner.comparison.entries import Entry, Level
 
 SAME_PATH = 2e-3  # [m] a run that strays less from a plan, and the plan from it, is a run of that plan
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
+ONE_NOISE = 1.0001  # ratio of noises that are one
 SAME_LOAD = 1e-3  # [kg] of the weights mounted
 NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one is as good
 
@@ -53,6 +55,34 @@ def _follows(run: Entry, plan: Entry) -> bool:
         return False
     there, back = cKDTree(plan.path).query(run.path)[0], cKDTree(run.path).query(plan.path)[0]
     return bool(max(there.max(), back.max()) < SAME_PATH * 5 and np.mean(there) < SAME_PATH)
+
+
+def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """What keeps figures from being compared, and what the evaluations of runs and results warned of."""
+    warnings = []
+    if len({e.model for e in entries}) > 1:
+        warnings.append("models differ: criteria of different models do not compare, standard deviations do")
+    if len({e.case.hash for e in entries}) > 1:
+        warnings.append("cases differ: the machines are not the same, or the case was changed between")
+    noises = [(e.noise, e) for e in entries if e.noise is not None]
+    if noises and max(n for n, _ in noises) > ONE_NOISE * min(n for n, _ in noises):
+        told = _listed((f"{noise:.3g} N", e) for noise, e in noises)
+        warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {told}")
+    if len({round(e.load, 3) for e in entries if e.load is not None}) > 1:
+        told = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
+        warnings.append(f"different weights are mounted, with which errors of the machine grow: {told}")
+    if len({e.machine for e in entries if e.machine is not None}) > 1:
+        told = _listed((e.machine, e) for e in entries if e.machine is not None)
+        warnings.append(f"not the same was measured, so that residuals do not compare: {told}")
+    return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
+
+
+def _listed(told: Iterable[tuple[str, Entry]]) -> str:
+    """Values with the names of the entries that have them."""
+    having: dict[str, list[str]] = {}
+    for value, entry in told:
+        having.setdefault(value, []).append(entry.name)
+    return "; ".join(f"{value} ({', '.join(names)})" for value, names in having.items())
 
 
 class Recommendation(NamedTuple):
@@ -133,15 +163,22 @@ def _comparable(one: Entry, other: Entry) -> bool:
         return False
     if one.noise is None or other.noise is None:
         return True
+    if PoseField.of(one.case.sensors) != PoseField.of(other.case.sensors):  # one prediction counts errors of the pose
+        return False
     return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
 
 
 def _conditions(entries: Sequence[Entry]) -> str:
     """Machine, load and noise of entries that have them in common, in words."""
     loads = [f"{e.load:.4g} kg mounted" for e in entries if e.load is not None]
-    noises = [f"noise {e.noise:.3g} N" for e in entries if e.noise is not None]
+    noises = [f"noise {e.noise:.3g} N{_by_pose(e)}" for e in entries if e.noise is not None]
     machines = [e.machine for e in entries if e.machine is not None]
     return ", ".join([f"case {entries[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
+
+
+def _by_pose(entry: Entry) -> str:
+    field = PoseField.of(entry.case.sensors)
+    return "" if field is None else f" and {field.words} that depends on the pose"
 
 
 def _among(chosen: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recommendation:

@@ -15,6 +15,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is no installed package
 
+from planner.saved_plan import load_plan
+
 from cases.loading import find_case, load_case
 from identification.evaluate import over_samples
 from identification.loaded import pose_covariance
@@ -22,7 +24,6 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form
 from planner.cli.console import print_table
-from planner.saved_plan import load_plan
 
 Command = Callable[..., tuple[float, str]]
 
