@@ -101,7 +101,7 @@ class Request:
         names = {"order": "order", "period_s": "period", "centred": "centred", "moves": "moves", "knots": "knots"}
         names["made_for"] = "controller"
         became = {name: settings[key] for key, name in names.items() if key in settings}
-        asked = data.get("asked", {"duration_s": data["duration_s"], "family": became})
+        asked = data["asked"] if "asked" in data else {"duration_s": data["duration_s"], "family": became}
         return cls(
             kind(**asked["family"]),
             float(asked["duration_s"]),

@@ -56,7 +56,7 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         ("seed", str(request.seed)),
         *provenance([])["versions"].items(),
     ]
-    made = "made by hand" if plan.family == "manual" else f"optimised for criterion {request.criterion}"
+    made = "made by hand" if not request.family.optimised else f"optimised for criterion {request.criterion}"
     if (method := settings.get("retimed_with")) is not None:
         made += f", re-timed with {method}"
     return Page(
@@ -126,7 +126,7 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
     note = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {worth.weights}."
     columns = ["parameter", "predicted std"]
     other = None
-    if plan.family != "manual":
+    if plan.of_motion[0].family.optimised:
         if isinstance(manual, Beside):
             other = manual.at_equal_time(plan.motion.duration)
             columns += ["hand-made, equal time" if manual.averaging else "hand-made", "times smaller"]
