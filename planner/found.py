@@ -130,8 +130,6 @@ def notes(
             f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
             f"jerk of the case ({limits}) do not count"
         )
-    if laws is not None:
-        words.append(laws.sentence)
     tried = {(s.family.order, s.family.period) for s in found.starts if isinstance(s.family, FourierFamily)}
     if len(tried) > 1:
         own = f"order {settings['order']} with period {settings['period_s']:g} s"
@@ -157,4 +155,4 @@ def notes(
         words.append(f"predicted standard deviations are the largest with {request.mounted}: {which}")
     forces = [c for c in found.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
     words += [f"{c.name} shapes the motion: with fewer weights in [payloads] it could tell more" for c in forces]
-    return tuple(words)
+    return tuple(words if laws is None else [*words, laws.sentence])

@@ -25,7 +25,7 @@ from planner.runs.fingerprints import plan_of_program, written_for_another
 from planner.runs.followed import planned_excitation
 from planner.runs.standing import stood, way_of
 from planner.search.problem import mean_information
-from postprocessors.execute.executed_run import ExecutedRun, moving_windows
+from postprocessors.execute.executed_run import ExecutedRun, moving_windows, windows
 from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
 from postprocessors.execute.linuxcnc.punctuality import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
@@ -179,7 +179,10 @@ def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, .
     except ProgramError as error:
         raise _of_another(error, program.content, case) from error
     parts = stretches(program.reading)
-    run = run_virtual(program.reading, case, program.guarantees) if on == "virtual" else _on_linuxcnc(program, case)
+    if on == "virtual":
+        run = run_virtual(program.reading, case, program.guarantees)
+    else:
+        run = _on_linuxcnc(program, case, measures_at_poses(parts))
     if not len(run.trigger):
         raise ExecutionError(f"{program.path}: the trigger never came on while {run.controller} ran it; report this")
     return parts, run
@@ -192,7 +195,7 @@ def _of_another(error: ProgramError, content: bytes, case: Case) -> ProgramError
     )
 
 
-def _on_linuxcnc(read: Program, case: Case) -> ExecutedRun:
+def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if read.dialect.name != "linuxcnc":
         raise ExecutionError(f"{read.path}: is no LinuxCNC program ({read.dialect.name}); run it with --on virtual")
     headroom = acceleration_headroom(read.reading, case)
@@ -210,8 +213,9 @@ def _on_linuxcnc(read: Program, case: Case) -> ExecutedRun:
         surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
         remark = f"{remark}; {surplus}" if remark else surplus
     execution = StrutExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
-    excited = moving_windows(log.trigger, log.strut_lengths, log.period)
-    return ExecutedRun(log.controller, execution, excited, real=True, remark=remark)
+    on = windows(log.trigger, log.period)
+    measured = on if at_poses else moving_windows(log.trigger, log.strut_lengths, log.period)
+    return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)
 
 
 def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> Rating:
