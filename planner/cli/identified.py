@@ -89,6 +89,8 @@ def make_result(
                 raise
             estimate = with_feed(estimate, recording, loaded, paths[0], plan)
         found = identifiability(recording, loaded, estimate)
+        if how is not None and how.biases is not None:
+            remarks = (*remarks, *how.biases.stale)
         estimate = replace(estimate, warnings=(*estimate.warnings, *remarks))
         content: dict[str, Any] = {KEPT: result_basis(loaded), **({"stale": list(remarks)} if remarks else {})}
         content = (

@@ -114,7 +114,7 @@ def identify(
     wanted = Wish(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
         tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
-        read_conditioning(period, harmonics, accelerated, flexible),
+        read_conditioning(period, harmonics, accelerated, flexible), stale,
     )  # fmt: skip
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written

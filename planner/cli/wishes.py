@@ -28,6 +28,7 @@ class Wish(NamedTuple):
         weights: instead of the case's.
         biases: result whose offsets are taken.
         conditioning: what is to be done to a moving run beforehand.
+        stale: go on although the case has changed since the biases were identified.
     """
 
     model: int | None = None
@@ -40,6 +41,7 @@ class Wish(NamedTuple):
     weights: str | None = None
     biases: Path | None = None
     conditioning: Conditioning = USUAL
+    stale: bool = False
 
 
 def method_of(wish: Wish, model: Model, case: Case) -> Method:
@@ -54,5 +56,5 @@ def method_of(wish: Wish, model: Model, case: Case) -> Method:
     if wish.symmetric:
         known = symmetric_platform(model) | known
     priors = [Prior(*values) for values in read_uncertain(wish.prior, units, "--prior")]
-    biases = None if wish.biases is None else biases_of(wish.biases, case)
+    biases = None if wish.biases is None else biases_of(wish.biases, case, wish.stale)
     return method(wish.estimator, known, wish.drop, priors, wish.weights, biases)

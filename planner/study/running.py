@@ -6,6 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cases.basis import KEPT, study_basis
 from cases.schema import Case
 from planner.study.rows import FAILED, PLANNED, completed, schema
 from planner.study.spec import Spec, cell_key, request_of, settings_of
@@ -76,6 +77,7 @@ def about_study(spec: Spec, case: Case, case_file: str, cells: int) -> dict[str,
         "name": spec.name,
         "case": case.name,
         "case_hash": case.hash,
+        KEPT: study_basis(case),
         "case_file": case_file,
         "version": version("hexcite"),
         "cells": cells,

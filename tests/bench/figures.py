@@ -12,8 +12,6 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is no installed package
 
-from tests.bench.reliability.interrupted import interrupted_rows
-
 from cases.loading import load_case
 from identification.identify import identify
 from identification.recording import read_recording, write_recording
@@ -36,6 +34,7 @@ from tests.bench.pose_errors import pose_error_rows
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.reliability.everything import reliability_rows
+from tests.bench.reliability.interrupted import interrupted_rows
 from tests.bench.retiming import retiming_table
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.study import study_rows
