@@ -28,20 +28,20 @@ Array = NDArray[np.float64]
 
 FACTOR = 2.0  # by which another order must lower the residuals: chance does not, with so many forces to judge by
 ALIKE = 1.2  # ratio of residuals below which nothing tells struts from force channels
-CERTAIN = 3.0  # standard deviations by which a mass is negative
 LEAST = 60  # forces beyond the unknowns
 INSTANTS = 150  # that are tried
 
 
-def require_wiring(recording: Recording, case: Case, model: Model) -> None:
+def require_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> None:
     """Raises IdentificationError where exchanged struts or force channels explain what is wrong with a run.
 
     Args:
         recording: a run that something speaks against.
         case: its case.
         model: that its forces are compared with.
+        negative: whether the mass came out negative for certain.
     """
-    if (found := other_wiring(recording, case, model)) is not None:
+    if (found := other_wiring(recording, case, model, negative)) is not None:
         raise IdentificationError(found)
 
 
@@ -97,13 +97,14 @@ class Data(NamedTuple):
     regressors: Array | None
 
 
-def other_wiring(recording: Recording, case: Case, model: Model) -> str | None:
+def other_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> str | None:
     """How struts or force channels seem to be exchanged, with the remedy; None where nothing else explains the run.
 
     Args:
         recording: the run.
         case: its case.
         model: that the forces are compared with.
+        negative: whether the mass came out negative for certain.
     """
     try:
         data = _data(recording, case, model)
@@ -121,7 +122,13 @@ def other_wiring(recording: Recording, case: Case, model: Model) -> str | None:
             found.append((_left(data, _regressors_of(data, case, model, order), mass=mass), "strut", order))
     best = min(found, key=lambda f: f[0].weighted)
     if not np.isfinite(best[0].weighted) or best[0].weighted * FACTOR > now.weighted:
-        return _all_turned(data, case, mass, now)
+        if not negative:
+            return None
+        turned = Order(STRAIGHT.places, (-1,) * 6)
+        return (
+            f"{turned.words(_SIDES['force'])}: the mass comes out negative, with residuals of {now.newtons:.2g} N; "
+            f"{_remedy(case, 'force', turned)}, or correct gravity_m_s2"
+        )
     rivals = [min((f for f in found if f[1] == side), key=lambda f: f[0].weighted) for side in {f[1] for f in found}]
     alike = sorted((r for r in rivals if r[0].weighted <= ALIKE * best[0].weighted), key=lambda r: r[0].weighted)
     names = " or ".join(order.words(_SIDES[side]) for _, side, order in alike)
@@ -130,20 +137,6 @@ def other_wiring(recording: Recording, case: Case, model: Model) -> str | None:
     )
     remedies = " or ".join(_remedy(case, side, order) for _, side, order in alike)
     return f"{names}: residuals {best[0].newtons:.2g} N{instead}; {remedies}"
-
-
-def _all_turned(data: Data, case: Case, mass: int | None, now: Explained) -> str | None:
-    """What to say where the model explains the forces with a mass that is negative for certain; None elsewhere."""
-    varying = float(np.sqrt(np.mean(data.weights * data.forces.var(axis=0))))
-    if not now.weighted * FACTOR < varying or np.isfinite(
-        _left(data, data.regressors, mass=mass, certain=True).weighted
-    ):
-        return None
-    turned = Order(STRAIGHT.places, (-1,) * 6)
-    return (
-        f"{turned.words(_SIDES['force'])}: the mass comes out negative, with residuals of {now.newtons:.2g} N; "
-        f"{_remedy(case, 'force', turned)}"
-    )
 
 
 _SIDES = {"force": "force channels", "strut": "struts"}
@@ -241,9 +234,7 @@ def _regressors_of(data: Data, case: Case, model: Model, order: Order) -> Array 
     return regressors(model, motion)
 
 
-def _left(
-    data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None, certain: bool = False
-) -> Explained:
+def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None) -> Explained:
     """Rms residuals of the forces in an order; infinite where the struts do not close, or a mass would be negative.
 
     Args:
@@ -251,7 +242,6 @@ def _left(
         matrices: A, shape (n, 6, u); None where the struts do not close.
         order: of the forces.
         mass: its place among the parameters, where it must not be negative.
-        certain: whether it must be negative by more than noise to count so.
     """
     nothing = Explained(float("inf"), float("inf"))
     if matrices is None:
@@ -264,11 +254,9 @@ def _left(
     scaled = columns / np.where(size > 0.0, size, 1.0)
     flat = (scaled * root[:, None]).reshape(-1, columns.shape[2])
     values = np.linalg.lstsq(flat, (forces * root).ravel(), rcond=1e-9)[0]
-    residuals = forces - scaled @ values
     if mass is not None and values[mass] < 0.0:
-        spread = np.mean((residuals * root) ** 2) * np.linalg.pinv(flat.T @ flat)[mass, mass]
-        if not certain or values[mass] < -CERTAIN * np.sqrt(spread):
-            return nothing
+        return nothing
+    residuals = forces - scaled @ values
     channels = slice(0, 6) if np.ptp(data.weights) == 0.0 else slice(0, 3)
     return Explained(
         float(np.sqrt(np.mean((residuals * root) ** 2))), float(np.sqrt(np.mean(residuals[:, channels] ** 2)))
