@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from cases.errors import IdentificationError, RecordingError
+from cases.errors import IdentificationError, NegativeMass, RecordingError
 from cases.schema import Case
 from identification.estimation.biases import accelerometer_bias, drift_told, mass_told, with_uncertain_offsets
 from identification.estimation.estimator import independent_poses, require_alive
@@ -86,8 +86,8 @@ def identify(
         with threadpool_limits(limits=1, user_api="blas"):
             try:
                 found = _estimated(recording, case, model, how, conditioning)
-            except (IdentificationError, RecordingError):
-                require_wiring(recording, case, model)
+            except (IdentificationError, RecordingError) as error:
+                require_wiring(recording, case, model, negative=isinstance(error, NegativeMass))
                 raise
             if found.warnings:
                 require_wiring(recording, case, model)

@@ -86,12 +86,14 @@ class Biases:
         values: f_q0, shape (6,) [N, or N and N m].
         covariance: of them, the larger of white and robust, shape (6, 6).
         accelerometer: where that result has it.
+        stale: what has changed in the case since that result, where the user went on.
     """
 
     source: str
     values: Array
     covariance: Array
     accelerometer: AccelerometerBias | None
+    stale: tuple[str, ...] = ()
 
     @property
     def known(self) -> dict[str, float]:

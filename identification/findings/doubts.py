@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import IdentificationError
+from cases.errors import IdentificationError, NegativeMass
 from cases.schema import Case
 from identification.estimation.fit import Fit
 from identification.model import Model
@@ -33,13 +33,13 @@ def systematic(fit: Fit, usual: float) -> list[str]:
 
 
 def require_sense(model: Model, fit: Fit) -> None:
-    """Raises IdentificationError where the mass is negative for certain."""
+    """Raises NegativeMass where the mass is negative for certain."""
     if MASS not in model.blocks:
         return
     mass = model.names.index("m")
     value, std = float(fit.values[mass]), float(np.sqrt(fit.covariance[mass, mass]))
     if std > 0.0 and value < -3.0 * std:
-        raise IdentificationError(
+        raise NegativeMass(
             f"the mass comes out as {value:.4g} +- {std:.2g} kg; check the sign of the forces, "
             "sensor_frame.transducer.sense and gravity_m_s2 of the case"
         )

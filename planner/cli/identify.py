@@ -121,7 +121,7 @@ def identify(
         require_file(files_of([verify])[0])  # before a result is written
     loaded, changed = case_of(recordings[0], case, stale)
     words = tuple(t.strip() for t in terms.split(",")) if terms else ()
-    typed = Typed(estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()), weights, biases)
+    typed = Typed(estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()), weights, biases, stale)
     wish = Wish(
         model,
         lambda model: method_of(typed, model, loaded),

@@ -110,7 +110,7 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
             raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
         raise
     estimate = with_feed(estimate, run, case, wish.followed)
-    return result_of(run, case, estimate, standing, stale)
+    return result_of(run, case, estimate, standing, (*stale, *(() if how.biases is None else how.biases.stale)))
 
 
 def result_of(
