@@ -21,21 +21,22 @@ from identification.estimation.weighing import of_forces, w_of, whitened
 from identification.findings.contact import touched
 from identification.findings.contact_free import contacts_told, free_of_contact
 from identification.findings.doubts import doubts, other_mass, require_scale, require_sense, systematic
-from identification.findings.feed import about_feed, recorded_overrides
+from identification.findings.feed import about_feed
 from identification.findings.plausibility import cut_off, scan
 from identification.findings.wiring import require_wiring
 from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability, analyse
 from identification.model import Model, identification_model
+from identification.noise.coloured import coloured_covariance
 from identification.noise.components import noise_components
 from identification.noise.sources import noise_sources
+from identification.noise.turned import turned
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
 from identification.regressor_blocks import MASS
 from identification.result import Delay, Estimate, Evaluation, estimate_of
-from identification.runs.accelerated import accelerated, compared
 from identification.runs.conditioning import USUAL, Conditioning
-from identification.runs.evaluation import MOST_DELAY, Run
+from identification.runs.evaluation import MOST_DELAY, Run, fair_part
 from identification.runs.flexible import NO_MODE, below, mode_of
 from identification.runs.moving import GAUSS_MARKOV, SANDWICHED, fit_with_delay, run_of
 from identification.runs.preparation import standstills
@@ -106,7 +107,7 @@ def _estimated(recording: Recording, case: Case, model: Model, how: Method, cond
         require_alive(recording.forces)
     if recording.t is None or case.setup == "1a":
         if conditioning != USUAL:
-            raise RecordingError("is no moving run; --period, --accelerated and --flexible are for moving runs")
+            raise RecordingError("is no moving run; --period and --flexible are for moving runs")
         found = _from_standstills(recording, case, model, how)
     else:
         found = _from_motion(recording, case, model, how, conditioning)
@@ -136,7 +137,7 @@ def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Ide
         matrices = standstills(recording, case, model, scan(recording, case)).regressors
     else:
         run = run_of(recording, case, model, estimate.conditioning, scan(recording, case), estimate.how.biases)
-        matrices = run.regressors(estimate.delay.value if estimate.delay else 0.0)
+        matrices = run.excerpt().regressors(estimate.delay.value if estimate.delay else 0.0)
     return analyse(matrices @ selection.basis, selection.names)
 
 
@@ -160,6 +161,12 @@ def _from_standstills(recording: Recording, case: Case, model: Model, how: Metho
     if how.name in SANDWICHED and not how.priors and recording.t is None:
         reduced = independent_poses(white[0] @ selection.basis, fit)
         fit = replace(fit, covariance_robust=selection.basis @ reduced @ selection.basis.T)
+    elif how.name in SANDWICHED and not how.priors and recording.t is not None:
+        part = fair_part(data.samples)
+        coloured = coloured_covariance(turned(white[0][part] @ selection.basis, fit.residuals[part], fit.weights))
+        if coloured is not None:
+            robust = len(part) / data.samples * selection.basis @ coloured @ selection.basis.T
+            fit = replace(fit, covariance_robust=robust)
     fit = of_forces(whitening, fit, matrices, forces)
     require_sense(model, fit)
     warnings = [*found.warnings, *doubts(fit, data.forces)]
@@ -196,9 +203,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     problem = Problem.of(model, case, how)
     held: Delay | None = None
     notes: list[str] = []
-    run = run_of(recording, case, model, replace(conditioning, accelerated=None), found, how.biases)
-    if conditioning.accelerated is not None and not isinstance(run, Run):
-        raise RecordingError("--accelerated goes by the accelerations of struts, behind the low-pass; leave it out")
+    run = run_of(recording, case, model, conditioning, found, how.biases)
     if conditioning.flexible and (how.priors or not isinstance(run, Run)):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
     if isinstance(run, WristRun):
@@ -214,11 +219,6 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
     if contacts and isinstance(run, WristRun) and isinstance(moving.run, WristRun):
         held = fit_with_delay(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
         moving = fit_with_delay(moving.run, how, problem, held=held)
-    whole, section = moving, None
-    if conditioning.accelerated is not None:
-        assert isinstance(moving.run, Run)
-        section = accelerated(moving.run, conditioning.accelerated)
-        moving = fit_with_delay(section.run, how, problem, moving.delay.value)
     told: dict[str, Any] = {}
     if isinstance(moving.run, Run) and not how.priors:
         basis = how.selection(model).basis
@@ -267,7 +267,7 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         notes, told = [*notes, *moving.run.notes], moving.run.told
         warnings += moving.run.doubts(moving.fit, moving.w)
     if recording.override is not None:
-        slower, entries = about_feed(recording, recorded_overrides(recording), "the recorded override")
+        slower, entries = about_feed(recording)
         warnings, told = warnings + slower, told | entries
     notes = [*notes, *other_rate(recording, case)]
     if recording.averaged is not None:
@@ -276,9 +276,4 @@ def _from_motion(recording: Recording, case: Case, model: Model, how: Method, co
         moving.run.samples, moving.residuals, moving.delay, noise, notes=tuple(notes), conditioning=conditioning,
         told=told,
     )  # fmt: skip
-    chosen = estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
-    if section is None:
-        return chosen
-    evaluation = Evaluation(whole.run.samples, whole.residuals, whole.delay)
-    note, more = compared(section, chosen, estimate_of(model, whole.fit, "", case, evaluation, how, ()))
-    return replace(chosen, notes=(*chosen.notes, note), told={**chosen.told, **more})
+    return estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))

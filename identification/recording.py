@@ -17,10 +17,10 @@ from cases.recording_columns import STRUTS
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.assembly import force_columns
-from identification.formats.run import files_of, read_batches, read_recording, read_run
+from identification.formats.run import files_of, read_recording, read_run
 from identification.formats.stream import Recording
 
-__all__ = ["Recording", "files_of", "force_columns", "read_batches", "read_recording", "read_run", "write_recording"]
+__all__ = ["Recording", "files_of", "force_columns", "read_recording", "read_run", "write_recording"]
 
 
 def write_recording(file: Path, recording: Recording, case: Case) -> None:

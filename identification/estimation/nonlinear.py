@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import compress, fit_along
+from identification.estimation.compressed import compress, fit_along, with_kernel
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.estimation.gauss_newton import gauss_newton
 from identification.estimation.selection import require_names
@@ -127,7 +127,8 @@ def nonlinear(
     if found.failure is not None:
         return NonlinearFit(None, physical, None, found.steps, found.failure)
     labels = [name for name, f in zip(names, free, strict=True) if f]
-    fit = fit_along(regressors, forces, labels, weights, compressed, u, tangent, beyond, filtered)
+    along = fit_along(regressors, forces, labels, weights, compressed, u, tangent, beyond, filtered)
+    fit = with_kernel(along, regressors, filtered)
     onto = np.zeros((len(names), len(names)))
     onto[free] = np.linalg.pinv(tangent)  # tangent has full rank: du/dp has it for every mass but zero
     return NonlinearFit(fit, physical, onto @ fit.covariance @ onto.T, found.steps, None)

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from cases.errors import RecordingError
 from cases.schema import Case
@@ -30,6 +29,7 @@ LONELY = 5.0  # times what most samples around it do, for a glitch
 LONELY_SHARE = 90.0  # [%] of these samples
 LONELY_WIDTH = 101  # samples around
 _AT_ONCE = 10_000  # windows in memory
+_TELLING = 200_000  # samples that tell a median
 SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
 TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
@@ -178,20 +178,22 @@ def _silent(recording: Recording) -> list[tuple[str, Rows]]:
     """Force channels that stop changing although the machine moves: a saturated amplifier, a bus that repeats."""
     if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
         return []
-    step = float(np.median(np.diff(recording.t)))
-    moves = np.abs(np.diff(recording.struts, axis=0)).max(axis=1) > TRAVELLING * step
+    travel = TRAVELLING * float(np.median(np.diff(recording.t)))
     found = []
     for k in range(6):
         still = np.diff(recording.forces[:, k]) == 0.0
         usual = float(np.clip(np.mean(still), 0.01, 0.999))
         least = int(np.ceil(np.log(NEVER / len(still)) / np.log(usual)))
         edges = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8)))
+        long = edges[1::2] - edges[::2] >= least
         rows = np.zeros(len(recording.forces), dtype=bool)
-        for first, last in zip(edges[::2], edges[1::2], strict=True):
+        for first, last in zip(edges[::2][long], edges[1::2][long], strict=True):
             # The other channels tell a sensor that is stuck from forces that are constant.
-            others = np.ptp(np.delete(recording.forces[first : last + 1], k, axis=1), axis=0).max()
-            if last - first >= least and others > 0.0 and moves[first:last].mean() > 0.5:
-                rows[first : last + 1] = True
+            here = slice(first, last + 1)
+            others = np.ptp(np.delete(recording.forces[here], k, axis=1), axis=0).max()
+            moves = np.abs(np.diff(recording.struts[here], axis=0)).max(axis=1) > travel
+            if others > 0.0 and moves.mean() > 0.5:
+                rows[here] = True
         if rows.any():
             value = recording.forces[np.argmax(rows), k]
             found.append((f"channel {k + 1} is stuck at {value:g} while the machine moves", rows))
@@ -203,72 +205,91 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     if recording.t is None or len(recording.t) < LEAST_ROWS:
         return []
     found = []
-    away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
-    usual = 1.4826 * np.median(np.abs(away), axis=0)
-    # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
-    step_across = np.abs(recording.forces[2:] - recording.forces[:-2])
-    shaken = _shaken(recording)
+    count = len(recording.forces)
     for k in range(6):
-        least = max(OUTLIER * usual[k], 1e-9 * float(np.abs(recording.forces[:, k]).max()))
-        rows = _peaks(away[:, k], least)
-        rows[1:-1] &= step_across[:, k] < np.abs(away[:, k])
-        rows &= ~shaken
+        force = recording.forces[:, k]
+        away = np.abs(_from_neighbours(force))
+        usual = 1.4826 * _median(away)
+        # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
+        leaps = _peaks(away, max(OUTLIER * usual, 1e-9 * max(float(force.max()), -float(force.min()))))
+        leaps = leaps[np.abs(force[leaps + 2] - force[leaps]) < away[leaps]]
+        leaps = leaps[~_shaken(recording, leaps + 1)]
         # A drive that ripples makes forces that leap again and again; a glitch stands alone.
-        leaps = np.flatnonzero(rows[1:-1])
-        rows[1 + leaps] = np.abs(away[leaps, k]) > LONELY * _around(np.abs(away[:, k]), leaps)
-        if usual[k] > 0.0 and rows.any():
-            found.append((f"channel {k + 1} jumps by up to {np.abs(away[:, k]).max():.4g} for single samples", rows))
+        leaps = leaps[away[leaps] > LONELY * _around(away, leaps)]
+        if usual > 0.0 and len(leaps):
+            found.append((f"channel {k + 1} jumps by up to {away.max():.4g} for single samples", _at(leaps + 1, count)))
     if recording.struts is None or case.limits is None:
         return found
     step = float(np.median(np.diff(recording.t)))
     limits = case.limits.motion
     most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
-    away = recording.struts[1:-1] - (recording.struts[:-2] + recording.struts[2:]) / 2
-    lost = recording.lost > 0
-    away[lost[1:] | lost[:-1]] = 0.0  # neighbours that are no neighbours in time
+    lost = np.flatnonzero(recording.lost)
     for k in range(6):
-        rows = _peaks(away[:, k], most)
-        if rows.any():
-            size = np.abs(away[:, k]).max() / MM
-            text = f"strut {k + 1} jumps by up to {size:.4g} mm between samples {step * 1e3:.3g} ms apart, "
-            found.append((text + f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids", rows))
+        away = np.abs(_from_neighbours(recording.struts[:, k]))
+        for row in (lost - 1, lost):  # neighbours that are no neighbours in time
+            away[row[(row >= 0) & (row < len(away))]] = 0.0
+        leaps = _peaks(away, most)
+        if len(leaps):
+            text = f"strut {k + 1} jumps by up to {away.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, "
+            text += f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids"
+            found.append((text, _at(leaps + 1, count)))
     return found
+
+
+def _from_neighbours(values: Array) -> Array:
+    """How far samples are from the middle of their neighbours, shape (n - 2,)."""
+    away = values[:-2] + values[2:]
+    away *= -0.5
+    away += values[1:-1]
+    return np.asarray(away)
+
+
+def _median(values: Array) -> float:
+    """The median, of a long series by many of its values."""
+    return float(np.median(values[:: max(1, len(values) // _TELLING)]))
+
+
+def _at(rows: NDArray[np.int64], count: int) -> Rows:
+    marked = np.zeros(count, dtype=bool)
+    marked[rows] = True
+    return marked
 
 
 def _around(size: Array, index: NDArray[np.int64]) -> Array:
     """What most samples around some of them stay below, shape of `index`."""
     half = LONELY_WIDTH // 2
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(size, half, mode="edge"), LONELY_WIDTH)
     rank = int(LONELY_WIDTH * LONELY_SHARE / 100.0)
     found = np.empty(len(index))
     for start in range(0, len(index), _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        found[part] = np.partition(windows[index[part]], rank, axis=1)[:, rank]
+        part = index[start : start + _AT_ONCE]
+        windows = size[np.clip(part[:, None] + np.arange(-half, half + 1), 0, len(size) - 1)]
+        found[start : start + _AT_ONCE] = np.partition(windows, rank, axis=1)[:, rank]
     return found
 
 
-def _shaken(recording: Recording) -> Rows:
-    """Samples at or shortly after which the acceleration of a strut leaves its neighbours too, shape (n,).
+def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
+    """Whether at or shortly before some samples the acceleration of a strut leaves its neighbours, shape of `rows`.
 
     Encoders see an acceleration through two differences of their steps, far less clearly than sensors feel it. The
     limit is low: noise of Gaussian struts hides one glitch in a hundred, but no motion is cut.
     """
-    rows = np.zeros(len(recording.forces), dtype=bool)
-    if recording.struts is None:
-        return rows
-    second = np.diff(recording.struts, 2, axis=0)
-    away = np.abs(second[1:-1] - (second[:-2] + second[2:]) / 2)
-    usual = 1.4826 * np.median(away, axis=0)
-    rows[2:-2] = np.any((away > SHAKEN * usual) & (usual > 0.0), axis=1)
-    return np.asarray(maximum_filter1d(rows, 2 * TOGETHER + 1))
+    if recording.struts is None or not len(rows):
+        return np.zeros(len(rows), dtype=bool)
+    near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.struts) - 3)
+    shaken = np.zeros(near.shape, dtype=bool)
+    for k in range(6):
+        away = np.abs(_from_neighbours(np.diff(recording.struts[:, k], 2)))
+        usual = 1.4826 * _median(away)
+        if usual > 0.0:
+            shaken |= away[near - 2] > SHAKEN * usual
+    return np.asarray(shaken.any(axis=1))
 
 
-def _peaks(away: Array, most: Array | float) -> Rows:
-    """Samples that are further away than `most` and than their neighbours, which see half of it."""
-    size = np.r_[0.0, np.abs(away), 0.0]
-    before, after = np.r_[0.0, size[:-1]], np.r_[size[1:], 0.0]
-    limit = np.pad(np.broadcast_to(most, away.shape), 1, mode="edge")
-    return np.asarray((size > limit) & (size >= before) & (size >= after))
+def _peaks(size: Array, most: float) -> NDArray[np.int64]:
+    """Places that are larger than `most` and not smaller than their neighbours, which see half of it."""
+    large = np.flatnonzero(size > most)
+    before, after = (size[np.clip(large + k, 0, len(size) - 1)] for k in (-1, 1))
+    return np.asarray(large[(size[large] >= before) & (size[large] >= after)])
 
 
 def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
@@ -276,9 +297,9 @@ def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     if recording.struts is None or case.workspace is None:
         return []
     low, high = case.workspace.strut_length
-    beyond = np.maximum(low - recording.struts, recording.struts - high)
-    if not (beyond > 0.0).any():
+    if all(low <= strut.min() and strut.max() <= high for strut in recording.struts.T):
         return []
+    beyond = np.maximum(low - recording.struts, recording.struts - high)
     row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
     others = int((beyond > 0.0).any(axis=0).sum()) - 1
     also = f" (and {others} others)" if others else ""

@@ -1,4 +1,4 @@
-"""From a file to tables: the case names the format, the file's first bytes tell Parquet."""
+"""From a file to tables in memory: the case names the format, the file's first bytes tell Parquet."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -9,50 +9,23 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from identification.formats import delimited, halsampler, sinumerik, twincat
+from identification.formats import delimited, halsampler, twincat
 from identification.formats.blocks import require_file, unreadable
 from identification.formats.table import Array, Stamps, Table
 
-MOST_NUMBERS = 60_000_000  # read at once: 0.5 GB, an hour of 14 channels at 1 kHz
+BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"
 
 _READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[Table]]] = {
     "csv": delimited.tables,
     "halsampler": halsampler.tables,
     "twincat-scope": twincat.tables,
-    "sinumerik-trace": sinumerik.tables,
+    "sinumerik-trace": delimited.tables,
 }
 
 
-def read_batches(file: Path, form: RecordingFormat) -> Iterator[Table]:
-    """Reads a file batch by batch, in memory that does not grow with its length.
-
-    Args:
-        file: the file.
-        form: how it is written.
-
-    Returns:
-        Tables in the file's order; those of one clock have the same columns. Formats with several clocks in a file
-        give one table for each of them and batch.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy.
-    """
-    require_file(file)
-    try:
-        with file.open("rb") as stream:
-            start = stream.read(len(_PARQUET))
-    except OSError as error:
-        raise unreadable(file, error) from error
-    if start == _PARQUET:
-        from identification.formats import parquet  # costs 50 ms, and few need it
-
-        return parquet.tables(file, form)
-    return _READERS[form.format](file, form)
-
-
 def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Table, ...]:
-    """Reads a whole file: one table for each clock in it.
+    """Reads a file: one table for each clock in it.
 
     Args:
         file: the file.
@@ -60,23 +33,43 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Table
         held: numbers of the run's other files that are in memory already.
 
     Raises:
-        RecordingError: it cannot be read, or the run holds more than `MOST_NUMBERS`.
+        RecordingError: it cannot be read, with the place and the remedy, or takes more than half of the free memory.
     """
+    require_file(file)
+    try:
+        with file.open("rb") as stream:
+            start = stream.read(len(_PARQUET))
+    except OSError as error:
+        raise unreadable(file, error) from error
+    reader = _READERS[form.format]
+    if start == _PARQUET:
+        from identification.formats import parquet  # costs 50 ms, and few need it
+
+        reader = parquet.tables
+    most = free_memory() // (2 * BYTES)
     piles: dict[tuple[str, ...], _Pile] = {}
     numbers = held
-    for table in read_batches(file, form):
+    for table in reader(file, form):
         pile = piles.setdefault(tuple(table.values), _Pile(table))
         pile.add(table)
         numbers += table.rows * len(table.values)
-        if numbers > MOST_NUMBERS:
-            others = " and the files before it hold" if held else ": holds"
+        if numbers > most:
+            others = " and the files before it" if held else ""
             raise RecordingError(
-                f"{file}{others} too much to be read at once (this one {file.stat().st_size / 1e9:.2g} GB; at most "
-                f"{MOST_NUMBERS // len(table.values):,} rows of {len(table.values)} columns); cut the run into parts, "
-                "or put time, struts and forces into one file, which may be of any length (--estimator gauss-markov, "
-                "without --prior, --biases, --period, --accelerated, --flexible, --plan)"
+                f"{file}{others}: {file.stat().st_size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
+                f"to evaluate these takes more than half of the free memory ({2e-9 * BYTES * most:.3g} GB); cut the "
+                f"run, at most {most // len(table.values):,} rows of {len(table.values)} columns fit, or free memory"
             )
     return tuple(pile.joined() for pile in piles.values())
+
+
+def free_memory() -> int:
+    """Memory that can be used without swapping [bytes]; where the system does not tell, as much as nobody has."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
+    except (OSError, StopIteration):
+        return 1 << 60
 
 
 class _Pile:
@@ -96,7 +89,11 @@ class _Pile:
         self._skipped += table.lines.skipped
 
     def joined(self) -> Table:
-        values = {name: np.concatenate(self._values.pop(name)) for name in list(self._values)}
-        stamps: Any = np.concatenate(self._stamps) if self._stamps else None
+        values = {name: _whole(self._values.pop(name)) for name in list(self._values)}
+        stamps: Any = _whole(self._stamps) if self._stamps else None
         lines = replace(self._first.lines, skipped=tuple(self._skipped))
         return replace(self._first, values=values, stamps=stamps, lines=lines)
+
+
+def _whole(parts: list[Any]) -> Any:
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -1,7 +1,8 @@
 """From files to a run: each file in its format, streams told apart by their columns, on one time axis."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,9 @@ from cases.errors import RecordingError
 from cases.recording import RecordingFormat
 from cases.recording_columns import POSE, ROTATION, STRUTS
 from cases.schema import Case
-from identification.formats.assembly import force_columns, start_of, streams_of
+from identification.formats.assembly import force_columns, start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.header import without
-from identification.formats.missing import require_measured
-from identification.formats.reading import read_batches as read_table_batches
 from identification.formats.reading import read_tables
 from identification.formats.stream import Recording, Stream, either
 from identification.formats.table import Table
@@ -56,10 +55,9 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         tables += [(table, form) for table in read_tables(file, form, held)]
     for table, form in tables:
         require_stamps(table, form)  # before the first of them is taken for the run's beginning
-        require_measured(table, form)
     starts = [start_of(table, form) for table, form in tables if table.stamps is not None]
-    origin = min(starts, default=None)
-    streams = [stream for table, form in tables for stream in streams_of([table], case, form, origin)]
+    origin = min(starts, default=Fraction(0))
+    streams = [stream_of(table, case, form, origin) for table, form in tables]
     _require_whole(streams, case, [name for table, _ in tables for name in table.names])
     streams = _joined(streams)
     _require_one_time(streams)
@@ -75,23 +73,6 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         main.specific_forces, others, main.lines, override=main.override, missing=main.missing,
         missing_in=main.missing_in,
     )  # fmt: skip
-
-
-def read_batches(path: Path, case: Case) -> Iterator[Stream]:
-    """Reads one file of any length, some ten thousand rows at a time.
-
-    Args:
-        path: file or folder.
-        case: says which columns to expect and how the file writes them.
-
-    Returns:
-        Streams in the file's order, on one time axis.
-
-    Raises:
-        RecordingError: as `read_recording`, once the place is reached.
-    """
-    file, form = _file_of(path, case.recording)
-    return streams_of(read_table_batches(file, form), case, form)
 
 
 def files_of(paths: Sequence[Path]) -> list[Path]:

@@ -95,7 +95,7 @@ def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
     answer = found.series(found.answer)
     for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
         felt = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
-        meat += np.tensordot(answer * share[:, None], felt, ((0, 1), (0, 1)))
+        meat += found.share * np.tensordot(answer * share[:, None], felt, ((0, 1), (0, 1)))
     return ByPose(found.covariance(meat), float(by_channel[:, -1].mean()), length)
 
 

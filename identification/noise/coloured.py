@@ -39,7 +39,7 @@ def coloured_covariance(found: Turned) -> Array | None:
     here = found.series(np.ones(len(found.noise)))
     channels = range(found.noise.shape[1])
     meat = sum(_meat(answer[:, k], taken[:, k], white[:, k], here, found.freedom) for k in channels)
-    return found.covariance(np.asarray(meat))
+    return found.share * found.covariance(np.asarray(meat))
 
 
 class _Series(NamedTuple):

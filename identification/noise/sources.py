@@ -111,7 +111,10 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
     """
     effect = None
     if sensors.strut_variance is not None or sensors.acceleration_noise is not None:
-        effect = regressor_noise(run, w, delay, sensors)
+        part = run.excerpt()
+        effect = regressor_noise(part, w, delay, sensors)
+        if isinstance(run, Run):
+            effect = effect.of_samples(len(run.rows))
     return sources_of(effect, fit, w, run.filtered, sensors)
 
 
@@ -127,12 +130,6 @@ class RegressorNoise(NamedTuple):
     moment: Array
     samples: int
     variance: float
-
-    def joined(self, other: "RegressorNoise | None") -> "RegressorNoise":
-        """That of both."""
-        if other is None:
-            return self
-        return RegressorNoise(self.moment + other.moment, self.samples + other.samples, self.variance)
 
     def of_samples(self, samples: int) -> "RegressorNoise":
         """That of more samples, of which these are a fair choice."""

@@ -140,10 +140,14 @@ class PeriodicRun:
         """Names of what is estimated beside the model."""
         return ("delay",)
 
-    def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
-        """How the expected forces A u change with the delay, shape (2 H + 1, 6, 1)."""
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A, and how the expected forces A u change with the delay, shape (2 H + 1, 6, u + 1)."""
         change = (self.regressors(delay + DELAY_STEP) - self.regressors(delay - DELAY_STEP)) @ values
-        return np.asarray(change[:, :, None] / (2.0 * DELAY_STEP))
+        return np.dstack([self.regressors(delay), change / (2.0 * DELAY_STEP)])
+
+    def excerpt(self, _most: int = 0) -> "PeriodicRun":
+        """All of it: a period is short."""
+        return self
 
     def left(self, matrices: Array, values: Array) -> Array:
         """Recorded forces less the model behind the filter, at all samples of the periods, shape (samples, 6)."""

@@ -16,30 +16,16 @@ class Periodic(NamedTuple):
     harmonics: int | None = None
 
 
-class Accelerated(NamedTuple):
-    """Evaluate highly accelerated sections only.
-
-    Args:
-        share: of the samples, those with the largest accelerations of a strut; or
-        least: the acceleration itself [m/s^2].
-    """
-
-    share: float = 1.0
-    least: float | None = None
-
-
 @dataclass(frozen=True, slots=True)
 class Conditioning:
     """What a user asks to be done.
 
     Args:
         periodic: by Fourier series instead of the low-pass.
-        accelerated: highly accelerated sections only.
         flexible: estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency.
     """
 
     periodic: Periodic | None = None
-    accelerated: Accelerated | None = None
     flexible: bool = False
 
 

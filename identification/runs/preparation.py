@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.findings.plausibility import Scan, bridged
-from identification.formats.lost import MOST_PUT_BACK
+from identification.formats.missing import MOST_PUT_BACK
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.recording import Recording
@@ -84,7 +84,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         recording = replace(recording, struts=bridged(recording.struts, bad), forces=bridged(recording.forces, bad))
     assert recording.struts is not None
     if whole:
-        low_pass.apply(recording.struts)  # raises where the run is shorter than the filter
+        low_pass.require(recording.struts, 0.0)
         window = np.arange(max(count, 0))
     else:
         window, warnings = _window(recording, low_pass)
@@ -188,13 +188,14 @@ def _window(recording: Recording, low_pass: Filter) -> tuple[NDArray[np.int64], 
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
     assert recording.struts is not None
     margin = low_pass.margin
-    speed = low_pass.apply(recording.struts, 1)  # raises where the run is shorter than the filter
+    low_pass.require(recording.struts, 0.0)
     warnings: tuple[str, ...] = ()
     if recording.trigger is not None:
         rows = np.flatnonzero(recording.trigger[margin:-margin])
         if not len(rows):
             raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
     else:
+        speed = low_pass.apply(recording.struts, 1)
         moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)
         rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
         if not len(moving):
@@ -202,7 +203,7 @@ def _window(recording: Recording, low_pass: Filter) -> tuple[NDArray[np.int64], 
                 f"the struts are never faster than {MOVING * 1e3:g} mm/s, so that all of the recording is evaluated; "
                 "record a trigger where only a part is meant",
             )
-    travel = np.ptp(recording.struts[margin + rows], axis=0).max()
+    travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
     if travel < LEAST_TRAVEL:
         raise IdentificationError(
             f"{recording.source}: the pose is constant (struts move by {travel * 1e3:.3g} mm, at least "

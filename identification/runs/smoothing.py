@@ -42,7 +42,7 @@ class Smoothing(NamedTuple):
         ]
 
 
-def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float, share: float = 1.0) -> Run:
+def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere.
 
     It is where the run tells b more closely than sampling can make it; elsewhere leaving it out draws parameters by
@@ -54,12 +54,12 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float, share: fl
         basis: of the free parameters, shape (u, free).
         w: W for one sample, shape (6, 6).
         delay: as estimated [s].
-        share: of a longer run that this one stands for.
     """
-    matrices, (size, free) = run.regressors(delay), basis.shape
+    part, (size, free) = run.excerpt(), basis.shape
+    matrices, share = part.regressors(delay), len(part.rows) / len(run.rows)
     expected = matrices @ fit.values[:size]
     # Differences of evaluated samples are near enough to choose by: at the cut-off they see seven tenths of the bend.
-    even = np.diff(run.rows) == run.filter.stride
+    even = np.diff(part.rows) == run.filter.stride
     inner = 1 + np.flatnonzero(even[1:] & even[:-1])
     if len(inner) <= free:
         return run

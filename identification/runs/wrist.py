@@ -87,6 +87,15 @@ class WristRun:
         acceleration = np.einsum("nij,nj->ni", turn, specific) + self.model.gravity
         return self.model.matrices(still, turn, np.hstack([still, omega]), np.hstack([acceleration, alpha]))
 
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A, and how A u changes with small turns of the accelerometer and with the delay, shape (n, 6, u + 4)."""
+        matrices = self.regressors(delay)
+        return np.dstack([matrices, self.nuisance_columns(delay, matrices, values)])
+
+    def excerpt(self, _most: int = 0) -> "WristRun":
+        """All of it: such runs are short."""
+        return self
+
     def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
         """How A u changes with three small turns of the accelerometer and with the delay, shape (n, 6, 4)."""
         specific = self.specific_force(self.t - delay)

@@ -9,14 +9,11 @@ from cases.basis import KEPT, result_basis
 from cases.errors import IdentificationError
 from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
 from cases.schema import Case
-from identification.estimation.estimators import Method
 from identification.force import external_force
 from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
-from identification.long.blocks import fits_blocks
-from identification.long.streaming import identify_long, in_blocks, is_long
 from identification.model import identification_model
 from identification.provenance import provenance
 from identification.recording import files_of, read_recording, read_run
@@ -29,13 +26,8 @@ from planner.cli.wishes import Wish, method_of
 from planner.precision import std_text, value_text
 from planner.reports.identify import about_inputs, identify_page
 from planner.reports.page import render
-from planner.runs.fingerprints import plan_of_recording
-from planner.runs.recorded import UNSAID, Still, about_run, case_of, fitting_case, knows_poses, standing_of, with_feed
+from planner.runs.recorded import UNSAID, Still, about_run, case_of, fitting_case, shorter_than_planned, standing_of
 
-NOT_COMPARED = (
-    "the run is too long to be compared with its program at once: a feed other than 100 % is told where the recording "
-    "has the override; --plan compares a run that fits into memory"
-)
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
 
 
@@ -46,7 +38,6 @@ def make_result(
     output: Path | None,
     quiet: bool,
     still: Still = UNSAID,
-    plan: Path | None = None,
     overwrite: bool = False,
     stale: bool = False,
     plots: bool = False,
@@ -60,7 +51,6 @@ def make_result(
         output: folder to write.
         quiet: print nothing.
         still: what is said about standstills.
-        plan: that the run followed; a recording folder knows its program.
         overwrite: replace an earlier result.
         stale: go on although the recording's case has changed since.
         plots: whether to write figures for papers too.
@@ -71,25 +61,19 @@ def make_result(
     folder = output_place(output, Path(f"{paths[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, paths, overwrite)
     with status("identifying", quiet):
-        standing = None
-        how = _for_blocks(paths, wish, loaded, plan)
-        if how is not None and not knows_poses(paths[0], still):
-            estimate, recording = identify_long(paths[0], loaded, wish.model, how, wish.terms)
-            if plan_of_recording(paths[0]) is not None:
-                estimate = replace(estimate, notes=(*estimate.notes, NOT_COMPARED))
-        else:
-            recording, standing = standing_of(on_one_clock(read_run(paths, loaded), loaded), loaded, paths[0], still)
-            number = default_model(recording) if wish.model is None else wish.model
-            how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
-            try:
-                estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
-            except StrutsDoNotClose as error:
-                if other := fitting_case(error.lengths, loaded, case):
-                    raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
-                raise
-            estimate = with_feed(estimate, recording, loaded, paths[0], plan)
+        recording, standing = standing_of(on_one_clock(read_run(paths, loaded), loaded), loaded, paths[0], still)
+        number = default_model(recording) if wish.model is None else wish.model
+        how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
+        try:
+            estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
+        except StrutsDoNotClose as error:
+            if other := fitting_case(error.lengths, loaded, case):
+                raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
+            raise
         found = identifiability(recording, loaded, estimate)
-        estimate = replace(estimate, warnings=(*estimate.warnings, *remarks))
+        estimate = replace(
+            estimate, warnings=(*estimate.warnings, *shorter_than_planned(paths[0], recording), *remarks)
+        )
         content: dict[str, Any] = {KEPT: result_basis(loaded), **({"stale": list(remarks)} if remarks else {})}
         content = (
             estimate.to_json() | content | provenance(files_of(paths)) | about_run(paths[0], case, recording, estimate)
@@ -116,14 +100,6 @@ def _save_plots(estimate: Estimate, found: Identifiability, folder: Path) -> Non
 
     save_figure(residual_figure(estimate), folder, "residuals")
     save_figure(identifiability_figure(found), folder, "identifiability")
-
-
-def _for_blocks(paths: Sequence[Path], wish: Wish, case: Case, plan: Path | None) -> Method | None:
-    """The method for a run that is read in blocks; None for one that is read at once: shorter, or asked for more."""
-    if len(paths) > 1 or plan is not None or not is_long(paths[0]):
-        return None
-    how = method_of(wish, identification_model(case, 9 if wish.model is None else wish.model, wish.terms), case)
-    return how if in_blocks(how, wish.conditioning) and fits_blocks(paths[0], case) else None
 
 
 def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:

@@ -67,20 +67,6 @@ def identify(
     harmonics: Annotated[
         int | None, typer.Option(help="Of that series; by default as many as stand out of the struts' noise.")
     ] = None,
-    accelerated: Annotated[
-        str | None,
-        typer.Option(
-            help="Evaluate the samples of highest strut acceleration only: a share of them, 30%, or those above a "
-            "threshold, 3m/s^2; the standard deviations are compared with those of all samples."
-        ),
-    ] = None,
-    plan: Annotated[
-        Path | None,
-        typer.Option(
-            help="Plan folder or program that the run followed: tells where its feed was another, as by an override. "
-            "A folder of hexcite run knows its program."
-        ),
-    ] = None,
     flexible: Annotated[
         bool,
         typer.Option(
@@ -114,12 +100,12 @@ def identify(
     wanted = Wish(
         model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
         tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
-        read_conditioning(period, harmonics, accelerated, flexible),
+        read_conditioning(period, harmonics, flexible),
     )  # fmt: skip
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     still = Still(poses, standstills)
-    answer, _ = make_result(recordings, case, wanted, output, json, still, plan, overwrite, stale, plots)
+    answer, _ = make_result(recordings, case, wanted, output, json, still, overwrite, stale, plots)
     if verify is not None:
         answer["verify"] = verify_result(
             verify, case_of(recordings[0], case, stale)[0], Path(answer["result"]), quiet=json

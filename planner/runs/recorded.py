@@ -1,6 +1,5 @@
-"""What stands beside a recording: its case, the poses it was to stand at, the motion it was to follow."""
+"""What stands beside a recording: its case, the poses it was to stand at, how long it was to last."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,9 +11,7 @@ from cases.errors import HexciteError, RecordingError
 from cases.files import another_kind
 from cases.loading import CASE_FILE, built_in_cases, find_case, lasting_name, load_case
 from cases.schema import Case
-from identification.findings.feed import about_feed, against_plan
 from identification.hexapod import Hexapod
-from identification.identify import placed
 from identification.recording import Recording
 from identification.result import Estimate
 from identification.runs.standing import average, find_standstills, match, stands_only
@@ -22,7 +19,6 @@ from identification.saved import load_result
 from planner.poses.expected import poses_of_plan, poses_of_recording
 from planner.runs.about import about_recording
 from planner.runs.fingerprints import plan_of_recording
-from planner.runs.followed import Followed, followed_by_recording, followed_plan
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 Array = NDArray[np.float64]
@@ -116,54 +112,24 @@ def about_run(path: Path, case: str | None, recording: Recording, estimate: Esti
     return {"case_file": name, "plan_hash": plan_of_recording(path), "measuring_s": taken}
 
 
-def with_feed(estimate: Estimate, recording: Recording, case: Case, path: Path, plan: Path | None) -> Estimate:
-    """The estimate with a warning where the run went at another feed than its plan or program.
+def shorter_than_planned(path: Path, recording: Recording) -> tuple[str, ...]:
+    """What to say of a run whose trigger was on for less than its program lasts, at the feed that was recorded.
 
     Args:
-        estimate: of the recording.
-        recording: the run.
-        case: its case.
-        path: where it was read.
-        plan: that it followed, as the user says; else what the folder of `hexcite run` says counts.
-
-    Raises:
-        HexciteError: a plan that was named and cannot be compared, or is not of this run.
+        path: a folder of `hexcite run`, which knows what was planned; nothing is said of others.
+        recording: in it.
     """
-    followed = followed_plan(plan, case) if plan is not None else followed_by_recording(path, case)
-    if followed is None or (plan is None and (recording.t is None or recording.struts is None)):
-        return estimate
-    cut = () if recording.t is None else shorter_than_planned(recording, followed)
-    estimate = replace(estimate, warnings=(*estimate.warnings, *cut))
-    try:
-        stretches = against_plan(recording, case, followed.motion, followed.name)
-    except RecordingError as error:
-        if plan is not None and not cut:
-            raise RecordingError(placed(recording.source, error)) from error
-        return estimate if cut else replace(estimate, warnings=(*estimate.warnings, str(error)))
-    sentences, entries = about_feed(recording, stretches, f"comparison with {followed.name}")
-    if plan is not None and not stretches:
-        entries = {"feed": {"found_by": f"comparison with {followed.name}", "stretches": []}}
-    return replace(estimate, warnings=(*estimate.warnings, *sentences), told={**estimate.told, **entries})
-
-
-def shorter_than_planned(recording: Recording, followed: Followed) -> tuple[str, ...]:
-    """What to say of a run whose trigger was on for less than its plan lasts, at the feed that was recorded."""
-    if recording.trigger is None or recording.trigger.all():
+    planned = about_recording(path).get("planned_s")
+    if planned is None or recording.t is None or recording.trigger is None or recording.trigger.all():
         return ()
     feed = 1.0 if recording.override is None else recording.override[recording.trigger]
     lasted = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
-    planned = followed.motion.duration
     if lasted >= planned - max(SHORTER_BY, SHORTER * planned):
         return ()
     return (
-        f"the trigger is on for {lasted:.3g} s, {followed.name} lasts {planned:.3g} s: the run or its recording was "
-        "cut off; what the plan promises is not of this run",
+        f"the trigger is on for {lasted:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
+        "off; what the plan promises is not of this run",
     )
-
-
-def knows_poses(path: Path, still: Still) -> bool:
-    """Whether a run is said to stand at poses, by its folder or by the user."""
-    return still.asked or still.plan is not None or poses_of_recording(path) is not None
 
 
 def standing_of(

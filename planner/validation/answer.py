@@ -66,8 +66,8 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
         run = moving_run(recording, case, model, found=scan(recording, case))
         run = replace(run, smoothing="smoothing_s2" in estimate.told)
         delay = 0.0 if estimate.delay is None else estimate.delay.value
-        matrices, forces = run.regressors(delay), run.forces
-        columns = np.dstack([matrices, run.nuisance_columns(delay, matrices, estimate.values)])
+        forces, columns = run.forces, run.linearised(delay, estimate.values)
+        matrices = columns[:, :, : len(estimate.values)]
         weights = np.ones(len(matrices))
         struts = struts[np.asarray(run.rows) + run.filter.margin]
     scale = weights[:, None] * np.sqrt(estimate.w)

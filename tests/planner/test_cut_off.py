@@ -1,5 +1,6 @@
 """Runs that were cut off, recordings of another machine, and programs of another case are told as such."""
 
+import json
 import re
 import tomllib
 from dataclasses import replace
@@ -12,10 +13,7 @@ from cases.loading import built_in_cases
 from cases.schema import Case
 from identification.findings.plausibility import cut_off
 from identification.hexapod import Hexapod
-from identification.motion import Trajectory
-from planner.runs.followed import Followed
 from planner.runs.recorded import fitting_case, shorter_than_planned
-from tests.helpers import Harmonic
 from tests.identification.test_findings import CASE, run
 from tests.planner.command_line import refused
 
@@ -30,17 +28,21 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
 
 
+def folder_of(tmp_path: Path, planned: float) -> Path:
+    (tmp_path / "recording.json").write_text(json.dumps({"planned_s": planned}))
+    return tmp_path
+
+
 @pytest.mark.parametrize(("duration", "told"), [(2.6, False), (2.65, False), (3.0, True), (8.0, True)])
-def test_a_run_shorter_than_its_plan_is_told(duration: float, told: bool) -> None:
-    motion: Trajectory = Harmonic(duration=duration)
-    found = shorter_than_planned(run(), Followed("plan", motion))
+def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool, tmp_path: Path) -> None:
+    found = shorter_than_planned(folder_of(tmp_path, duration), run())
     assert bool(found) == told
-    assert all(sentence.startswith("the trigger is on for 2.6 s, plan lasts ") for sentence in found)
+    assert all(sentence.startswith("the trigger is on for 2.6 s, the program lasts ") for sentence in found)
 
 
-def test_an_override_that_was_recorded_explains_a_short_run() -> None:
+def test_an_override_that_was_recorded_explains_a_short_run(tmp_path: Path) -> None:
     fast = replace(run(), override=np.full(len(run().forces), 1.2))
-    assert shorter_than_planned(fast, Followed("plan", Harmonic(duration=3.0))) == ()
+    assert shorter_than_planned(folder_of(tmp_path, 3.0), fast) == ()
 
 
 def test_a_machine_whose_struts_fit_is_named(tmp_path: Path) -> None:

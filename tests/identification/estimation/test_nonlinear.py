@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
 from identification.estimation import gauss_newton
+from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Filtered
 from identification.estimation.nonlinear import linear_map, nonlinear
@@ -59,7 +60,7 @@ def test_newton_and_euler_about_the_centre_of_gravity_give_the_same_forces() -> 
 @pytest.mark.parametrize("seed", range(5))
 def test_with_all_parameters_free_it_is_the_linear_estimate_propagated(seed: int) -> None:
     weights = np.array([1.0, 2.0, 0.5, 1.0, 4.0, 0.1])
-    expected = gauss_markov(A, forces(seed), NAMES, weights)
+    expected = with_kernel(gauss_markov(A, forces(seed), NAMES, weights), A)
     values, covariance = FORM.of(expected.values, expected.covariance)
     found = nonlinear(A, forces(seed), MODEL, weights, {})
     assert found.failure is None
