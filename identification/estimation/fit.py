@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from identification.finding import Finding
+
 Array = NDArray[np.float64]
 
 
@@ -31,11 +33,11 @@ class Robust(NamedTuple):
 
     Args:
         covariance: of u, shape (u, u).
-        notes: sentences about the noise that it allows for.
+        findings: what noise it allows for.
     """
 
     covariance: Array
-    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +54,8 @@ class Fit:
         weights: diagonal of W for one sample, shape (6,).
         rank: of the scaled regressor.
         condition: mu_1 / mu_u of the scaled regressor (26).
-        notes: sentences about what the estimator did beside: a constraint that bound, what a prior moved.
-        doubts: sentences about what speaks against it: a prior that disagrees, a search that did not settle.
+        findings: what the estimator did beside, as a constraint that bound, or a prior that moved it, and what speaks
+            against it, as a prior that disagrees, or a search that did not settle.
     """
 
     values: Array
@@ -65,8 +67,7 @@ class Fit:
     weights: Array
     rank: int
     condition: float
-    notes: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
 
 Estimator = Callable[[Array, Array, Sequence[str]], Fit]

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.fit import Fit
+from identification.finding import Finding, Kind, warning
 from identification.model import Model
 from identification.regressor_blocks import MASS
 
@@ -20,16 +21,15 @@ OTHER_MASS = 1.0 / 3.0  # of the nominal mass
 LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
 
 
-def systematic(fit: Fit, usual: float) -> list[str]:
+def systematic(fit: Fit, usual: float) -> list[Finding]:
     """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
     left = fit.residuals
     alike = np.sum(left[1:] * left[:-1], axis=0) / np.maximum(np.sum(left**2, axis=0), np.finfo(float).tiny)
     if len(left) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
         return []
-    return [
-        f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
-        "contact, a model without what moves the forces, or coloured noise; look at plots/residuals.svg"
-    ]
+    told = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
+    told += "contact, a model without what moves the forces, or coloured noise; look at plots/residuals.svg"
+    return [warning(Kind.MODEL, told)]
 
 
 def require_sense(model: Model, fit: Fit) -> None:
@@ -59,7 +59,7 @@ def require_scale(model: Model, values: Array, case: Case) -> None:
         )
 
 
-def other_mass(model: Model, values: Array, case: Case) -> list[str]:
+def other_mass(model: Model, values: Array, case: Case) -> list[Finding]:
     """What to say where the mass in u, shape (u,), is far from nominal, with any number of the case's payloads."""
     if MASS not in model.blocks or case.nominal is None or case.setup == "1a":
         return []
@@ -68,28 +68,23 @@ def other_mass(model: Model, values: Array, case: Case) -> list[str]:
     if abs(mass - expected) <= OTHER_MASS * expected:
         return []
     what = "nominal.mass_kg" if expected == case.nominal.mass_kg else "nominal.mass_kg with payloads"
-    return [
-        f"the mass comes out as {mass:.3g} kg where {what} is {expected:.3g} kg, more than a third off: correct "
-        "nominal, or check gravity, units and what is mounted"
-    ]
+    told = f"the mass comes out as {mass:.3g} kg where {what} is {expected:.3g} kg, more than a third off: correct "
+    return [warning(Kind.CASE, f"{told}nominal, or check gravity, units and what is mounted")]
 
 
-def doubts(fit: Fit, forces: Array) -> list[str]:
+def unlikely(fit: Fit, forces: Array) -> list[Finding]:
     """What an estimate of forces, shape (n, 6), itself says against its standard deviations, or against its model."""
-    warnings = list(fit.doubts)
+    found = []
     white, robust = (np.diag(c) for c in (fit.covariance, fit.covariance_robust))
     ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
     if ratio > SUSPICIOUS_RATIO:
-        warnings.append(
-            f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
-            "the evaluation leaves something systematic; trust the robust ones at most"
-        )
+        told = f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
+        told += "the evaluation leaves something systematic; trust the robust ones at most"
+        found.append(warning(Kind.NOISE, told))
     spread = np.sum(fit.weights * forces.var(axis=0))
     left = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
     moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
     if moves and len(forces) > len(fit.values) and left > (1.0 - LEAST_EXPLAINED) * spread:
-        warnings.append(
-            f"the model explains only {100 * max(0.0, 1.0 - left / spread):.0f} % of the forces' variance; check "
-            "order, sign and unit of forces and struts"
-        )
-    return warnings
+        told = f"the model explains only {100 * max(0.0, 1.0 - left / spread):.0f} % of the forces' variance; check "
+        found.append(warning(Kind.MODEL, f"{told}order, sign and unit of forces and struts"))
+    return found

@@ -1,10 +1,11 @@
 """Feed override other than 100 %, by the control's own column."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from identification.finding import Finding, Kind, warning
 from identification.formats.stream import Recording
 
 Array = NDArray[np.float64]
@@ -38,11 +39,11 @@ def recorded_overrides(recording: Recording) -> tuple[Stretch, ...]:
     )
 
 
-def about_feed(recording: Recording) -> tuple[list[str], dict[str, Any]]:
-    """Sentences for people and entries for programs; empty where all went at 100 %."""
+def other_feed(recording: Recording) -> list[Finding]:
+    """What went at another feed than 100 %."""
     stretches = recorded_overrides(recording)
     if not stretches:
-        return [], {}
+        return []
     assert recording.t is not None
     told, named = [], []
     for rows, scale in stretches:
@@ -55,4 +56,4 @@ def about_feed(recording: Recording) -> tuple[list[str], dict[str, Any]]:
     more = f" and {len(named) - MOST_NAMED} more stretches" if len(named) > MOST_NAMED else ""
     found_by = "the recorded override"
     sentence = f"feed other than 100 %, by {found_by}: {', '.join(named[:MOST_NAMED])}{more}; {CONSEQUENCE}"
-    return [sentence], {"feed": {"found_by": found_by, "stretches": told}}
+    return [warning(Kind.FEED, sentence, feed={"found_by": found_by, "stretches": told})]

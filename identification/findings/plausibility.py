@@ -4,6 +4,7 @@ Samples that no estimate may use are marked and named with their place; what mak
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError
 from cases.schema import Case
 from cases.units import MM
+from identification.finding import Finding, Kind, Severity, sentences, warning
 from identification.formats.clock import GAP, HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
 from identification.formats.table import Lines
@@ -19,7 +21,6 @@ from identification.formats.table import Lines
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
-NO_FILTER = "no filter reaches across"
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is no chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
@@ -43,12 +44,17 @@ class Scan(NamedTuple):
     """What was found in a recording.
 
     Args:
-        warnings: sentences with places.
+        findings: with places.
         bad: samples that no estimate may use, shape (n,).
     """
 
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
     bad: Rows
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What people are told."""
+        return sentences(self.findings, Severity.WARNING)
 
 
 def places(lines: Lines, rows: Rows) -> str:
@@ -64,13 +70,12 @@ def places(lines: Lines, rows: Rows) -> str:
     return f"{lines.word}{plural} {', '.join(named)}{more}"
 
 
-def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
+def scan(recording: Recording, case: Case) -> Scan:
     """Looks through a recording.
 
     Args:
         recording: any.
         case: range of the sensors, workspace and limits of the machine.
-        most: share of the samples that may be unusable.
 
     Raises:
         RecordingError: rows without a clock that are samples of a motion, or so much damage that the rest is no run.
@@ -78,13 +83,17 @@ def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
     if recording.t is None:
         _require_standstills(recording)
     count, found = len(recording.forces), unmeasured(recording)
-    bad, warnings = found.bad, list(found.warnings)
+    bad, findings = found.bad, list(found.findings)
     for text, rows in _joined([*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)]):
-        warnings.append(f"{places(recording.lines, rows)}: {text}; left out")
+        findings.append(warning(Kind.DAMAGE, f"{text}; left out", places(recording.lines, rows)))
         bad |= rows
-    warnings += [f"{places(recording.lines, rows)}: {text}" for text, rows in _outside(recording, case)]
-    require_usable(recording.source, int(bad.sum()), count, warnings, most)
-    return Scan(tuple(warnings), bad)
+    findings += [warning(Kind.CASE, text, places(recording.lines, rows)) for text, rows in _outside(recording, case)]
+    if bad.sum() > MOST_BAD * count:
+        raise RecordingError(
+            f"{recording.source}: {100 * bad.sum() / count:.0f} % of the samples are unusable, at most "
+            f"{100 * MOST_BAD:.0f} % may be: {findings[0]}; mend the sensor and record again"
+        )
+    return Scan(tuple(findings), bad)
 
 
 def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
@@ -102,21 +111,12 @@ def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
     return joined
 
 
-def require_usable(source: str, bad: int, count: int, warnings: Sequence[str], most: float = MOST_BAD) -> None:
-    """Raises RecordingError where more than a share of the samples may not be used."""
-    if bad > most * count:
-        raise RecordingError(
-            f"{source}: {100 * bad / count:.0f} % of the samples are unusable, at most {100 * most:.0f} % may be: "
-            f"{warnings[0]}; mend the sensor and record again"
-        )
-
-
 def unmeasured(recording: Recording) -> Scan:
     """What was not measured, whatever the rest looks like: values that are missing, and gaps."""
     bad = np.zeros(len(recording.forces), dtype=bool) if recording.missing is None else recording.missing.copy()
     own, *others = recording.streams
-    told = [*missing_told(own), *(f"{other.source}, {text}" for other in others for text in missing_told(other))]
-    return Scan(tuple(told), bad)
+    elsewhere = [replace(f, sentence=f"{other.source}, {f}") for other in others for f in missing_values(other)]
+    return Scan((*missing_values(own), *elsewhere), bad)
 
 
 def bridged(values: Array, bad: Rows) -> Array:
@@ -130,21 +130,24 @@ def bridged(values: Array, bad: Rows) -> Array:
     return result
 
 
-def missing_told(stream: Stream) -> list[str]:
-    """What to say of values that were not measured, and of samples that were lost."""
+def missing_values(stream: Stream) -> list[Finding]:
+    """Values that were not measured, and samples that were lost."""
     found = []
     count = len(stream.missing) if stream.missing is not None else 0
     put_back = np.zeros(count, dtype=bool)
     put_back[[k // stream.lines.every for k in stream.lines.inserted if k % stream.lines.every == 0]] = True
     if stream.missing is not None and np.any(stream.missing & ~put_back):
         names = ", ".join(dict.fromkeys(stream.missing_in))
-        found.append(f"{places(stream.lines, stream.missing & ~put_back)}: no measured value in {names}; left out")
+        where = places(stream.lines, stream.missing & ~put_back)
+        found.append(warning(Kind.DAMAGE, f"no measured value in {names}; left out", where))
     if put_back.any():
         before = np.flatnonzero(np.diff(np.r_[False, put_back].astype(np.int8)) > 0)
-        found.append(f"{behind(stream.lines, before, int(put_back.sum()))}; bridged from their neighbours")
+        told = f"{behind(stream.lines, before, int(put_back.sum()))}; bridged from their neighbours"
+        found.append(warning(Kind.DAMAGE, told))
     lost = lost_samples(stream.t, HOST_GAP if stream.struts is None else GAP)
     if lost.any():
-        found.append(f"{behind(stream.lines, np.flatnonzero(lost), int(lost.sum()))}; {NO_FILTER}")
+        told = f"{behind(stream.lines, np.flatnonzero(lost), int(lost.sum()))}; no filter reaches across"
+        found.append(warning(Kind.DAMAGE, told))
     return found
 
 
@@ -311,12 +314,12 @@ def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     return [(text, (beyond > 0.0).any(axis=1))]
 
 
-def cut_off(recording: Recording) -> list[str]:
-    """What to say where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
+def cut_off(recording: Recording) -> list[Finding]:
+    """Where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
     if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
         return []
-    last = recording.lines.place(len(recording.trigger) - 1)
-    return [f"{last}: the recording ends while the trigger is on; its end is missing, record until the machine rests"]
+    told = "the recording ends while the trigger is on; its end is missing, record until the machine rests"
+    return [warning(Kind.WINDOW, told, recording.lines.place(len(recording.trigger) - 1))]
 
 
 def _require_standstills(recording: Recording) -> None:

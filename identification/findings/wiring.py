@@ -187,7 +187,7 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
         used = np.flatnonzero(~found.bad)
         forces = recording.forces[used]
         if recording.struts is None:
-            matrices = standstills(recording, case, model, found).regressors
+            matrices = standstills(recording, case, model, found).matrices
         else:
             struts = (recording.struts[used], np.zeros_like(forces), np.zeros_like(forces))
     elif recording.struts is None:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaincinv, ndtri
 
+from identification.finding import Finding, Kind, note
 from identification.noise.memory import LEAST_SAMPLES, autoregressive, slow_noises, toeplitz
 from identification.noise.restricted import Family, Left, likeliest, mixtures, shares_by_channel
 from identification.noise.turned import Turned
@@ -47,13 +48,14 @@ class ByPose(NamedTuple):
     length: float
 
     @property
-    def note(self) -> str:
+    def finding(self) -> Finding:
         """For the user."""
         each = 1e3 * self.length / np.sqrt(6.0)
-        return (
+        return note(
+            Kind.NOISE,
             f"errors come back with the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the "
             f"parameters take a part of them, and half alike where struts differ by {each:.2g} mm: std_robust allows "
-            "for them"
+            "for them",
         )
 
 

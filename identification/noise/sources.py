@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cases.sensors import Sensors
 from identification.estimation.fit import Filtered, Fit
+from identification.finding import Finding, Kind, warning
 from identification.noise.effects import acceleration_effects, twist_rate_effects
 from identification.noise.periodic import strut_noise_moment
 from identification.parameters import PhysicalForm
@@ -72,21 +73,21 @@ class NoiseSources:
         return (self.force_sensors or 0.0) + (self.accelerations or 0.0)
 
     @property
-    def doubts(self) -> list[str]:
+    def findings(self) -> list[Finding]:
         """What speaks against the statement of the case."""
-        doubts = []
+        found = []
         if self.accelerations is not None and self.bias is None:
-            doubts.append(
+            found.append(
                 "the stated noise of struts or accelerations would make up half or more of what the run tells of a "
                 "parameter, whose attenuation is not told: check sensors.encoder_resolution_um, strut_noise_um and "
                 "acceleration_noise_m_s2"
             )
         if self.explained > EXCESS:
-            doubts.append(
+            found.append(
                 f"the noise that the case states explains {100 * self.explained:.0f} % of s0^2: there is less of it; "
                 "check sensors.force_noise_N, encoder_resolution_um, strut_noise_um and acceleration_noise_m_s2"
             )
-        return doubts
+        return [warning(Kind.NOISE, told) for told in found]
 
     def to_json(self) -> dict[str, Any]:
         """All but the bias, which is told for physical parameters."""

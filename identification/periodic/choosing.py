@@ -6,6 +6,7 @@ from scipy.fft import rfft
 from scipy.special import chdtri
 
 from cases.errors import RecordingError
+from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import places
 from identification.periodic.fourier import FourierSeries
 from identification.periodic.periods import PeriodScatter, strangers
@@ -33,7 +34,7 @@ def longest_window(recording: Recording) -> NDArray[np.int64]:
     return np.arange(edges[2 * longest], edges[2 * longest + 1])
 
 
-def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tuple[list[int], tuple[str, ...]]:
+def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tuple[list[int], tuple[Finding, ...]]:
     """Numbers of the periods that are averaged, and what is to be said of the others.
 
     Args:
@@ -50,17 +51,23 @@ def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tup
         raise RecordingError(f"{recording.source}: every one of the {count} periods has samples left out")
     found = strangers(periods.only(sound))
     strange = {sound[k]: size for k, size in found.items()}
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Finding, ...] = ()
     if len(strange) > len(sound) / 2:
         most = max(strange.values())
-        warnings = (f"forces of {len(strange)} of {count} periods differ by up to {most:.3g} N; all are used",)
+        warnings = (
+            warning(
+                Kind.DAMAGE, f"forces of {len(strange)} of {count} periods differ by up to {most:.3g} N; all are used"
+            ),
+        )
         strange = {}
     for k in range(count):
         if k in strange or k not in sound:
             why = f"differs from the others by up to {strange[k]:.3g} N" if k in strange else "has bad samples"
             rows = np.zeros(len(bad), dtype=bool)
             rows[periods.rows[k]] = True
-            warnings += (f"{places(recording.lines, rows)}: period {k + 1} of {count} {why}; left out",)
+            warnings += (
+                warning(Kind.DAMAGE, f"period {k + 1} of {count} {why}; left out", places(recording.lines, rows)),
+            )
     return [k for k in sound if k not in strange], warnings
 
 

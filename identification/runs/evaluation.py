@@ -12,42 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.estimation.compressed import joint_triangle
-from identification.estimation.fit import Filtered, Robust
+from identification.estimation.fit import Filtered, Fit, Robust
+from identification.finding import Finding
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, expected_forces, regressors
 from identification.noise.by_pose import covariance_by_pose
 from identification.noise.coloured import coloured_covariance
 from identification.noise.turned import turned
 from identification.recording import Recording
+from identification.samples import PART, fair_part
 from identification.signals import Filter, decimated
 
 Array = NDArray[np.float64]
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
-PART = 8_000  # samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz
-STRETCHES = 8  # that these are in
 PIECE = 6_000  # samples that go from struts to regressors together: what lies between stays in the cache
 FORGOTTEN = 100  # samples after which noise counts as new
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below what the filter lets pass
-
-
-@dataclass(frozen=True, slots=True)
-class Standstills:
-    """Averaged standstills: nothing moves, nothing is filtered.
-
-    Args:
-        forces: shape (n, 6) [N, or N and N m].
-        regressors: A, shape (n, 6, u).
-    """
-
-    forces: Array
-    regressors: Array
-
-    @property
-    def samples(self) -> int:
-        """Recorded samples that are evaluated."""
-        return len(self.forces)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +43,7 @@ class Run:
         filter: for both sides.
         rows: samples that are evaluated, counted after the filter's margin, shape (n,).
         samples: recorded samples of the window that they stand for.
-        warnings: sentences about the window.
+        window: what is found about the window.
         smoothing: whether it is estimated by how much more the forces are smoothed than the motion.
         spoilt: filtered samples that feel damage or a gap, shape (samples of the recording less two margins,).
     """
@@ -72,7 +54,7 @@ class Run:
     filter: Filter
     rows: NDArray[np.int64]
     samples: int
-    warnings: tuple[str, ...] = ()
+    window: tuple[Finding, ...] = ()
     smoothing: bool = False
     spoilt: NDArray[np.bool_] | None = None
 
@@ -161,6 +143,16 @@ class Run:
             yield piece, found
 
     @property
+    def consecutive(self) -> bool:
+        """They are."""
+        return True
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """About the window."""
+        del fit, w
+        return self.window
+
+    @property
     def nuisances(self) -> tuple[str, ...]:
         """Names of what is estimated beside the model."""
         return ("smoothing", "delay") if self.smoothing else ("delay",)
@@ -187,7 +179,7 @@ class Run:
         assert self.recording.struts is not None
         placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows[part]])
         if placed is not None:
-            return Robust(placed.covariance, (placed.note,))
+            return Robust(placed.covariance, (placed.finding,))
         coloured = coloured_covariance(found)
         return None if coloured is None else Robust(coloured)
 
@@ -212,14 +204,6 @@ class Run:
         """The run without some of its evaluated samples, shape (n,)."""
         share = 1.0 - float(left_out.mean())
         return replace(self, rows=self.rows[~left_out], samples=round(self.samples * share))
-
-
-def fair_part(count: int, most: int = PART) -> NDArray[np.int64]:
-    """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all."""
-    if count <= most:
-        return np.arange(count)
-    size = most // STRETCHES
-    return np.concatenate([k + np.arange(size) for k in np.linspace(0, count - size, STRETCHES).astype(np.int64)])
 
 
 def inwards(delay: float) -> float:

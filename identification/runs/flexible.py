@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.schema import Case
+from identification.finding import Finding, Kind, note
 from identification.runs.smoothing import CLEAR, Smoothing
 
 SHARE = 0.5  # of the mode's frequency: there the first term that is left out is a sixteenth
@@ -21,19 +22,17 @@ class Mode(NamedTuple):
     frequency: float
     std: float
 
-    def to_json(self) -> dict[str, Any]:
-        """For result files."""
-        return {"value": self.frequency, "std": self.std}
 
-    def note(self, cutoff: float | None) -> str:
-        """What is to be told of it."""
-        return (
-            f"a structural mode at {self.frequency:.3g} +- {self.std:.2g} Hz amplifies the forces: estimated and "
-            f"compensated, behind a low-pass at {cutoff:.3g} Hz"
-        )
-
-
-NO_MODE = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
+def mode_found(found: Smoothing, case: Case) -> list[Finding]:
+    """What is to be told of the mode that sharpens the forces so, behind the low-pass of a case."""
+    entries = {"smoothing_s2": found._asdict()}
+    mode = mode_of(found)
+    if mode is None:
+        told = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
+        return [note(Kind.MODEL, told, **entries)]
+    told = f"a structural mode at {mode.frequency:.3g} +- {mode.std:.2g} Hz amplifies the forces: estimated and "
+    told += f"compensated, behind a low-pass at {case.recording.filter_cutoff_Hz:.3g} Hz"
+    return [note(Kind.MODEL, told, **entries, structural_mode_Hz={"value": mode.frequency, "std": mode.std})]
 
 
 def mode_of(found: Smoothing) -> Mode | None:

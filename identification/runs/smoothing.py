@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
+from identification.finding import Finding, Kind, note
 from identification.runs.evaluation import Run
 
 Array = NDArray[np.float64]
@@ -31,15 +32,15 @@ class Smoothing(NamedTuple):
     std: float
 
     @property
-    def notes(self) -> list[str]:
-        """What is to be told of it."""
-        if abs(self.value) < CLEAR * self.std:
-            return []
-        return [
+    def finding(self) -> Finding:
+        """What is to be told of it; people only where it is clear."""
+        told = (
             f"forces are {'smoothed' if self.value > 0.0 else 'sharpened'} against the motion by "
             f"{self.value * 1e6:+.3g} +- {self.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
             "averaging or a low-pass of the channels): estimated and compensated"
-        ]
+        )
+        clear = abs(self.value) >= CLEAR * self.std
+        return note(Kind.CLOCK, told if clear else "", smoothing_s2=self._asdict())
 
 
 def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:

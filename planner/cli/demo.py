@@ -82,8 +82,8 @@ def run_demo(
     step(6, "report")
     answer = {"plan": plan, "post": program, "check": check, "run": run, "identify": result, "truth": rows}
     report = output / "report.html"
-    found = identifiability(outcome.recording, loaded, estimate)
-    left = residuals_of(outcome.recording, loaded, estimate)
+    found = identifiability(estimate)
+    left = residuals_of(estimate)
     write_text(report, render(demo_page(loaded, answer, outcome, estimate, found, left)))
     worst = max(abs(row["error"]) / row["std"] for row in rows)
     summary = {"report": str(report), "controller": run["controller"], "worst_error_in_std": worst}

@@ -9,6 +9,7 @@ from cases.basis import KEPT, result_basis
 from cases.errors import IdentificationError
 from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
 from cases.schema import Case
+from identification.finding import Kind, warning
 from identification.force import external_force
 from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability
@@ -70,10 +71,10 @@ def make_result(
             if other := fitting_case(error.lengths, loaded, case):
                 raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
             raise
-        found = identifiability(recording, loaded, estimate)
-        estimate = replace(
-            estimate, warnings=(*estimate.warnings, *shorter_than_planned(paths[0], recording), *remarks)
-        )
+        found = identifiability(estimate)
+        changed = [warning(Kind.CASE, remark) for remark in remarks]
+        more = (*shorter_than_planned(paths[0], recording), *changed)
+        estimate = replace(estimate, findings=(*estimate.findings, *more))
         content: dict[str, Any] = {KEPT: result_basis(loaded), **({"stale": list(remarks)} if remarks else {})}
         content = (
             estimate.to_json() | content | provenance(files_of(paths)) | about_run(paths[0], case, recording, estimate)
@@ -87,7 +88,7 @@ def make_result(
             (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")
             if plots:
                 _save_plots(estimate, found, part / "plots")
-            left = residuals_of(recording, loaded, estimate)
+            left = residuals_of(estimate)
             page = identify_page(loaded, estimate, found, left, about_inputs(paths[0], content))
             (part / "report.html").write_text(render(page), encoding="utf-8")
     if not quiet:
@@ -205,6 +206,6 @@ def show_result(answer: dict[str, Any]) -> None:
         print(f"{found['count']} averaged standstills, {which}, by the {found['found_by']}; weighted by their scatter")
         if found["restless"]:
             print(f"restless, and weighted less: {', '.join(map(str, found['restless']))}")
-    for warning in answer["warnings"]:
-        print(f"warning: {warning}")
+    for sentence in answer["warnings"]:
+        print(f"warning: {sentence}")
     print(f"result written: {answer['result']}, with its report {answer['report']}")

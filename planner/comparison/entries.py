@@ -235,7 +235,7 @@ def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Ar
     """Regressors that are evaluated, the way of the platform, and the number of samples that they stand for."""
     found = scan(recording, case)
     if recording.t is None:
-        return standstills(recording, case, model, found).regressors, None, int(np.sum(~found.bad))
+        return standstills(recording, case, model, found).matrices, None, int(np.sum(~found.bad))
     run = moving_run(recording, case, model, found=found)
     struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
     way = None if struts is None else Hexapod.of(case).poses(struts)[:, :3]

@@ -11,6 +11,7 @@ from cases.errors import HexciteError, RecordingError
 from cases.files import another_kind
 from cases.loading import CASE_FILE, built_in_cases, find_case, lasting_name, load_case
 from cases.schema import Case
+from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.recording import Recording
 from identification.result import Estimate
@@ -112,8 +113,8 @@ def about_run(path: Path, case: str | None, recording: Recording, estimate: Esti
     return {"case_file": name, "plan_hash": plan_of_recording(path), "measuring_s": taken}
 
 
-def shorter_than_planned(path: Path, recording: Recording) -> tuple[str, ...]:
-    """What to say of a run whose trigger was on for less than its program lasts, at the feed that was recorded.
+def shorter_than_planned(path: Path, recording: Recording) -> tuple[Finding, ...]:
+    """A trigger that was on for less than its program lasts, at the feed that was recorded.
 
     Args:
         path: a folder of `hexcite run`, which knows what was planned; nothing is said of others.
@@ -126,10 +127,8 @@ def shorter_than_planned(path: Path, recording: Recording) -> tuple[str, ...]:
     lasted = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
     if lasted >= planned - max(SHORTER_BY, SHORTER * planned):
         return ()
-    return (
-        f"the trigger is on for {lasted:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
-        "off; what the plan promises is not of this run",
-    )
+    told = f"the trigger is on for {lasted:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
+    return (warning(Kind.WINDOW, f"{told}off; what the plan promises is not of this run"),)
 
 
 def standing_of(

@@ -60,7 +60,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     struts, run, forces = recording.struts, None, recording.forces
     assert struts is not None
     if recording.t is None:
-        matrices = columns = standstills(recording, case, model).regressors
+        matrices = columns = standstills(recording, case, model).matrices
         weights = np.ones(len(matrices)) if recording.weights is None else recording.weights
     else:
         run = moving_run(recording, case, model, found=scan(recording, case))

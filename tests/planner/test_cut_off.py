@@ -23,7 +23,7 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     end = int(np.flatnonzero(whole.trigger)[-1]) - 200
     columns = ("t", "struts", "forces", "trigger")
     cut = replace(whole, **{name: getattr(whole, name)[:end] for name in columns})
-    assert any(re.match(r"line \d+: the recording ends while the trigger is on", w) for w in cut_off(cut))
+    assert any(re.match(r"line \d+: the recording ends while the trigger is on", str(f)) for f in cut_off(cut))
     assert cut_off(whole) == []
     assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
 
@@ -37,7 +37,7 @@ def folder_of(tmp_path: Path, planned: float) -> Path:
 def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool, tmp_path: Path) -> None:
     found = shorter_than_planned(folder_of(tmp_path, duration), run())
     assert bool(found) == told
-    assert all(sentence.startswith("the trigger is on for 2.6 s, the program lasts ") for sentence in found)
+    assert all(str(f).startswith("the trigger is on for 2.6 s, the program lasts ") for f in found)
 
 
 def test_an_override_that_was_recorded_explains_a_short_run(tmp_path: Path) -> None:

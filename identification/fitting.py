@@ -1,4 +1,4 @@
-"""A moving run and its fit: the delay between forces and motion is found together with the parameters."""
+"""A fit to samples: the delay between forces and motion, where there is one, is found together with the parameters."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -8,22 +8,16 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from cases.errors import IdentificationError
-from cases.schema import Case
 from identification.estimation.biases import Biases, gain, widened, with_uncertain_offsets
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.estimators import Method, Problem, gauss_markov_of, method
 from identification.estimation.fit import Fit
 from identification.estimation.weighing import of_forces, w_of, whitened
 from identification.findings.doubts import require_sense
-from identification.findings.plausibility import Scan
-from identification.model import Model
-from identification.periodic.averaging import PeriodicRun, periodic_run
-from identification.recording import Recording
 from identification.result import Delay
-from identification.runs.conditioning import Conditioning
-from identification.runs.evaluation import MOST_DELAY, PART, Run
-from identification.runs.preparation import moving_run
-from identification.runs.wrist import WristRun, wrist_run
+from identification.runs.evaluation import MOST_DELAY
+from identification.runs.wrist import WristRun
+from identification.samples import PART, Samples
 
 Array = NDArray[np.float64]
 
@@ -33,32 +27,36 @@ CLOSE = 1e-5  # [s] the same where the search began near by: of the noise in so 
 EXCERPTS = (PART, 8 * PART)  # samples of a long run by which the search begins
 SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
-AnyRun = Run | WristRun | PeriodicRun
 
 
-class Moving(NamedTuple):
-    """A run with its fit.
+class Fitted(NamedTuple):
+    """Samples with their fit.
 
     Args:
-        run: that was evaluated.
-        fit: to its forces.
-        delay: of the forces.
-        residuals: of the forces as recorded, shape (n, 6).
+        samples: that were evaluated.
+        fit: to their forces.
+        delay: of the forces; None where nothing moves.
+        residuals: of the forces as recorded, shape (m, 6).
         whitening: W is its square, where it is given.
         columns: A and the nuisances, shape (n, 6, u + nuisances).
     """
 
-    run: AnyRun
+    samples: Samples
     fit: Fit
-    delay: Delay
+    delay: Delay | None
     residuals: Array
     whitening: Array | None
     columns: Array
 
     @property
+    def at(self) -> float:
+        """The delay, 0 where nothing moves [s]."""
+        return 0.0 if self.delay is None else self.delay.value
+
+    @property
     def matrices(self) -> Array:
         """A, shape (n, 6, u)."""
-        return self.columns[:, :, : len(self.run.model.parameters)]
+        return self.columns[:, :, : len(self.samples.model.parameters)]
 
     @property
     def w(self) -> Array:
@@ -66,33 +64,53 @@ class Moving(NamedTuple):
         return w_of(self.whitening, self.fit)
 
 
-def run_of(
-    recording: Recording,
-    case: Case,
-    model: Model,
-    conditioning: Conditioning,
-    found: Scan | None = None,
-    biases: Biases | None = None,
-) -> AnyRun:
-    """A moving run, ready to be evaluated, as it was asked for.
+def fit_samples(
+    samples: Samples, how: Method, problem: Problem, delay: float = 0.0, held: Delay | None = None
+) -> Fitted:
+    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
+
+    A long run is fitted from where a part of it ends.
 
     Args:
-        recording: with a clock.
-        case: its case.
-        model: gives A.
-        conditioning: what is done to it.
-        found: samples that may not be used.
-        biases: of a wrist run, known beforehand.
-
-    Raises:
-        RecordingError: it cannot be evaluated so.
-        IdentificationError: the model needs what the recording does not have.
+        samples: to be evaluated.
+        how: estimator.
+        problem: the samples' model, and which channels have the same noise.
+        delay: to start from [s].
+        held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
     """
-    if conditioning.periodic is not None:
-        return periodic_run(recording, case, model, conditioning.periodic, found)
-    if recording.struts is None:
-        return wrist_run(recording, case, model, MOST_DELAY, biases, bad=None if found is None else found.bad)
-    return moving_run(recording, case, model, found=found)
+    model, forces = samples.model, samples.forces
+    beside = len(samples.nuisances) - (held is not None)
+    delay = delay if held is None else held.value
+    problem = replace(problem, nuisance=beside, filtered=samples.filtered)
+    names = [*model.names, *samples.nuisances[:beside]]
+    near = None
+    for most in EXCERPTS:
+        part = samples.excerpt(most)
+        if part is not samples:
+            delay, _, near, _ = _converged(part, part.forces, how, problem, delay, held, near)
+    delay, columns, _, whitening = _converged(samples, forces, how, problem, delay, held, near)
+    selection = how.selection(model)
+    basis = block_diag(selection.basis, np.eye(beside))
+    white = whitened(whitening, columns, forces)
+    fit = how.estimator(problem)(*white, names)
+    if how.name in SANDWICHED and not how.priors:
+        free = white[0] if np.array_equal(basis, np.eye(len(basis))) else white[0] @ basis
+        robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
+        if robust is not None:
+            findings = (*fit.findings, *robust.findings)
+            fit = replace(fit, covariance_robust=basis @ robust.covariance @ basis.T, findings=findings)
+    fit = of_forces(whitening, fit, columns, forces)
+    require_sense(model, fit)
+    late = bool(samples.nuisances) and held is None  # the last of the values is a step of the delay
+    residuals = samples.left(columns[:, :, : len(names) - late], fit.values[: len(names) - late])
+    if how.biases is not None:
+        fit = with_uncertain_offsets(fit, model, basis, columns, w_of(whitening, fit), how.biases)
+    if isinstance(samples, WristRun):
+        fit = _with_uncertain_motion(samples, fit, columns, basis, w_of(whitening, fit), how.biases, delay, held)
+    if late:
+        value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
+        held = Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
+    return Fitted(samples, fit, held, residuals, whitening, columns)
 
 
 class _Converged(NamedTuple):
@@ -112,7 +130,7 @@ class _Converged(NamedTuple):
 
 
 def _converged(
-    run: AnyRun,
+    run: Samples,
     forces: Array,
     how: Method,
     problem: Problem,
@@ -138,6 +156,11 @@ def _converged(
     channels = forces.std(axis=0)
     scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
     selection, whitening, values = how.selection(run.model), None, near
+    if not run.nuisances:
+        still = run.regressors(delay)
+        if problem.noise is not None:
+            whitening = problem.noise.whitening_from(still, forces, selection)
+        return _Converged(delay, still, np.zeros(0), whitening)
     names = [*selection.names, *run.nuisances[:beside]]
     whole = selection.basis.shape[0] == selection.basis.shape[1]
     for _ in range(DELAY_STEPS):
@@ -175,55 +198,6 @@ def _converged(
     assert columns is not None
     assert values is not None
     return _Converged(delay, columns, values, whitening)
-
-
-def fit_with_delay(run: AnyRun, how: Method, problem: Problem, delay: float = 0.0, held: Delay | None = None) -> Moving:
-    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
-
-    A long run is fitted from where a part of it ends.
-
-    Args:
-        run: to be evaluated.
-        how: estimator.
-        problem: the run's model, and which channels have the same noise.
-        delay: to start from [s].
-        held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
-    """
-    model = run.model
-    beside = len(run.nuisances) - (held is not None)
-    delay = delay if held is None else held.value
-    problem = replace(problem, nuisance=beside, filtered=run.filtered)
-    forces, names = run.forces, [*model.names, *run.nuisances[:beside]]
-    near = None
-    for most in EXCERPTS:
-        part = run.excerpt(most)
-        if part is not run:
-            delay, _, near, _ = _converged(part, part.forces, how, problem, delay, held, near)
-    delay, augmented, _, whitening = _converged(run, forces, how, problem, delay, held, near)
-    selection = how.selection(model)
-    white = whitened(whitening, augmented, forces)
-    fit = how.estimator(problem)(*white, names)
-    if how.name in SANDWICHED and not how.priors:
-        basis = block_diag(selection.basis, np.eye(beside))
-        free = white[0] if np.array_equal(basis, np.eye(len(basis))) else white[0] @ basis
-        robust = run.robust_covariance(free, fit.residuals, fit.weights, whitening)
-        if robust is not None:
-            notes = (*fit.notes, *robust.notes)
-            fit = replace(fit, covariance_robust=basis @ robust.covariance @ basis.T, notes=notes)
-    fit = of_forces(whitening, fit, augmented, forces)
-    require_sense(model, fit)
-    told = augmented.shape[2] - (held is None)
-    residuals = run.left(augmented[:, :, :told], fit.values[:told])
-    basis = block_diag(selection.basis, np.eye(beside))
-    if how.biases is not None:
-        fit = with_uncertain_offsets(fit, model, basis, augmented, w_of(whitening, fit), how.biases)
-    if isinstance(run, WristRun):
-        fit = _with_uncertain_motion(run, fit, augmented, basis, w_of(whitening, fit), how.biases, delay, held)
-    if held is not None:
-        return Moving(run, fit, held, residuals, whitening, augmented)
-    value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
-    std = float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1])))
-    return Moving(run, fit, Delay(value, std), residuals, whitening, augmented)
 
 
 def _with_uncertain_motion(
