@@ -11,9 +11,9 @@ from cases.errors import IdentificationError
 from identification.estimation.biases import Biases, gain, widened, with_uncertain_offsets
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.estimators import Method, Problem, gauss_markov_of, method
-from identification.estimation.fit import Fit
-from identification.estimation.weighing import of_forces, w_of, whitened
-from identification.findings.doubts import require_sense
+from identification.estimation.fit import Fit, of_forces, w_of, whitened
+from identification.model import Model
+from identification.regressor_blocks import MASS
 from identification.result import Delay
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.wrist import WristRun
@@ -218,3 +218,16 @@ def _with_uncertain_motion(
     if biases is not None:
         covariance[1:, 1:] = biases.require_accelerometer().covariance
     return widened(fit, basis @ gain(augmented @ basis, w, columns), covariance)
+
+
+def require_sense(model: Model, fit: Fit) -> None:
+    """Raises IdentificationError where the mass is negative for certain."""
+    if MASS not in model.blocks:
+        return
+    mass = model.names.index("m")
+    value, std = float(fit.values[mass]), float(np.sqrt(fit.covariance[mass, mass]))
+    if std > 0.0 and value < -3.0 * std:
+        raise IdentificationError(
+            f"the mass comes out as {value:.4g} +- {std:.2g} kg; check the sign of the forces, "
+            "sensor_frame.transducer.sense and gravity_m_s2 of the case"
+        )

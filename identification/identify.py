@@ -4,7 +4,7 @@ The delay between forces and motion of a moving run is estimated together with t
 run is looked for before the estimate (`plausibility`) and in what the estimate leaves (`wiring`, `contact`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,35 +16,28 @@ from cases.schema import Case
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import Method, Problem
-from identification.finding import Finding, Kind, note, warning
+from identification.finding import Kind, note, warning
 from identification.findings.contact import touched
 from identification.findings.contact_free import contacts_told, free_of_contact
-from identification.findings.doubts import other_mass, require_scale, systematic, unlikely
-from identification.findings.feed import other_feed
-from identification.findings.plausibility import Scan, cut_off, scan
+from identification.findings.plausibility import Scan, scan
+from identification.findings.residual_checks import CHECKS, other_mass, require_scale
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
 from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability, analyse
 from identification.model import Model, identification_model
-from identification.noise.components import noise_components
 from identification.noise.sources import NoiseSources, noise_sources
 from identification.periodic.averaging import PeriodicRun, periodic_run
 from identification.recording import Recording
 from identification.regressor_blocks import MASS
 from identification.result import Estimate, Evaluation, estimate_of
-from identification.runs.conditioning import USUAL, Conditioning
 from identification.runs.evaluation import MOST_DELAY, Run
-from identification.runs.flexible import below, mode_found
 from identification.runs.preparation import moving_run, standstills
-from identification.runs.smoothing import smoothed, smoothing_of
+from identification.runs.smoothing import below, mode_found, smoothed, smoothing_of
 from identification.runs.wrist import WristRun, delay_band, wrist_run
-from identification.samples import Samples
+from identification.samples import USUAL, Conditioning, Samples
 
 Array = NDArray[np.float64]
-
-RATE_TOLERANCE = 0.02  # of the rate of a recording
-SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
 
 def default_model(recording: Recording) -> int:
@@ -157,7 +150,7 @@ def _evaluated(recording: Recording, case: Case, model: Model, how: Method, cond
     samples = samples_of(recording, case, model, conditioning, scanned, how.biases)
     if conditioning.flexible and (how.priors or not isinstance(samples, Run)):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
-    findings = [*scanned.findings, *cut_off(recording)]
+    findings = [*scanned.findings]
     held, wide = None, None
     if isinstance(samples, WristRun):
         band = delay_band(recording)
@@ -198,58 +191,6 @@ def _evaluated(recording: Recording, case: Case, model: Model, how: Method, cond
     return estimate_of(model, fitted.fit, recording.source, case, about, how)
 
 
-def _own(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """What samples and estimator themselves tell."""
-    return [*fitted.fit.findings, *fitted.samples.findings(fitted.fit, fitted.w)]
-
-
-def _late(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """A delay that no filter of a force channel has."""
-    if abs(fitted.at) < SUSPICIOUS_DELAY:
-        return []
-    return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
-
-
-def _unlikely(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """Residuals that the standard deviations or the model do not fit."""
-    own = systematic(fitted.fit, fitted.samples.noise_correlation) if fitted.samples.nuisances else []
-    return [*unlikely(fitted.fit, fitted.samples.forces), *own]
-
-
-def _not_compared(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
-    """Noise that the case states and that this estimator's s0 is not compared with."""
-    told = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
-    compared = how.name in SANDWICHED and not how.priors
-    if compared or not case.sensors.state_noise or not isinstance(fitted.samples, Run | PeriodicRun):
-        return []
-    return [warning(Kind.NOISE, told)]
-
-
-def _looks_like(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
-    """What noise the residuals look like."""
-    if not isinstance(fitted.samples, Run):
-        return []
-    found = noise_components(fitted.samples, fitted.fit, case.sensor_frame.bars is None)
-    return [] if found is None else [found.finding(how.weights or case.sensors.weights)]
-
-
-def _fed(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """Another feed than programmed."""
-    return other_feed(recording) if fitted.samples.nuisances else []
-
-
-def _rated(recording: Recording, case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
-    """Rates: another than predictions assume, or averages of faster forces."""
-    averaged = recording.averaged
-    told = [] if averaged is None else [averaged.finding(fitted.w, fitted.fit.s0)]
-    return [*other_rate(recording, case), *told] if fitted.samples.nuisances else []
-
-
-Check = Callable[[Recording, Case, Method, Fitted], list[Finding]]
-CHECKS: tuple[Check, ...] = (_own, _late, _unlikely, _not_compared, _looks_like, _fed, _rated)
-"""What is looked at after every fit, in the order in which it is told."""
-
-
 def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None:
     """What s0 of a run with struts consists of, where the case states noise and least squares were asked for."""
     samples = fitted.samples
@@ -271,18 +212,6 @@ def identifiability(estimate: Estimate) -> Identifiability:
     selection = estimate.how.selection(samples.model)
     matrices = samples.regressors(0.0 if estimate.delay is None else estimate.delay.value)
     return analyse(matrices @ selection.basis, selection.names)
-
-
-def other_rate(recording: Recording, case: Case) -> list[Finding]:
-    """A rate that is not the one that predictions assume."""
-    if recording.t is None or recording.struts is None:
-        return []
-    rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
-    if recording.averaged is not None or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
-        return []
-    told = f"recorded at {rate:.4g} Hz; predictions assume {assumed:g} Hz, and standard deviations of this run are "
-    told += f"{np.sqrt(assumed / rate):.3g} times as large for it; set recording.rate_Hz = {rate:.4g}"
-    return [note(Kind.CLOCK, told)]
 
 
 def _inertia(model: Model) -> set[str]:

@@ -17,7 +17,7 @@ from cases.recording_columns import STRUTS
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.assembly import force_columns
-from identification.formats.run import files_of, read_recording, read_run
+from identification.formats.reading import files_of, read_recording, read_run
 from identification.formats.stream import Recording
 
 __all__ = ["Recording", "files_of", "force_columns", "read_recording", "read_run", "write_recording"]

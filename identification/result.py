@@ -15,8 +15,7 @@ from identification.finding import Finding, Severity, quantities, sentences
 from identification.model import ERROR_TERMS, Model, identification_model
 from identification.noise.sources import Attenuation, NoiseSources, attenuation_of
 from identification.parameters import physical_form
-from identification.runs.conditioning import USUAL, Conditioning
-from identification.samples import Samples
+from identification.samples import USUAL, Conditioning, Samples
 
 Array = NDArray[np.float64]
 

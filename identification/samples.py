@@ -2,10 +2,12 @@
 
 Runs behind a low-pass, periodic runs, runs of wrist sensors and averaged standstills are such samples; estimators and
 checks ask for nothing else.
+
+What is done to a moving run before the estimate, beyond the low-pass that every run passes.
 """
 
 from dataclasses import dataclass
-from typing import Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,3 +184,31 @@ def fair_part(count: int, most: int = PART) -> NDArray[np.int64]:
         return np.arange(count)
     size = most // STRETCHES
     return np.concatenate([k + np.arange(size) for k in np.linspace(0, count - size, STRETCHES).astype(np.int64)])
+
+
+class Periodic(NamedTuple):
+    """Evaluate a repeating run by Fourier series.
+
+    Args:
+        period: of the run [s]; None: to be found.
+        harmonics: of the series; None: as many as stand out of the noise.
+    """
+
+    period: float | None = None
+    harmonics: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Conditioning:
+    """What a user asks to be done.
+
+    Args:
+        periodic: by Fourier series instead of the low-pass.
+        flexible: estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency.
+    """
+
+    periodic: Periodic | None = None
+    flexible: bool = False
+
+
+USUAL = Conditioning()

@@ -19,8 +19,7 @@ from identification.estimation.estimator import gauss_markov, per_channel
 from identification.estimation.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
 from identification.estimation.full_weights import full_weights
 from identification.estimation.nonlinear import nonlinear
-from identification.estimation.prior_estimation import with_priors
-from identification.estimation.priors import Prior
+from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import huber
 from identification.estimation.selection import Selection, estimate_selected, select
 from identification.finding import Finding, Kind, note, warning

@@ -1,7 +1,10 @@
-"""What every estimator gives back, and what is said about errors that are not white."""
+"""What every estimator gives back, and what is said about errors that are not white.
+
+W of (24) as its root, for errors of channels that depend on each other.
+"""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -92,3 +95,27 @@ def long_run_covariance(scores: Array) -> Array:
     upper = np.arange(1, count + width)
     moving = padded[upper] - padded[np.maximum(upper - width, 0)]
     return np.asarray(moving.T @ moving / width)
+
+
+def whitened(whitening: Array | None, matrices: Array, forces: Array) -> tuple[Array, Array]:
+    """Both multiplied with the root of W, shapes (6, 6), (n, 6, u) and (n, 6); as they are where it is None."""
+    return (matrices, forces) if whitening is None else (whitening @ matrices, forces @ whitening.T)
+
+
+def of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array) -> Fit:
+    """A fit to whitened forces with the residuals of the forces themselves, and the diagonal of W.
+
+    Args:
+        whitening: root of W, shape (6, 6); None where nothing was whitened.
+        fit: to the whitened forces.
+        matrices: A, not whitened, shape (n, 6, u).
+        forces: not whitened, shape (n, 6) [N, or N and N m].
+    """
+    if whitening is None:
+        return fit
+    return replace(fit, residuals=forces - matrices @ fit.values, weights=np.sum(whitening**2, axis=0))
+
+
+def w_of(whitening: Array | None, fit: Fit) -> Array:
+    """W for one sample, shape (6, 6)."""
+    return np.diag(fit.weights) if whitening is None else whitening.T @ whitening

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from identification.estimation.estimators import Method, Problem, robust_of
 from identification.findings.contact import Calm, Contact, find_contacts, least_trimmed_squares, touched
-from identification.findings.doubts import systematic
 from identification.findings.plausibility import MOST_NAMED, places
+from identification.findings.residual_checks import systematic
 from identification.fitting import Fitted, fit_samples
 from identification.model import Model
 from identification.recording import Recording

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv, ndtri
 
 from identification.finding import Finding, Kind, note
-from identification.noise.memory import LEAST_SAMPLES, autoregressive, slow_noises, toeplitz
+from identification.noise.coloured import LEAST_SAMPLES, autoregressive, slow_noises, toeplitz
 from identification.noise.restricted import Family, Left, likeliest, mixtures, shares_by_channel
 from identification.noise.turned import Turned
 

@@ -23,14 +23,20 @@ from identification.finding import Finding, Kind, note, warning
 from identification.findings.plausibility import Scan, bridged
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
-from identification.periodic.choosing import FEWEST, kept_periods, longest_window, telling_harmonics
-from identification.periodic.finding import Part, find_part, given_part
 from identification.periodic.fourier import FourierSeries, fit_series
-from identification.periodic.periods import PeriodScatter, each_period
+from identification.periodic.periods import (
+    FEWEST,
+    PeriodScatter,
+    each_period,
+    kept_periods,
+    longest_window,
+    telling_harmonics,
+)
+from identification.periodic.repeating import Part, find_part, given_part
 from identification.recording import Recording
-from identification.runs.conditioning import Periodic
 from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
+from identification.samples import Periodic
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

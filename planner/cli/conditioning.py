@@ -3,7 +3,7 @@
 import math
 
 from cases.errors import HexciteError
-from identification.runs.conditioning import Conditioning, Periodic
+from identification.samples import Conditioning, Periodic
 
 AUTO = "auto"
 

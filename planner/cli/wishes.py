@@ -9,7 +9,7 @@ from identification.estimation.priors import Prior
 from identification.estimation.selection import symmetric_platform
 from identification.model import Model
 from identification.parameters import physical_form
-from identification.runs.conditioning import USUAL, Conditioning
+from identification.samples import USUAL, Conditioning
 from identification.saved import biases_of
 from planner.cli.quantities import read_uncertain, read_values
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from cases.loading import load_case
 from identification.identify import identify
 from identification.recording import Recording, read_recording, write_recording
-from identification.runs.conditioning import Conditioning, Periodic
 from identification.runs.rates import on_one_clock
+from identification.samples import Conditioning, Periodic
 from tests.helpers import answer
 from tests.identification.repeating import Repeating, recorded
 from tests.identification.test_damaged_runs import damaged

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cases.errors import IdentificationError
-from identification.estimation import gauss_newton
+from identification.estimation import nonlinear as solver
 from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Filtered
@@ -131,7 +131,7 @@ def test_data_without_noise_give_the_parameters_exactly() -> None:
 
 
 def test_failure_is_a_value_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(gauss_newton, "STEPS", 1)
+    monkeypatch.setattr(solver, "STEPS", 1)
     found = nonlinear(A, forces(0), MODEL, ONES, {})
     assert (found.fit, found.covariance) == (None, None)
     assert "did not become small within 1" in found.failure

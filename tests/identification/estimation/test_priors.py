@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation import gauss_newton
+from identification.estimation import nonlinear as solver
 from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Filtered, Fit
-from identification.estimation.prior_estimation import PriorFit, with_priors
-from identification.estimation.priors import Prior, PseudoMeasurements
+from identification.estimation.priors import Prior, PriorFit, PseudoMeasurements, with_priors
 from tests.helpers import one_line, paper_poses, taylor_slope
 from tests.identification.moving_run import (
     FORM,
@@ -176,7 +175,7 @@ def test_without_priors_it_is_gauss_markov() -> None:
 
 
 def test_failure_is_a_value_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(gauss_newton, "STEPS", 1)
+    monkeypatch.setattr(solver, "STEPS", 1)
     found = with_priors(A, forces(0), MODEL, ONES, CAD)
     assert (found.fit, found.effects) == (None, ())
     assert "did not become small within 1" in found.failure

@@ -14,8 +14,8 @@ from identification.parameters import linear_parameters, physical_form
 from identification.periodic.averaging import periodic_run
 from identification.periodic.periods import each_period
 from identification.result import Estimate
-from identification.runs.conditioning import Conditioning, Periodic
 from identification.runs.residuals import residuals_of
+from identification.samples import Conditioning, Periodic
 from tests.helpers import ideal, one_line, simulated
 from tests.identification.repeating import LEAD, Repeating, recorded
 
