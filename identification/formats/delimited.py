@@ -22,10 +22,9 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from identification.formats.blocks import Block, Fields, lines_of, parse, read_blocks, read_head
-from identification.formats.diagnosis import Dialect
 from identification.formats.header import Selection, cells, decoded, require_known, select
 from identification.formats.table import Table, shown
+from identification.formats.text import Block, Dialect, Fields, lines_of, parse, read_blocks, read_head
 
 NOTHING = ("", " ")  # fields of what was not measured
 

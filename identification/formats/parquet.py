@@ -9,9 +9,9 @@ import pyarrow.parquet as pq
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from identification.formats.blocks import unreadable
 from identification.formats.header import select, unknown_columns
 from identification.formats.table import Array, Lines, Stamps, Table, shown
+from identification.formats.text import unreadable
 
 _TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 

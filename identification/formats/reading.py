@@ -17,11 +17,11 @@ from cases.recording_columns import POSE, ROTATION, STRUTS
 from cases.schema import Case
 from identification.formats import delimited, halsampler, twincat
 from identification.formats.assembly import force_columns, start_of, stream_of
-from identification.formats.blocks import require_file, unreadable
 from identification.formats.checks import require_stamps
 from identification.formats.header import without
 from identification.formats.stream import Recording, Stream, either
 from identification.formats.table import Array, Stamps, Table
+from identification.formats.text import require_file, unreadable
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"

@@ -90,7 +90,7 @@ def identify(
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
     larger of the two is what to report.
     """
-    from identification.formats.blocks import require_file
+    from identification.formats.text import require_file
     from identification.recording import files_of
     from planner.cli.conditioning import read_conditioning
     from planner.cli.identified import make_result, verify_result

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cases.errors import RecordingError
 from identification.formats import reading
-from identification.formats.blocks import SIZE, read_blocks
+from identification.formats.text import SIZE, read_blocks
 from identification.recording import read_recording
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, csv, written
