@@ -36,6 +36,9 @@ class Controller(Part):
     """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
     at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
     turn, under the limits of `[limits.motion]`)."""
+    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints"] | None = None
+    """The controller whose time law point-to-point plans are made for (`hexcite plan --for`). Without it all limits of
+    `[limits.motion]` count, those of jerk too."""
     linuxcnc: LinuxCnc | None = None
     """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
     1 they keep their time, and nobody but the program keeps the limits."""

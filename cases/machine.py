@@ -1,5 +1,6 @@
 """The machine that moves the sensor frame: joints, home, reach and motion limits."""
 
+import math
 from functools import cached_property
 
 import numpy as np
@@ -200,6 +201,17 @@ class MotionLimits(Part):
     def strut_length(self) -> Array:
         """Shortest and longest strut, shape (2,) [m]."""
         return frozen(np.array(self.strut_length_mm) * MM)
+
+    @property
+    def limits_jerk(self) -> bool:
+        """Whether jerks are limited: those of a case are, but not those of every controller."""
+        return bool(np.isfinite(self.jerk).all())
+
+    def without_jerk(self) -> "MotionLimits":
+        """What counts on a controller whose accelerations step: the jerk is unlimited."""
+        values = {name: getattr(self, name) for name in type(self).model_fields}  # not what was derived and kept
+        unlimited = (math.inf, math.inf, math.inf)
+        return self.model_construct(**values | {"jerk_m_s3": unlimited, "angular_jerk_rad_s3": unlimited})
 
 
 class Limits(Part):

@@ -10,8 +10,8 @@ _PLAN = (*_MACHINE, "nominal")
 _PROGRAM = (*_MACHINE, "controller")
 _RUN = (*_PROGRAM, "simulation", "recording.filter_cutoff_Hz")
 NEEDS: Mapping[str, tuple[str, ...]] = {
-    "plan": _PLAN,
-    "plan --family ptp": (*_PLAN, "controller"),
+    "plan": (*_PLAN, "controller"),
+    "plan --family fourier": _PLAN,
     "poses": (*_PLAN, "poses"),
     "bound": _MACHINE,
     "retime": _PROGRAM,
@@ -23,7 +23,7 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "identify a motion": ("recording.filter_cutoff_Hz",),
     "identify standstills, force, tare": (),
     "validate": (*_RUN, "nominal", "poses", "payloads"),
-    "demo": (*_RUN, "nominal", "controller.linuxcnc"),
+    "demo": (*_RUN, "nominal"),
 }
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}

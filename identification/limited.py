@@ -15,6 +15,8 @@ from identification.motion import Motion
 Array = NDArray[np.float64]
 
 _COORDINATES: tuple[str, ...] = ("x", "y", "z", "a", "b", "c")
+STEP = 10.0  # times the limit of jerk: a change of the acceleration that is a step, not the rounding of two pieces
+SHORTEST_GAP = 1e-6  # [s] between instants, below which a change of the acceleration is not looked at more closely
 _STRUTS = tuple(f"strut {k}" for k in range(1, 7))
 
 
@@ -91,7 +93,19 @@ def limited_coordinates(
     one = np.ones(6)
     yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -v, v, scale)
     yield from _by_kind("acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one)
-    yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", motion.jerks, -j, j, one)
+    if limits.limits_jerk:
+        yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", _with_steps(motion, j), -j, j, one)
+
+
+def _with_steps(motion: Motion, limit: Array) -> Array:
+    """Jerks, shape (n, 6); where accelerations step between two instants, their change over the time between these."""
+    if len(motion.t) < 2:
+        return motion.jerks
+    gaps = np.diff(motion.t)[:, None]
+    slopes = np.diff(motion.accelerations, axis=0) / np.maximum(gaps, SHORTEST_GAP)
+    jerks = motion.jerks.copy()
+    np.copyto(jerks[1:], slopes, where=np.abs(slopes) > STEP * limit)
+    return jerks
 
 
 def velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Iterable[Quantity]:

@@ -31,6 +31,7 @@ class Status(StrEnum):
     PROVEN = "proven"
     ENFORCED = "enforced by controller"
     NOT_ENFORCED = "NOT enforced"
+    STEPS = "steps, not limited by controller"
 
 
 @dataclass(frozen=True, slots=True)

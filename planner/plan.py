@@ -12,7 +12,7 @@ from cases.files import PLAN, atomic_folder, json_text
 from cases.recording_columns import MOTION
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.limits import LimitReport
+from identification.limits import LimitReport, Status
 from identification.motion import Motion, Trajectory, sample
 from planner.bounds.kept import Bound
 from planner.families.fourier import FourierFamily
@@ -24,6 +24,7 @@ from planner.request import Request
 from planner.search.last_words import solver_text
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.target import parse_targets
+from planner.vibration import BothLaws
 
 Array = NDArray[np.float64]
 
@@ -63,6 +64,7 @@ class Plan:
         solve_seconds: time spent on optimising [s].
         tight: what no motion from rest to rest with limited jerk can exceed, where that is known.
         rival: what another family found in seconds.
+        laws: what the time law of point-to-point moves costs on a machine that is not stiff.
     """
 
     case: Case
@@ -86,6 +88,7 @@ class Plan:
     solve_seconds: float
     tight: Bound | None = None
     rival: Start | None = None
+    laws: BothLaws | None = None
 
     @property
     def d_efficiency(self) -> float:
@@ -117,7 +120,7 @@ class Plan:
                 f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
                 f"another --seed, or in a smaller box (hexcite case check {self.case_file} --propose)"
             )
-        used = [c for c in self.limits.checks if c.name.split(" (")[0] not in _PLACES]
+        used = [c for c in self.limits.checks if c.binding and c.name.split(" (")[0] not in _PLACES]
         if self.starts and used and (most := max(used, key=lambda c: c.ratio)).ratio < FULL:
             told.append(
                 f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
@@ -133,6 +136,11 @@ class Plan:
         return float(np.exp((self.rival.logdet - self.starts[0].logdet) / self.bound.parameters))
 
     @property
+    def bound_by(self) -> list[str]:
+        """The limits that shape the motion."""
+        return [c.name for c in self.limits.checks if c.binding and c.ratio > BINDING]
+
+    @property
     def notes(self) -> list[str]:
         """What the user should know before running it."""
         notes = []
@@ -141,8 +149,16 @@ class Plan:
             if order < self.motion.order:
                 which = "highest harmonic is" if needless == 1 else f"{needless} highest harmonics are"
                 notes.append(f"the {which} negligible: --order {order} would do")
-        if self.starts and (binding := [c.name for c in self.limits.checks if c.ratio > BINDING]):
-            notes.append(f"shaped by these limits: {', '.join(binding)}")
+        if self.starts and self.bound_by:
+            notes.append(f"shaped by these limits: {', '.join(self.bound_by)}")
+        if steps := [c for c in self.limits.checks if c.status is Status.STEPS]:
+            limits = ", ".join(f"{abs(c.limit):.4g} {c.unit}" for c in steps)
+            notes.append(
+                f"made for {self.settings.get('made_for')}, which does not limit jerk: accelerations step, and the "
+                f"limits of jerk of the case ({limits}) do not count"
+            )
+        if self.laws is not None:
+            notes.append(self.laws.sentence)
         tried = {(s.family.order, s.family.period) for s in self.starts if isinstance(s.family, FourierFamily)}
         if len(tried) > 1:
             own = f"order {self.settings['order']} with period {self.settings['period_s']:g} s"
@@ -226,9 +242,10 @@ class Plan:
             "payload_from": self.request.payloads[0],
             "weaknesses": self.weaknesses,
             "rival": self._rival(),
+            "vibration": None if self.laws is None else self.laws.to_json(),
             "notes": self.notes,
             "targets": list(self.request.targets),
-            "bound_by": [c.name for c in self.limits.checks if c.ratio > BINDING],
+            "bound_by": self.bound_by,
             "assumed_noise_N": self.noise.sensors,
             "assumed_rate_Hz": self.case.recording.rate_Hz,
             "assumed_noise_of_channels": self.noise.std.tolist(),

@@ -18,11 +18,13 @@ from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound, known_tight_bound
+from planner.controlled import Controlled, move_count, planned_for
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.manual import manual_motion, sequence_file
 from planner.families.ptp import PointToPointFamily
+from planner.families.shipped import shipped_start
 from planner.families.spline import SplineFamily
 from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
@@ -36,6 +38,7 @@ from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import FEWEST, Patience
 from planner.search.problem import mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
+from planner.vibration import both_laws
 
 Array = NDArray[np.float64]
 
@@ -76,7 +79,7 @@ def first_family(request: Request, case: Case) -> Family:
         return FourierFamily.lasting(order, period, request.periods, middle, half, request.centred)
     if request.family == "spline":
         return SplineFamily.of(case, request.intervals, request.duration)
-    return PointToPointFamily.of(case, request.move_count, request.duration)
+    return PointToPointFamily.of(case, move_count(request, case), request.duration)
 
 
 def _rival(request: Request, case: Case) -> Task | None:
@@ -85,13 +88,22 @@ def _rival(request: Request, case: Case) -> Task | None:
         return None
     other = "ptp" if request.family == "fourier" else "fourier"
     wanted = replace(
-        request, family=other, period=None, order=5, moves=None, free_order=False, free_period=False, starts=1
+        request,
+        family=other,
+        period=None,
+        order=5,
+        moves=None,
+        free_order=False,
+        free_period=False,
+        starts=1,
+        controller=None,
     )
     try:
         require_plannable(replace(wanted, targets=()), case)
     except HexciteError:  # too short for it, or too fast for the filter
         return None
-    return Task(case, request.model, first_family(wanted, case), "D", request.seed, request.payload, Step.GLANCE)
+    family = first_family(wanted, case)
+    return Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, shipped_start(family))
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> Found:
@@ -101,10 +113,11 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
+    own = planned_for(request, case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
-    results, rivals, interrupted = _explored(request, case, listener, run, patience.exploring())
+    results, rivals, interrupted = _explored(request, own, case, listener, run, patience.exploring())
     rough = sorted((s for s in results if isinstance(s, Start) and not s.refined), key=lambda s: -s.promise)
-    best = [Task(case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
+    best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
             for s in rough[: patience.refined]]  # fmt: skip
     if best and not interrupted:
         second = run(best, listener, patience)
@@ -116,12 +129,13 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
     winner = starts[0].family
-    unknowns, report, _ = keep_limits(case, winner, starts[0].unknowns, PROOF_RATE)
+    unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)
     motion = winner.motion(unknowns)
+    report = own.reported(prove(motion, case)) if own.step_time else report
     return Found(
         motion,
         winner.name,
-        winner.settings,
+        {**winner.settings, **({} if own.controller is None else {"made_for": own.controller})},
         report,
         tuple(starts),
         tuple(failed),
@@ -131,20 +145,22 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
 
 
 def _explored(
-    request: Request, case: Case, listener: Listener, run: Runner, patience: Patience
+    request: Request, own: Controlled, case: Case, listener: Listener, run: Runner, patience: Patience
 ) -> tuple[list[Start | Failed], list[Start], bool]:
     """Results of all starts, of other families to compare with, and whether Ctrl-C ended them.
 
-    Of several orders and periods each is looked at once; the starts that follow go to the best of them.
+    `own` holds the limits that the controller keeps. Of several orders and periods each is looked at once; the starts
+    that follow go to the best of them.
     """
-    families = [first_family(choice, case) for choice in choices(request, case)]
+    families = [first_family(choice, own.case) for choice in choices(request, case)]
     seeds, several = iter(seeds_of(request.seed, patience.most + len(families))), len(families) > 1
 
     def fresh(family: Family) -> Task:
-        return Task(case, request.model, family, request.criterion, next(seeds), request.payload)
+        return Task(own.case, request.model, family, request.criterion, next(seeds), request.payload)
 
     first = max(len(families), min(FEWEST, patience.most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
+    tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family))
     rival = _rival(request, case)
     results: list[Start | Failed] = []
     rivals: list[Start] = []
@@ -264,6 +280,7 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
         limits=found.limits,
         solve_seconds=seconds,
         tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
+        laws=both_laws(case, request.model, found.motion, request.payload),
     )
 
 

@@ -6,6 +6,7 @@ from cases.errors import HexciteError
 from cases.manual import load_poses, load_sequence
 from cases.schema import Case
 from identification.model import identification_model
+from planner.controlled import move_count, planned_for
 from planner.families.manual import sequence_file
 from planner.families.ptp import FEWEST, SHORTEST_PHASE
 from planner.infeasible import require_rest
@@ -62,7 +63,7 @@ def _require_heard(request: Request, case: Case) -> None:
 
 
 def _require_long_moves(request: Request, case: Case) -> None:
-    """Every move has four phases of jerk, each three controller cycles at least; splines begin from such moves.
+    """Every move has four phases of jerk, or two of acceleration where it steps, each three controller cycles at least.
 
     A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search would
     take minutes to make few moves of many, and find less than with few.
@@ -70,12 +71,14 @@ def _require_long_moves(request: Request, case: Case) -> None:
     cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
     if request.family != "ptp":
         return
-    box = case.need_machine("planning")[2].motion
-    phases = 4 * SHORTEST_PHASE * cycle
+    own = planned_for(request, case).case
+    box, moves = own.need_machine("planning")[2].motion, move_count(request, own)
+    count = 4 if box.limits_jerk else 2
+    phases = count * SHORTEST_PHASE * cycle
     rise = 4 * HALF * float(np.min(box.acceleration / box.jerk))
     least = max(phases, rise)
-    if not request.duration >= request.move_count * least * (1.0 - ROUNDING):
-        why = f"4 phases of {SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
+    if not request.duration >= moves * least * (1.0 - ROUNDING):
+        why = f"{count} phases of {SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
         if rise > phases:
             why = (
                 f"at the limits of jerk it takes {least:g} s to reach half of a limit of acceleration and come to rest"
@@ -83,6 +86,6 @@ def _require_long_moves(request: Request, case: Case) -> None:
         fewer = int(request.duration / least * (1.0 + ROUNDING))
         remedy = f", or --moves {fewer} or fewer" if fewer >= FEWEST else ""
         raise HexciteError(
-            f"duration {request.duration:g} s is too short for {request.move_count} moves: {why}; choose at least "
-            f"{request.move_count * least:g} s{remedy}"
+            f"duration {request.duration:g} s is too short for {moves} moves: {why}; choose at least "
+            f"{moves * least:g} s{remedy}"
         )

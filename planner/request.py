@@ -12,6 +12,7 @@ from planner.families.ptp import FEWEST, MOST
 from planner.families.spline import FEWEST as FEWEST_INTERVALS
 from planner.families.spline import MOST as MOST_INTERVALS
 
+CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints")
 FAMILIES = ("manual", "fourier", "ptp", "spline")
 LONGEST = 600.0  # [s] of an excitation; the method is for production breaks
 KNOTS_A_SECOND = 10.0
@@ -36,11 +37,12 @@ class Request:
         free_order: family fourier: `order` is open, the best is searched for.
         free_period: family fourier: `period` is open, likewise; the duration is a whole number of what is found.
         centred: family fourier: x0 is the middle of the box.
-        moves: family ptp; None for ten in three seconds.
+        moves: family ptp; None for ten in three seconds, or where accelerations step as many as reach their velocity.
         knots: family spline, intervals between knots; None for ten a second.
         sequence: family manual: file of steps or poses; None for the one beside the case.
         payload: number of the case's payloads that are mounted, at most.
         payload_from: at least; None for just as many. Predicted standard deviations are the largest of the range.
+        controller: family ptp: whose time law the moves are planned with; None for the one that the case plans for.
         targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed.
         starts: number of random starts; None for as many as pay.
         seconds: time for the search; None until more starts stop paying.
@@ -48,7 +50,7 @@ class Request:
     """
 
     case_file: str
-    family: str = "fourier"
+    family: str = "ptp"
     criterion: str = "D"
     model: int = 9
     duration: float = 12.0
@@ -62,6 +64,7 @@ class Request:
     sequence: Path | None = None
     payload: int = 0
     payload_from: int | None = None
+    controller: str | None = None
     targets: tuple[str, ...] = ()
     starts: int | None = None
     seconds: float | None = None
@@ -70,6 +73,13 @@ class Request:
     def __post_init__(self) -> None:
         _one_of("family", self.family, FAMILIES)
         _one_of("criterion", self.criterion, CRITERIA)
+        if self.controller is not None:
+            _one_of("controller", self.controller, CONTROLLERS)
+            if self.family != "ptp":
+                raise HexciteError(
+                    f"--for {self.controller}: a {self.family} motion is written with the times of its own, not by the "
+                    "time law of a controller; leave out --for, or choose --family ptp"
+                )
         if np.isnan(self.duration) or self.duration == -np.inf:
             raise HexciteError(f"duration {self.duration:g} s is no duration; choose about 12 s")
         if not self.duration <= LONGEST:

@@ -115,5 +115,4 @@ def _instants(law: TimeLaw) -> Array:
     even = np.linspace(0.0, law.duration, INSTANTS)
     if not isinstance(law, Profile):
         return even
-    phases = (law.jerk_time, law.hold_time, law.jerk_time, law.cruise_time, law.jerk_time, law.hold_time)
-    return np.append(even, np.cumsum(phases))
+    return np.append(even, np.cumsum(law.lengths[:-1]))

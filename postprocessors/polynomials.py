@@ -54,9 +54,7 @@ def knots(motion: Trajectory) -> Array:
     if isinstance(motion, PolynomialMotion):
         return motion.times
     if isinstance(motion, StraightMove) and isinstance(motion.profile, Profile):
-        p = motion.profile
-        steps = [p.jerk_time, p.hold_time, p.jerk_time, p.cruise_time, p.jerk_time, p.hold_time, p.jerk_time]
-        return np.unique(np.concatenate([[0.0], np.cumsum([s for s in steps if s > 1e-9])]))
+        return np.unique(np.concatenate([[0.0], np.cumsum([s for s in motion.profile.lengths if s > 1e-9])]))
     if isinstance(motion, Joined):
         parts = [start + knots(part)[:-1] for start, part in zip(motion.starts, motion.parts, strict=False)]
         return np.append(np.concatenate(parts), motion.duration)

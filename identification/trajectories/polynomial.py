@@ -122,9 +122,8 @@ def _segments(move: StraightMove) -> Iterator[Piece]:
     law = move.profile
     if not isinstance(law, Profile):
         raise ValueError("a move has no law of seven segments")
-    j, h, c = law.jerk_time, law.hold_time, law.cruise_time
-    durations = np.array([j, h, j, c, j, h, j])
-    starts = np.cumsum(durations) - durations
+    durations = np.array(law.lengths)
+    starts = np.append(0.0, np.cumsum(durations[:-1]))  # added up as the law does: accelerations may step there
     s, v, a, _ = law.at(starts)
     jerk = law.at(starts + durations / 2)[3]
     way = move.end - move.start

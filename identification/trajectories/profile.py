@@ -1,14 +1,17 @@
-"""Time laws from rest to rest in closed form (seven segments of constant jerk, trapezoid), and straight moves."""
+"""Time laws from rest to rest in closed form (seven segments, with or without a jerk limit), and straight moves."""
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from identification.motion import Motion
+from identification.motion import Joined, Motion, Trajectory
 
 Array = NDArray[np.float64]
+
+UNLIMITED = np.full(6, np.inf)  # no limit of jerk in any coordinate
 
 
 class TimeLaw(Protocol):
@@ -36,17 +39,30 @@ class TimeLaw(Protocol):
 class Profile(NamedTuple):
     """Jerk +j, 0, -j, 0, -j, 0, +j over the times jerk, hold, jerk, cruise, jerk, hold, jerk.
 
+    Without a jerk limit the times with jerk are 0: accelerations step, a trapezoid of velocity.
+
     Args:
-        jerk: magnitude of the jerk [1/s^3 of the unit of the distance].
-        jerk_time: duration of each segment with jerk [s].
+        acceleration: peak of the acceleration [1/s^2 of the unit of the distance].
+        jerk_time: duration of each segment with jerk; 0 where the acceleration steps [s].
         hold_time: duration of each segment of constant acceleration [s].
         cruise_time: duration of the segment of constant velocity [s].
     """
 
-    jerk: float
+    acceleration: float
     jerk_time: float
     hold_time: float
     cruise_time: float
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Durations of the seven segments [s]."""
+        ramp = (self.jerk_time, self.hold_time, self.jerk_time)
+        return (*ramp, self.cruise_time, *ramp)
+
+    @property
+    def jerk(self) -> float:
+        """Magnitude of the jerk, infinite where the acceleration steps."""
+        return self.acceleration / self.jerk_time if self.jerk_time > 0.0 else math.inf
 
     @property
     def duration(self) -> float:
@@ -56,92 +72,51 @@ class Profile(NamedTuple):
     @property
     def peak_velocity(self) -> float:
         """Largest velocity."""
-        return self.jerk * self.jerk_time * (self.jerk_time + self.hold_time)
+        return self.acceleration * (self.jerk_time + self.hold_time)
 
     def slowed(self, speed: float) -> "Profile":
         """The same way at a share of the speed."""
-        return Profile(self.jerk * speed**3, self.jerk_time / speed, self.hold_time / speed, self.cruise_time / speed)
+        times = (self.jerk_time / speed, self.hold_time / speed, self.cruise_time / speed)
+        return Profile(self.acceleration * speed**2, *times)
 
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
-        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
+        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,).
+
+        Where the acceleration steps, the value after the step counts, at the end that before it; the jerk is 0 there.
+        """
         time = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
-        lengths = [self.jerk_time, self.hold_time, self.jerk_time, self.cruise_time]
-        lengths += [self.jerk_time, self.hold_time, self.jerk_time]
-        signs = [1, 0, -1, 0, -1, 0, 1]
-        s, v, a = np.zeros_like(time), np.zeros_like(time), np.zeros_like(time)
-        j = np.zeros_like(time)
+        s, v, a, j = (np.zeros_like(time) for _ in range(4))
         start, s0, v0, a0 = 0.0, 0.0, 0.0, 0.0
-        for length, sign in zip(lengths, signs, strict=True):
-            rows = time >= start
-            tau, jerk = np.minimum(time[rows] - start, length), sign * self.jerk
-            s[rows] = s0 + v0 * tau + a0 * tau**2 / 2 + jerk * tau**3 / 6
-            v[rows] = v0 + a0 * tau + jerk * tau**2 / 2
-            a[rows] = a0 + jerk * tau
-            j[rows] = jerk
-            s0 += v0 * length + a0 * length**2 / 2 + jerk * length**3 / 6
-            v0 += a0 * length + jerk * length**2 / 2
-            a0 += jerk * length
+        for length, sign in zip(self.lengths, (1, 0, -1, 0, -1, 0, 1), strict=True):
+            step = sign * self.acceleration
+            if length > 0.0:
+                rows = time >= start
+                tau, jerk = np.minimum(time[rows] - start, length), step / length
+                s[rows] = s0 + v0 * tau + a0 * tau**2 / 2 + jerk * tau**3 / 6
+                v[rows] = v0 + a0 * tau + jerk * tau**2 / 2
+                a[rows] = a0 + jerk * tau
+                j[rows] = jerk
+            s0 += v0 * length + a0 * length**2 / 2 + step * length**2 / 6
+            v0 += a0 * length + step * length / 2
+            a0 += step
             start += length
         return s, v, a, j
 
 
-class Trapezoid(NamedTuple):
-    """Acceleration +a, 0, -a: the law of a controller without a jerk limit. Its jerk is infinite where a steps; `at`
-    gives 0 there and everywhere else.
+def fastest_profile(distance: float, velocity: float, acceleration: float, jerk: float = math.inf) -> Profile:
+    """The fastest rest-to-rest profile over a distance within limits, all above 0 and in one unit of distance.
 
-    Args:
-        acceleration: magnitude [1/s^2 of the unit of the distance].
-        ramp_time: duration of each of the two ramps [s].
-        cruise_time: duration at constant velocity [s].
+    Only the jerk may be unlimited.
     """
-
-    acceleration: float
-    ramp_time: float
-    cruise_time: float
-
-    @property
-    def duration(self) -> float:
-        """Duration of the whole move [s]."""
-        return 2 * self.ramp_time + self.cruise_time
-
-    @property
-    def peak_velocity(self) -> float:
-        """Largest velocity."""
-        return self.acceleration * self.ramp_time
-
-    def slowed(self, speed: float) -> "Trapezoid":
-        """The same way at a share of the speed."""
-        return Trapezoid(self.acceleration * speed**2, self.ramp_time / speed, self.cruise_time / speed)
-
-    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
-        """Distance covered, velocity, acceleration and jerk at times t, each of shape (n,)."""
-        time = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
-        braking = time > self.ramp_time + self.cruise_time
-        up, down = np.minimum(time, self.ramp_time), np.where(braking, self.duration - time, self.ramp_time)
-        cruise = np.clip(time - self.ramp_time, 0.0, self.cruise_time)
-        v = self.acceleration * np.minimum(up, down)
-        s = self.acceleration * (up**2 / 2 + self.ramp_time * cruise + (self.ramp_time**2 - down**2) / 2)
-        a = np.where(braking, -self.acceleration, np.where(time < self.ramp_time, self.acceleration, 0.0))
-        return s, v, a, np.zeros_like(s)
-
-
-def fastest_trapezoid(distance: float, velocity: float, acceleration: float) -> Trapezoid:
-    """The fastest trapezoid over a distance within two limits, all above 0 and in one unit of distance."""
-    ramp = min(velocity / acceleration, float(np.sqrt(distance / acceleration)))
-    return Trapezoid(acceleration, ramp, max(0.0, distance / (acceleration * ramp) - ramp))
-
-
-def fastest_profile(distance: float, velocity: float, acceleration: float, jerk: float) -> Profile:
-    """The fastest rest-to-rest profile over a distance within three limits, all above 0 and in one unit of distance."""
-    jerk_time = min(acceleration / jerk, np.sqrt(velocity / jerk), np.cbrt(distance / (2 * jerk)))
-    hold_time = 0.0
+    jerk_time = float(min(acceleration / jerk, np.sqrt(velocity / jerk), np.cbrt(distance / (2 * jerk))))
+    peak, hold_time = jerk * jerk_time, 0.0
     if jerk_time == acceleration / jerk:  # only then does the acceleration reach its limit and can be held
         by_velocity = velocity / acceleration - jerk_time
         by_distance = (-3 * jerk_time + np.sqrt(jerk_time**2 + 4 * distance / acceleration)) / 2
-        hold_time = max(0.0, min(by_velocity, by_distance))
-    peak = jerk * jerk_time * (jerk_time + hold_time)
-    cruise_time = max(0.0, distance / peak - 2 * jerk_time - hold_time)
-    return Profile(jerk, float(jerk_time), float(hold_time), float(cruise_time))
+        peak, hold_time = acceleration, max(0.0, float(min(by_velocity, by_distance)))
+    fastest = peak * (jerk_time + hold_time)
+    cruise_time = max(0.0, distance / fastest - 2 * jerk_time - hold_time)
+    return Profile(peak, jerk_time, hold_time, float(cruise_time))
 
 
 def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
@@ -171,9 +146,9 @@ class StraightMove:
 
     @classmethod
     def fastest(
-        cls, start: ArrayLike, end: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike
+        cls, start: ArrayLike, end: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike = UNLIMITED
     ) -> "StraightMove":
-        """The fastest such move within limits on each coordinate, shapes (6,).
+        """The fastest such move within limits on each coordinate, shapes (6,); the jerk may be unlimited.
 
         Raises:
             ValueError: start and end are the same.
@@ -195,3 +170,10 @@ class StraightMove:
         share, *derivatives = self.profile.at(time)
         way = self.end - self.start
         return Motion(time, self.start + share[:, None] * way, *(d[:, None] * way for d in derivatives))
+
+
+def has_steps(motion: Trajectory) -> bool:
+    """Whether a motion has straight moves whose accelerations step."""
+    parts = motion.parts if isinstance(motion, Joined) else (motion,)
+    laws = (part.profile for part in parts if isinstance(part, StraightMove))
+    return any(isinstance(law, Profile) and law.jerk_time == 0.0 for law in laws)

@@ -7,7 +7,7 @@ import typer
 
 from planner.cli.console import Json, Overwrite, print_json, print_table
 
-ACCEPTED = ("acceleration", "jerk", "strut acceleration", "sensor force")  # no metal moves in a demo
+ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
 
 
 def demo(
@@ -18,7 +18,7 @@ def demo(
         str | None, typer.Option(help="Controller: virtual or linuxcnc; by default LinuxCNC if installed.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the starts and of the sensors' noise.")] = 0,
-    starts: Annotated[int | None, typer.Option(help="Number of random starts; by default as many as pay.")] = None,
+    starts: Annotated[int, typer.Option(help="Number of random starts; one is enough for a demo.")] = 1,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder for everything; hexcite-demo by default.")
     ] = None,
@@ -32,7 +32,7 @@ def demo(
 
 
 def run_demo(
-    case: str, on: str | None, seed: int, starts: int | None, output: Path | None, quiet: bool, overwrite: bool = False
+    case: str, on: str | None, seed: int, starts: int, output: Path | None, quiet: bool, overwrite: bool = False
 ) -> dict[str, Any]:
     """All steps; prints unless `quiet`; returns each step's JSON answer."""
     from cases.files import DEMO, check_folder, output_place, write_text
@@ -57,8 +57,8 @@ def run_demo(
     loaded.need_simulation("the demo")
     output = output_place(output, Path("hexcite-demo"), overwrite)
     check_folder(output, DEMO, overwrite=overwrite)
-    step(1, "plan: the most informative motion inside the limits")
-    plan = make_plan(Request(case, seed=seed, starts=starts), output / "plan", quiet, overwrite)
+    step(1, "plan: the most informative moves inside the limits, with the time law of LinuxCNC")
+    plan = make_plan(Request(case, controller="linuxcnc", seed=seed, starts=starts), output / "plan", quiet, overwrite)
     step(2, f"post: as a program for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name")
     program = make_program(
         output / "plan", "linuxcnc", 1.0, ACCEPTED, output / "excitation.ngc", quiet, overwrite=overwrite

@@ -40,7 +40,7 @@ BELONGS = {
 def plan(
     context: typer.Context,
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "fourier",
+    family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "ptp",
     criterion: Criterion = "D",
     duration: Annotated[
         float, typer.Option(help="Whole duration in s; a multiple of --period where that is given.")
@@ -55,7 +55,18 @@ def plan(
     ] = False,
     centred: Annotated[bool, typer.Option(help="fourier: keep x0 in the middle of the box.")] = False,
     moves: Annotated[
-        int | None, typer.Option(help="ptp: point-to-point moves, 8 to 64; by default ten in three seconds.")
+        int | None,
+        typer.Option(
+            help="ptp: point-to-point moves, 8 to 64; by default what the limits suggest, ten in three seconds."
+        ),
+    ] = None,
+    controller: Annotated[
+        str | None,
+        typer.Option(
+            "--for",
+            help="ptp: plan with the time law of linuxcnc, virtual, sinumerik, twincat or setpoints; by default as the "
+            "case says, else with limited jerk.",
+        ),
     ] = None,
     knots: Annotated[int | None, typer.Option(help="spline: intervals, 20 to 150; by default ten a second.")] = None,
     sequence: Annotated[
@@ -104,6 +115,7 @@ def plan(
         centred=centred,
         moves=moves,
         knots=knots,
+        controller=controller,
         sequence=sequence,
         payload=most,
         payload_from=fewest,
@@ -205,7 +217,9 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
     print_table("Limits, proven at 10 kHz in NumPy", LIMIT_COLUMNS, limit_rows(answer["limits"]))
     kind = "certified" if answer["bound"]["certified"] else "an estimate"
     print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
-    if answer["d_efficiency_tight"] is None:
+    if any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
+        print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
+    elif answer["d_efficiency_tight"] is None:
         command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
         print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
     else:

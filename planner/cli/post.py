@@ -20,7 +20,11 @@ Accept = Annotated[
 def post(
     plan: Annotated[Path | None, typer.Argument(help="Plan folder.")] = None,
     dialect: Annotated[
-        str | None, typer.Option(help="The controller's language; linuxcnc by default; without a plan, all are listed.")
+        str | None,
+        typer.Option(
+            help="The controller's language; by default that of the controller that the plan was made for, else "
+            "linuxcnc; without a plan, all are listed."
+        ),
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
@@ -48,14 +52,14 @@ def post(
         else:
             print_table("Dialects", ("name", "files", "controller"), rows, right=False)
         return
-    answer = make_program(plan, dialect or "linuxcnc", speed, accept or (), output, json, ptp_struts, overwrite, stale)
+    answer = make_program(plan, dialect, speed, accept or (), output, json, ptp_struts, overwrite, stale)
     if json:
         print_json(answer)
 
 
 def make_program(
     plan: Path,
-    dialect_name: str,
+    dialect_name: str | None,
     speed: float,
     accepted: Collection[str],
     output: Path | None,
@@ -69,6 +73,7 @@ def make_program(
 
     from cases.errors import HexciteError
     from cases.files import atomic_file, check_file, output_place
+    from planner.controlled import fits_law, usual_dialect
     from planner.runs.fingerprints import case_line, plan_line
     from planner.saved_plan import load_plan
     from postprocessors.dialects import DIALECTS, dialect
@@ -77,13 +82,18 @@ def make_program(
 
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
+    saved = None
+    if dialect_name is None:
+        saved = load_plan(plan, stale=stale)
+        dialect_name = usual_dialect(saved.data)
     language = dialect(dialect_name)
     if in_struts and not language.in_struts:
         able = ", ".join(d.name for d in DIALECTS.values() if d.in_struts)
         raise HexciteError(f"{dialect_name} has no moves straight in the struts; leave out --ptp-struts, or use {able}")
     file = output_place(output, Path(f"{plan.resolve().name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")] if plan.is_dir() else [plan], overwrite)
-    saved = load_plan(plan, stale=stale)
+    saved = saved or load_plan(plan, stale=stale)
+    told = fits_law(plan, saved.data, saved.motion, dialect_name, saved.case)
     header = (
         f"hexcite {version('hexcite')}: excitation for identification of model {saved.data['model']}",
         case_line(saved.case),
@@ -117,7 +127,7 @@ def make_program(
         "verdict": proof.verdict,
         "relies_on": list(proof.relies_on),
         "predicted_stretch": forecast.stretch,
-        "remarks": [*forecast.remarks, *saved.stale],
+        "remarks": [*told, *forecast.remarks, *saved.stale],
         "limits": proof.limits.to_json(),
         **changed,
     }

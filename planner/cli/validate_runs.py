@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
 # are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does.
-ACCEPTED = ("acceleration", "jerk", "strut acceleration", "sensor force")
+ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,7 +275,7 @@ def _planned(name: str, method: str, settings: Settings, folder: Path) -> Path:
     else:
         requests = {
             "D9M": Request(name, family="manual"),
-            "D9N": Request(name, criterion="N", order=3, period=4.0, starts=starts, seed=seed),
+            "D9N": Request(name, family="fourier", criterion="N", order=3, period=4.0, starts=starts, seed=seed),
             "ptp": Request(name, family="ptp", starts=starts, seed=seed),
             "spline": Request(name, family="spline", starts=starts, seed=seed),
         }

@@ -1,6 +1,6 @@
 """What belongs together among plans, runs and results, and which excitation to prefer."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -84,7 +84,8 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
         remarks.append("predictions stand beside identified values: predictions know nothing of the machine's errors")
     alike = under_equal_conditions(chosen)
     if len(alike) == 1:
-        return _among(chosen, level, remarks)
+        found_best = _among(chosen, level, remarks)
+        return found_best._replace(sentences=(*found_best.sentences, *_where_it_vibrates(chosen)))
     told = "; ".join(f"{', '.join(e.name for e in some)} ({_conditions(some)})" for some in alike)
     parts = [_among(some, level, remarks) for some in alike if len(some) > 1]
     return Recommendation(
@@ -95,6 +96,19 @@ def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
             f"these were planned or measured under different conditions, and none is preferred across them: {told}",
             *(sentence for part in parts for sentence in part.sentences),
         ),
+    )
+
+
+def _where_it_vibrates(chosen: Sequence[Entry]) -> Iterator[str]:
+    """Which planned motion to prefer on a machine with a structural mode, by the errors to be expected there."""
+    known = [(e.name, e.vibration) for e in chosen if e.vibration is not None]
+    if len(known) < 2 or len({frozenset(v.errors) for _, v in known}) > 1:
+        return
+    best, least = min(known, key=lambda pair: pair[1].over(known[0][1]))
+    others = ", ".join(f"{name} {v.over(least):.2f} times as much" for name, v in known if name != best)
+    yield (
+        f"on a machine with a structural mode at {least.frequency:.3g} Hz (simulation.disturbances) {best} is expected "
+        f"to err least: {others}"
     )
 
 

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import IntEnum
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -34,6 +34,7 @@ from planner.runs.fingerprints import plan_hash
 from planner.runs.recorded import standing_of
 from planner.saved_plan import load_plan
 from planner.search.problem import mean_information
+from planner.vibration import Vibration, vibration
 
 Array = NDArray[np.float64]
 
@@ -79,6 +80,7 @@ class Entry:
         load: mass of the weights that are mounted [kg]; None where nothing tells.
         machine: that was measured, in words; None for plans, and where nothing tells.
         warnings: that its evaluation gave.
+        vibration: of a planned motion on a machine with a structural mode; None where the case states none.
     """
 
     name: str
@@ -99,6 +101,7 @@ class Entry:
     load: float | None = None
     machine: str | None = None
     warnings: tuple[str, ...] = ()
+    vibration: Vibration | None = None
 
     def to_json(self) -> dict[str, Any]:
         """One row of the answer."""
@@ -117,6 +120,7 @@ class Entry:
             "load_kg": self.load,
             "machine": self.machine,
             "warnings": list(self.warnings),
+            "vibration": None if self.vibration is None else asdict(self.vibration),
         }
 
 
@@ -153,8 +157,11 @@ def _plan(path: Path, case: str | None, stale: bool) -> Entry:
     if saved.data["family"] == "poses" and isinstance(saved.motion, Joined):
         poses = np.array([p.pose for p in saved.motion.parts if isinstance(p, Measurement)])
         matrix = (pose_regressors(model, poses) * scaling).reshape(-1, len(scaling))
-        information, samples = matrix.T @ matrix / len(poses), len(poses)
+        information, samples, vibrating = matrix.T @ matrix / len(poses), len(poses), None
     else:
+        vibrating = vibration(
+            saved.case, model.number, saved.motion, int(saved.data.get("payload", 0)), saved.motion.duration
+        )
         information = mean_information(model, scaling, saved.motion)
         samples = round(saved.motion.duration * rate)
     units, noise, weights = _units(model), float(saved.data["assumed_noise_N"]), int(saved.data.get("payload", 0))
@@ -167,7 +174,7 @@ def _plan(path: Path, case: str | None, stale: bool) -> Entry:
     return Entry(
         str(path), Level.PLANNED, saved.case, model.number, str(saved.data["family"]), saved.motion.duration, samples,
         _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
-        plan_hash(path), noise, float(load), warnings=saved.stale,
+        plan_hash(path), noise, float(load), warnings=saved.stale, vibration=vibrating,
     )  # fmt: skip
 
 

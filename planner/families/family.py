@@ -64,6 +64,18 @@ class Family(Protocol):
         """
         ...
 
+    def like(self, table: Array) -> Array | None:
+        """Unknowns like those of another machine's motion, limits apart; None where it does not fit.
+
+        Args:
+            table: what `table` gave there.
+        """
+        ...
+
+    def table(self, unknowns: Array) -> Array:
+        """Unknowns in units that do not depend on the machine."""
+        ...
+
     def motion(self, unknowns: Array) -> Trajectory:
         """The motion of unknowns of shape (n,)."""
         ...

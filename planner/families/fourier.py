@@ -95,6 +95,15 @@ class FourierFamily:
         unknowns = draw.normal(size=self.unknowns * 6)
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
+    def table(self, unknowns: Array) -> Array:
+        """A row for each unknown of a coordinate."""
+        return unknowns.reshape(-1, 6)
+
+    def like(self, table: Array) -> Array | None:
+        """The same series of the same order."""
+        fits = len(table) == self.unknowns and not (self.run_in or self.centred)
+        return table.ravel() if fits else None
+
     def refined(self, unknowns: Array) -> Self:
         """Nothing is left open."""
         return self

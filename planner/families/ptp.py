@@ -3,6 +3,7 @@
 Unknowns are the waypoints and three times of each move: of a segment with jerk, of constant acceleration, of constant
 velocity. With D the way of a coordinate and tj, th, tc these times its largest velocity is D / (2 tj + th + tc), its
 largest acceleration that over (tj + th), its largest jerk that over tj: limits hold for all t and are 18 rows a move.
+For a controller that limits no jerk tj is 0, moves are trapezoids, and 12 rows a move are left.
 The last move need not end where the first begins: a way back would cost moves that tell little.
 """
 
@@ -36,20 +37,19 @@ TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
 
 def unit_profile(jerk_time: float, hold_time: float, cruise_time: float) -> Profile:
     """The profile over a distance of 1 with these times [s]."""
-    jerk = 1.0 / (jerk_time * (jerk_time + hold_time) * (2 * jerk_time + hold_time + cruise_time))
-    return Profile(jerk, jerk_time, hold_time, cruise_time)
+    acceleration = 1.0 / ((jerk_time + hold_time) * (2 * jerk_time + hold_time + cruise_time))
+    return Profile(acceleration, jerk_time, hold_time, cruise_time)
 
 
-def _profile_state(time: ca.SX, times: tuple[ca.SX, ...], phase: int) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Share of the way, velocity and acceleration at a time after the start of a phase (0 to 6) of a unit move."""
-    tj, th, tc = times
-    jerk = 1 / (tj * (tj + th) * (2 * tj + th + tc))
-    lengths = (tj, th, tj, tc, tj, th, tj)
-    signs = (1, 0, -1, 0, -1, 0, 1)
+def _profile_state(share: float, times: ca.SX, phase: int) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Share of the way, velocity and acceleration of a unit move at a share of a phase (0 to 6), which may last 0."""
+    tj, th, tc = times[0], times[1], times[2]
+    peak = 1 / ((tj + th) * (2 * tj + th + tc))
     s, v, a = ca.SX(0), ca.SX(0), ca.SX(0)
-    for k in range(phase + 1):
-        tau, j = (time if k == phase else lengths[k]), signs[k] * jerk
-        s, v, a = s + v * tau + a * tau**2 / 2 + j * tau**3 / 6, v + a * tau + j * tau**2 / 2, a + j * tau
+    for k, (length, sign) in enumerate(zip(_phases(times)[: phase + 1], (1, 0, -1, 0, -1, 0, 1), strict=False)):
+        part = share if k == phase else 1.0
+        tau, step = part * length, sign * part * peak
+        s, v, a = s + v * tau + a * tau**2 / 2 + step * tau**2 / 6, v + a * tau + step * tau / 2, a + step
     return s, v, a
 
 
@@ -63,7 +63,7 @@ def states_of_move(points: tuple[tuple[int, float], ...]) -> ca.Function:
 
 def _state_of_move(start: ca.SX, end: ca.SX, times: ca.SX, point: tuple[int, float]) -> tuple[ca.SX, ca.SX, ca.SX]:
     phase, share = point
-    s, v, a = _profile_state(share * _phases(times)[phase], (times[0], times[1], times[2]), phase)
+    s, v, a = _profile_state(share, times, phase)
     way = end - start
     return start + s * way, v * way, a * way
 
@@ -74,8 +74,9 @@ def _phases(times: ca.SX) -> tuple[ca.SX, ...]:
     return (tj, th, tj, tc, tj, th, tj)
 
 
-# Where accelerations do not change one point does.
+# Where accelerations do not change one point does, unless all of the move is so.
 INFORMATION_POINTS = tuple((k, share) for k in range(7) for share in ((0.5,) if k % 2 else (GAUSS, 1 - GAUSS)))
+TRAPEZOID_POINTS = ((1, GAUSS), (1, 1 - GAUSS), (3, 0.5), (5, GAUSS), (5, 1 - GAUSS))
 # Where velocities and accelerations have their peaks: both ends of each phase of constant acceleration, mid-cruise.
 _HOLDS = ((0, 1.0), (1, 1.0), (5, 0.0), (5, 1.0))
 CRITICAL_POINTS = (*_HOLDS[:2], (2, 0.5), (3, 0.5), (4, 0.5), *_HOLDS[2:], (6, 1.0))
@@ -96,7 +97,8 @@ class PointToPointFamily:
         cycle: of the controller [s].
         middle: middle of the box of poses, shape (6,) [m, rad].
         half: half of its width, shape (6,) [m, rad].
-        limits: of rates, accelerations and jerks, shape (3, 6).
+        limits: of rates, accelerations and jerks, shape (3, 6); without those of jerks, for a controller that knows
+            none, shape (2, 6).
         absent: phases of constant acceleration and of constant velocity that are left out, shape (moves, 2); others
             last at least three controller cycles. None while that is open.
     """
@@ -119,7 +121,8 @@ class PointToPointFamily:
         middle, half = box_middle(case)
         box = case.need_machine("planning")[2].motion
         cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
-        return cls(moves, duration, cycle, middle, half, np.array([box.rate, box.acceleration, box.jerk]))
+        limits = [box.rate, box.acceleration, *([box.jerk] if box.limits_jerk else [])]
+        return cls(moves, duration, cycle, middle, half, np.array(limits))
 
     @property
     def name(self) -> str:
@@ -130,6 +133,11 @@ class PointToPointFamily:
     def settings(self) -> dict[str, Any]:
         """Number of moves and duration."""
         return {"moves": self.moves, "duration_s": self.duration}
+
+    @property
+    def steps(self) -> bool:
+        """Whether accelerations step, for no limit of jerk counts."""
+        return len(self.limits) == 2
 
     @property
     def unit(self) -> float:
@@ -155,25 +163,24 @@ class PointToPointFamily:
             times = own[12:] * self.unit
             columns = []
             for point in points:
-                share = _phases(times)[point[0]] / (1 if point[0] % 2 else 2) / self.duration
+                alike = sum(phase == point[0] for phase, _ in points)
+                share = _phases(times)[point[0]] / alike / self.duration
                 columns += [*_state_of_move(start, end, times, point), share]
             return KernelStates(index, Kernel(own, ca.vertcat(*columns)))
 
         tj, th, tc = own[12], own[13], own[14]
         velocity = (own[6:12] - own[:6]) / (2 * tj + th + tc)
         acceleration = velocity / (tj + th)
-        jerk = acceleration / tj
+        reached = (velocity, acceleration) if self.steps else (velocity, acceleration, acceleration / tj)
         peaks = [
             ca.DM(self.half / limit / self.unit**order) * peak
-            for order, (peak, limit) in enumerate(
-                zip((velocity, acceleration, jerk), self.limits, strict=True), start=1
-            )
+            for order, (peak, limit) in enumerate(zip(reached, self.limits, strict=True), start=1)
         ]
         total = np.r_[np.zeros(places), np.tile([4.0, 2.0, 1.0], count)] / count
         edge = np.full(places, 1.0 - margin)
         lower, upper = self._time_bounds()
         return Layout(
-            states=states(INFORMATION_POINTS),
+            states=states(TRAPEZOID_POINTS if self.steps else INFORMATION_POINTS),
             critical=states(CRITICAL_POINTS),
             peaks={peak: np.tile(where, (count, 1)) for peak, where in _PEAKS.items()},
             rows=(
@@ -197,7 +204,9 @@ class PointToPointFamily:
     def _time_bounds(self) -> tuple[Array, Array]:
         shortest = SHORTEST_PHASE * self.cycle / self.unit
         lower, upper = np.zeros((self.moves, 3)), np.full((self.moves, 3), LONGEST_PHASE)
-        lower[:, 0] = shortest
+        lower[:, 1 if self.steps else 0] = shortest
+        if self.steps:
+            upper[:, 0] = 0.0
         if self.absent is not None:
             lower[:, 1:] = np.where(self.absent, 0.0, shortest)
             upper[:, 1:] = np.where(self.absent, 0.0, LONGEST_PHASE)
@@ -222,6 +231,45 @@ class PointToPointFamily:
         limits = np.min(self.limits[:, None, :] / np.maximum(ways, TINY), axis=2)
         return np.array([fastest_profile(1.0, *limits[:, k])[1:] for k in range(self.moves)])
 
+    def longest_steps(self) -> tuple[Array, Array]:
+        """Three times [s] of moves of mean duration, and how far each coordinate goes in them, in half widths, (6,).
+
+        Of the times that let one coordinate go as far as it can, those that give the largest product of all steps.
+        """
+        choices = []
+        for limits in self.limits.T:
+            times = np.array(fastest_profile(_largest_way(limits, self.unit), *limits)[1:])
+            velocity = 1.0 / (times @ [2.0, 1.0, 1.0])
+            acceleration = velocity / (times @ [1.0, 1.0, 0.0])
+            peaks = np.array([velocity, acceleration, *([] if self.steps else [acceleration / times[0]])])
+            steps = np.minimum(np.min(self.limits / peaks[:, None], axis=0) / self.half, 2.0)
+            choices.append((float(np.prod(steps)), times, steps))
+        _, times, steps = max(choices, key=lambda choice: choice[0])
+        return times, steps
+
+    def table(self, unknowns: Array) -> Array:
+        """Where it begins; then the way of each move in longest steps, and its times in units of a mean move."""
+        points, times = self.split(unknowns)
+        rows = np.vstack([points[0], np.diff(points, axis=0) / self.longest_steps()[1]])
+        return np.hstack([rows, np.vstack([np.zeros(3), times])])
+
+    def like(self, table: Array) -> Array:
+        """Moves by as many longest steps, within the box; beyond the last of them back again the same way."""
+        count, (_, steps) = len(table) - 1, self.longest_steps()
+        places = [table[0, :6]]
+        times = np.empty((self.moves, 3))
+        for k in range(self.moves):
+            back, number = divmod(k, count)
+            row = table[count - number if back % 2 else 1 + number]
+            way = -row[:6] if back % 2 else row[:6]
+            places.append(np.clip(places[-1] + way * steps, -1.0, 1.0))
+            times[k] = row[6:]
+        if self.steps:
+            times[:, 1], times[:, 0] = times[:, 1] + 2 * times[:, 0], 0.0
+        times = np.clip(times, *self._time_bounds())
+        times *= self.moves / (times @ [4.0, 2.0, 1.0]).sum()
+        return np.concatenate([np.ravel(places), times.ravel()])
+
     def motion(self, unknowns: Array) -> Joined:
         """The motion of unknowns of shape (9 * moves + 6,)."""
         points, times = self.split(unknowns)
@@ -240,4 +288,16 @@ class PointToPointFamily:
     def refined(self, unknowns: Array) -> "PointToPointFamily":
         """Phases that are too short for the controller are left out from now on, or last three cycles."""
         phases = self.split(unknowns)[1][:, 1:] * self.unit
-        return replace(self, absent=phases < SHORTEST_PHASE / 2 * self.cycle)
+        absent = phases < SHORTEST_PHASE / 2 * self.cycle
+        if self.steps:
+            absent[:, 0] = False  # without it nothing accelerates
+        return replace(self, absent=absent)
+
+
+def _largest_way(limits: Array, duration: float) -> float:
+    """The way that one coordinate can go from rest to rest within a duration, by bisection."""
+    small, large = 0.0, float(limits[0] * duration)
+    for _ in range(50):
+        way = (small + large) / 2
+        small, large = (way, large) if fastest_profile(way, *limits).duration <= duration else (small, way)
+    return small

@@ -140,8 +140,10 @@ def _read_part(entry: dict[str, Any]) -> Trajectory:
 
 
 def _profile(entry: dict[str, Any]) -> Profile:
-    times = _positive(entry, "jerk_time_s"), *(_positive(entry, f"{k}_time_s", zero=True) for k in ("hold", "cruise"))
-    return unit_profile(*times)
+    jerk, hold, cruise = (_positive(entry, f"{k}_time_s", zero=True) for k in ("jerk", "hold", "cruise"))
+    if jerk == hold == 0.0:  # nothing would accelerate
+        raise ValueError("hold_time_s")
+    return unit_profile(jerk, hold, cruise)
 
 
 def _read_piece(entry: dict[str, Any]) -> Piece:

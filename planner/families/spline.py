@@ -173,6 +173,15 @@ class SplineFamily:
         unknowns = np.repeat(draw.normal(size=(self.unknowns // 6 + 1, 6)), 6, axis=0)[: self.unknowns].ravel()
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
+    def table(self, unknowns: Array) -> Array:
+        """A row for each unknown of a coordinate."""
+        return unknowns.reshape(-1, 6)
+
+    def like(self, table: Array) -> Array | None:
+        """The same curve over as many intervals as there are."""
+        old, new = np.linspace(0.0, 1.0, len(table)), np.linspace(0.0, 1.0, self.unknowns)
+        return np.column_stack([np.interp(new, old, column) for column in table.T]).ravel()
+
     def refined(self, unknowns: Array) -> Self:
         """Nothing is left open."""
         return self

@@ -108,8 +108,7 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
 
 def _instants(profile: Profile, instants: int) -> Array:
     """Equal steps, and the corners of the profile, where velocity and acceleration peak, shape (instants + 6,) [s]."""
-    jerk, hold = profile.jerk_time, profile.hold_time
-    corners = np.cumsum([jerk, hold, jerk, profile.cruise_time, jerk, hold])
+    corners = np.cumsum(profile.lengths[:-1])
     return np.sort(np.r_[np.linspace(0.0, profile.duration, instants), corners])
 
 

@@ -67,8 +67,7 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
         return replace(part, profile=_seven_segments(law))
     planned = part.profile
     assert isinstance(planned, Profile)
-    peak = planned.jerk * planned.jerk_time
-    law = online_profile(planned.peak_velocity * v, peak * a, planned.jerk * j, cycle)
+    law = online_profile(planned.peak_velocity * v, planned.acceleration * a, planned.jerk * j, cycle)
     return replace(part, profile=_seven_segments(law))
 
 

@@ -11,6 +11,7 @@ most of them out before anything else is computed.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import casadi as ca
@@ -20,7 +21,6 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model
-from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily, states_of_move
 from planner.search.state_limits import near_limits
 from planner.search.states import Peak
@@ -30,6 +30,7 @@ Indices = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
 HOT, COLD = 0.05, 0.003  # temperatures in units of log det F: above walks forget, below nothing moves any more
+WARM = 0.006  # for a walk that is good already
 EXCESS = 2.0  # of log det F for each whole limit of a rate or acceleration that a move exceeds: the solver mends these
 RIDGE = 1e-9  # on the diagonal of F in reference scaling: a walk that stands still has a value too
 TEMPERATURES = 40
@@ -70,30 +71,12 @@ class EqualMoves:
     @classmethod
     def of(cls, case: Case, model: Model, scaling: Array, family: PointToPointFamily) -> "EqualMoves":
         """The moves of a family, each of its mean duration; times are those that give the longest steps."""
-        choices = []
-        for limits in family.limits.T:
-            way = _largest_way(limits, family.unit)
-            times = np.array(fastest_profile(way, *limits)[1:])
-            velocity = 1.0 / (times @ [2.0, 1.0, 1.0])
-            acceleration = velocity / (times @ [1.0, 1.0, 0.0])
-            peaks = np.array([velocity, acceleration, acceleration / times[0]])
-            steps = np.min(family.limits / peaks[:, None], axis=0) / family.half
-            choices.append((float(np.prod(np.minimum(steps, 2.0))), times, steps))
-        _, times, steps = max(choices, key=lambda choice: choice[0])
+        times, steps = family.longest_steps()
         move = ca.SX.sym("move", 12)
         ends = [ca.DM(family.middle) + ca.DM(family.half) * place for place in (move[:6], move[6:])]
         rows = ca.Function("rows", [move], [_rows(model, scaling, ends, times)], {"cse": True})
         excess = ca.Function("excess", [move], [_excess(case, ends, times)], {"cse": True})
-        return cls(times, np.minimum(steps, 2.0), len(scaling), rows, excess)
-
-
-def _largest_way(limits: Array, duration: float) -> float:
-    """The way that one coordinate can go from rest to rest within a duration, by bisection."""
-    small, large = 0.0, float(limits[0] * duration)
-    for _ in range(50):
-        way = (small + large) / 2
-        small, large = (way, large) if fastest_profile(way, *limits).duration <= duration else (small, way)
-    return small
+        return cls(times, steps, len(scaling), rows, excess)
 
 
 def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.SX:
@@ -284,6 +267,16 @@ class Walk:
         return Proposals(points, source, new, np.asarray(valid))
 
 
+def _inside(moves: EqualMoves, points: Array) -> Array:
+    """Waypoints a step away at most, drawn together until all of them keep the limits of poses."""
+    points = points.copy()
+    for before, here in pairwise(points):
+        np.clip(here, before - moves.steps, before + moves.steps, out=here)
+    while np.abs(points).max() > 1e-3 and _in_blocks(moves.excess, points, points)[:, 1].max() > POSE_REACHED:
+        points = points * 0.95
+    return points
+
+
 BLOCK = 8
 
 
@@ -303,6 +296,7 @@ def annealed_start(
     draw: np.random.Generator,
     proposals: int,
     watch: Callable[[float], bool],
+    begin: Array | None = None,
 ) -> Array:
     """Unknowns of an annealed walk; limits of rates and accelerations may still be exceeded a little.
 
@@ -314,13 +308,12 @@ def annealed_start(
         draw: the source of chance.
         proposals: how many; the temperature falls geometrically meanwhile.
         watch: is told -log det F / u now and then; true ends the annealing.
+        begin: a walk to improve, shape (moves + 1, 6); without one it begins as a standstill anywhere.
     """
     moves = EqualMoves.of(case, model, scaling, family)
-    place = draw.uniform(-0.5, 0.5, 6)
-    while over_samples(moves.excess, np.r_[place, place][None])[0][0, 1] > POSE_REACHED and np.abs(place).max() > 1e-3:
-        place = place * 0.8
-    walk = Walk(moves, np.tile(place, (family.moves + 1, 1)), draw)
-    for temperature in np.geomspace(HOT, COLD, TEMPERATURES):
+    points = np.tile(draw.uniform(-0.5, 0.5, 6), (family.moves + 1, 1)) if begin is None else begin
+    walk = Walk(moves, _inside(moves, points), draw)
+    for temperature in np.geomspace(HOT if begin is None else WARM, COLD, TEMPERATURES):
         walk.anneal(float(temperature), proposals // TEMPERATURES)
         if watch(-walk.best / len(scaling)):
             break

@@ -14,7 +14,7 @@ from planner.request import Request
 from planner.search.solving import Failed, Start
 
 MOST = 40  # starts, by default; with `--seconds` there is no such end
-FEWEST, IDLE = 4, 3
+FEWEST, IDLE = 3, 2
 WORTHWHILE = 0.005  # of an efficiency
 EXPLORING = 0.6  # share of `--seconds` that goes into explorations, where their best are refined afterwards
 ENDLESS = 1000

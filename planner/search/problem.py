@@ -78,7 +78,7 @@ class Problem:
 
     def tightened(self, slips: Sequence[float], bound: float) -> "Problem":
         """The same with bounds lowered by what `slips` exceed one that all should satisfy."""
-        factors = [min(1.0, bound / slip) for slip in slips]
+        factors = [bound / max(bound, slip) for slip in slips]  # a jerk that nothing limits slips by 0
         before = len(self.program.rows) - len(self.limits)
         rows: list[Rows] = []
         for k, part in enumerate(self.program.rows):

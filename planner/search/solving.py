@@ -30,12 +30,13 @@ Array = NDArray[np.float64]
 
 QUICK_RATE = 1000.0  # [1/s] for comparing starts; the chosen plan is proven at the full rate
 PROPOSALS = 60  # of the annealing that finds starts of point-to-point motions, for each pair of moves
+WARM = 5  # the same for one that has a walk to begin with
+CLOSE = 1.02  # share of limits up to which such a walk is left as it is
 SLIPPED = 5e-4  # share of each limit that rows leave free besides: for what slips between constrained instants
 FINER = 1e-4  # of that, for what slips between the instants of the quick look
 TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by what is left
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # a motion that had to shrink to less than this is searched for once more, from inside
-QUICK = 5  # the same for a look at what such motions carry
 EXPLORE = {"fourier": 30, "spline": 50, "ptp": 60}  # iterations at most
 REFINE, GLANCE = 25, 25  # the same of refinements, and of a glance at another family than moves
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
@@ -111,7 +112,7 @@ class Task:
         seed: of the random start.
         payload: number of the case's payloads that are mounted, for the noise.
         step: what to do.
-        begin: the result of an exploration that is to be refined.
+        begin: where to begin, in place of a random start; the result of an exploration that is to be refined.
     """
 
     case: Case
@@ -155,9 +156,12 @@ _NEAR: dict[str, object] = {"mu_init": 1e-4, "mu_linear_decrease_factor": 0.3, "
 _AT_HAND: dict[str, object] = {"mu_init": 1e-5}
 
 
-def _stages(task: Task) -> Iterator[_Stage]:
-    """First by D, which is smooth everywhere, then, when refining, by the criterion asked for."""
-    afar = _NEAR if task.moves else _FAR
+def _stages(task: Task, close: bool) -> Iterator[_Stage]:
+    """First by D, which is smooth everywhere, then, when refining, by the criterion asked for.
+
+    `close`: whether the start is a good motion within the limits.
+    """
+    afar = _FAR if task.begin is None and not task.moves else _AT_HAND if close else _NEAR
     if task.step is Step.GLANCE:
         if not task.moves:
             yield _Stage("D", 0, True, GLANCE, afar)
@@ -190,7 +194,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     if task.step is Step.GLANCE and task.moves:  # its annealed walk tells enough
         glance = keep_limits(task.case, run.family, unknowns, QUICK_RATE)
         best = run.rate(glance.unknowns), glance
-    for stage in _stages(task):
+    for stage in _stages(task, run.close):
         if run.stopped and best is not None:
             break
         unknowns = run.solve(unknowns, stage)
@@ -237,7 +241,7 @@ class _Run:
         self.scaling = reference_scaling(task.case, model)
         self.model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
         self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED)
-        self.iterations, self.status, self.converged, self.stopped = 0, "", False, False
+        self.iterations, self.status, self.converged, self.stopped, self.close = 0, "", False, False, False
 
     def told(self, objective: float) -> bool:
         """Passes on that the solver has come further; true where it is to stop."""
@@ -250,14 +254,18 @@ class _Run:
 
     def begin(self) -> Array:
         """Where the solver begins."""
-        task, draw = self.task, np.random.default_rng(self.task.seed)
-        if task.begin is not None:
-            self.problem = self.problem.with_rows_above(task.begin, NEAR)
-            return task.begin
+        task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
+        if begin is not None:
+            worst = self.problem.worst(begin)
+            self.close = task.step is not Step.REFINE and worst <= CLOSE
+            if self.close or task.step is Step.REFINE:
+                self.problem = self.problem.with_rows_above(begin, NEAR)
+                return begin
         if not isinstance(self.family, PointToPointFamily):
-            return self.family.start(draw, self.problem.worst)
-        proposals = (QUICK if task.step is Step.GLANCE else PROPOSALS) * self.family.moves**2
-        return annealed_start(task.case, self.model, self.scaling, self.family, draw, proposals, self.told)
+            return self.family.start(draw, self.problem.worst) if begin is None else begin / max(worst, 1.0)
+        walk = None if begin is None else self.family.split(begin)[0]
+        proposals = (PROPOSALS if walk is None else WARM) * self.family.moves**2
+        return annealed_start(task.case, self.model, self.scaling, self.family, draw, proposals, self.told, walk)
 
     def solve(self, unknowns: Array, stage: _Stage) -> Array:
         """Runs the solver once."""
@@ -281,7 +289,7 @@ class _Run:
             if self.stopped or kept:
                 break
             self.problem = self.problem.with_rows_above(unknowns, NEAR)
-            if number > 0 or self.task.step is Step.REFINE:
+            if number > 0 or self.close or self.task.step is Step.REFINE:
                 self.problem = self.problem.tightened(slips, 1.0 - MARGIN - SLIPPED)
             unknowns = self.solve(unknowns, again)
         return unknowns

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from ruckig import InputParameter, Result, Ruckig, Trajectory
 
 from cases.errors import ExecutionError
-from identification.trajectories.profile import TimeLaw, Trapezoid
-from postprocessors.proving.guarantees import Law
+from identification.trajectories.profile import TimeLaw
+from postprocessors.proving.guarantees import Law, limits_jerk
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,6 @@ def by_ruckig(law: Law) -> Law:
     """A law of the same kind, with a jerk limit or without, computed by ruckig within the limits as they are given."""
 
     def timed(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
-        limitless = isinstance(law(velocity, acceleration, jerk), Trapezoid)
-        return RuckigLaw.within(velocity, acceleration, math.inf if limitless else jerk)
+        return RuckigLaw.within(velocity, acceleration, jerk if limits_jerk(law) else math.inf)
 
     return timed

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from identification.hexapod import Hexapod
-from identification.trajectories.profile import TimeLaw
+from identification.trajectories.profile import Profile, TimeLaw
 
 
 class Law(Protocol):
@@ -13,6 +13,12 @@ class Law(Protocol):
     def __call__(self, velocity: float, acceleration: float, jerk: float) -> TimeLaw:
         """Time law of the share of the way, from 0 to 1, within limits on that share [1/s, 1/s^2, 1/s^3]."""
         ...
+
+
+def limits_jerk(law: Law) -> bool:
+    """Whether a controller's law has a limit of jerk; without one its accelerations step."""
+    found = law(1.0, 1.0, 1.0)
+    return not (isinstance(found, Profile) and found.jerk_time == 0.0)
 
 
 class ArcLaw(Protocol):

@@ -9,7 +9,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
 from identification.motion import Array
-from identification.trajectories.profile import TimeLaw, fastest_profile, fastest_trapezoid
+from identification.trajectories.profile import TimeLaw, fastest_profile
 from postprocessors.proving.guarantees import Guarantees, StrutDrives
 from postprocessors.reading.words import Polynomial, Reading
 
@@ -25,7 +25,7 @@ def _seven_segments(velocity: float, acceleration: float, jerk: float) -> TimeLa
 
 
 def _trapezoid(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
-    return fastest_trapezoid(1.0, velocity, acceleration)
+    return fastest_profile(1.0, velocity, acceleration)
 
 
 def _seven_segment_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
@@ -35,7 +35,7 @@ def _seven_segment_arc(velocity: float, acceleration: float, jerk: float, angle:
 
 def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
     turning = math.sqrt(ACROSS * acceleration / angle)
-    return fastest_trapezoid(1.0, min(velocity, turning), ALONG * acceleration)
+    return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration)
 
 
 def _drives(ptp: PointToPointDrives | None, case: Case) -> StrutDrives | None:

@@ -18,7 +18,7 @@ VIBRATION = (1.0, 0.05, 1.0)  # [N, m/s^2, rad/s^2] of the machine, felt by the 
 def monte_carlo_table() -> None:
     """Prints both for a planned Fourier motion of 3 s."""
     case = load_case("hexapod")
-    request = Request("hexapod", duration=3.0, starts=2)
+    request = Request("hexapod", family="fourier", duration=3.0, starts=2)
     with workers() as run:
         motion = search(request, case, Listener(lambda start: None, lambda news: None), run).motion
     white = monte_carlo(case, motion, 500, 1.0, 0.0)

@@ -19,7 +19,7 @@ MOVES = ("ruckig", "ipopt", "toppra")
 
 def motions(case: Case) -> dict[str, tuple[Trajectory, tuple[str, ...]]]:
     """A motion of each family, and the methods that it can be re-timed with."""
-    fourier = search(Request("hexapod", criterion="N", starts=2), case, SILENT, run_here).motion
+    fourier = search(Request("hexapod", family="fourier", criterion="N", starts=2), case, SILENT, run_here).motion
     ptp = search(Request("hexapod", family="ptp", moves=12, duration=4.0, starts=1), case, SILENT, run_here).motion
     spline = search(
         Request("hexapod", family="spline", knots=40, duration=4.0, starts=1), case, SILENT, run_here

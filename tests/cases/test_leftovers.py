@@ -69,7 +69,7 @@ def test_a_dialects_table_is_needed_for_that_dialect_only() -> None:
     case = own(lambda d: d["controller"].pop("linuxcnc"))
     missing = {r.command: r.missing for r in readiness(case)}
     assert missing["post --dialect linuxcnc"] == ("controller.linuxcnc",)
-    assert missing["post --dialect sinumerik"] == missing["plan --family ptp"] == ()
+    assert missing["post --dialect sinumerik"] == missing["plan"] == ()
 
 
 def test_case_check_prints_both(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from tests.planner.command_line import PROGRAM, call
 from tests.planner.json_answer import one_json_object
 
 SEARCHED = 5.0
-QUICK = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "1", "--json")
+QUICK = ("plan", "hexapod", "--family", "fourier", "--order", "2", "--model", "0", "--starts", "1", "--json")
 
 
 def start(*arguments: object) -> subprocess.Popen:
@@ -77,7 +77,7 @@ def workers(session: int) -> list[float]:
 
 def searching(folder: Path) -> subprocess.Popen:
     """A plan of many starts whose workers have done SEARCHED seconds of work: on a busy computer they begin late."""
-    many = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "400")
+    many = ("plan", "hexapod", "--family", "fourier", "--order", "2", "--model", "0", "--starts", "400")
     process = start(*many, "-o", folder / "plan")
     assert process.stdout.readline().startswith("Planning for hexapod")
     while sum(workers(process.pid)) < SEARCHED:

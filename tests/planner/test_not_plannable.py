@@ -42,10 +42,22 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--payload", "3-9"), ("payloads.weights", "9 cannot be mounted", "choose 0 to 5")),
         (("--payload", "4-2"), ("payloads 4-2 are no range",)),
         (("--payload", "some"), ("some", "give 2, or 0-5")),
-        (("--period", "0.1", "--duration", "0.1"), ("period 0.1 s is too short", "50 Hz", "20 Hz", "--period 0.25")),
-        (("--duration", "0.1"), ("period 0.1 s is too short", "50 Hz", "20 Hz", "--duration 0.25 or more")),
-        (("--period", "0.2"), ("period 0.2 s is too short", "25 Hz", "20 Hz", "--period 0.25 or more")),
-        (("--period", "5"), ("duration 12 s is not a whole number of periods of 5 s", "choose 10 s")),
+        (
+            ("--family", "fourier", "--period", "0.1", "--duration", "0.1"),
+            ("period 0.1 s is too short", "50 Hz", "20 Hz", "--period 0.25"),
+        ),
+        (
+            ("--family", "fourier", "--duration", "0.1"),
+            ("period 0.1 s is too short", "50 Hz", "20 Hz", "--duration 0.25 or more"),
+        ),
+        (
+            ("--family", "fourier", "--period", "0.2"),
+            ("period 0.2 s is too short", "25 Hz", "20 Hz", "--period 0.25 or more"),
+        ),
+        (
+            ("--family", "fourier", "--period", "5"),
+            ("duration 12 s is not a whole number of periods of 5 s", "choose 10 s"),
+        ),
         (("--duration", "0"), ("duration 0 s", "choose about 12 s")),
         (("--family", "ptp", "--duration", "0.5"), ("too short for 8 moves", "choose at least 0.8 s")),
         (
@@ -53,12 +65,15 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
             ("too short for 40", "4 s, or --moves 24 or fewer"),
         ),
         (("--family", "spline", "--duration", "1"), ("too short for a spline", "2 s")),
+        (("--for", "fanuc"), ("controller 'fanuc' is unknown", "choose linuxcnc, virtual, sinumerik")),
+        (("--for", "linuxcnc", "--family", "spline"), ("--for linuxcnc", "spline", "leave out --for", "--family ptp")),
+        (("--for", "linuxcnc", "--duration", "0.04"), ("too short for 8 moves: 2 phases of 3", "at least 0.048 s")),
         (("--family", "manual", "--duration", "8"), ("--duration does nothing with --family manual", "leave it out")),
         (("--family", "manual", "--starts", "3"), ("--starts does nothing", "fourier, ptp, spline")),
         (("--family", "manual", "--target", "m=1kg"), ("--target does nothing",)),
         (("--family", "ptp", "--order", "5"), ("--order does nothing with --family ptp", "choose --family fourier")),
         (("--family", "ptp", "--sequence", "s.toml"), ("--sequence does nothing", "manual")),
-        (("--moves", "12"), ("--moves does nothing with --family fourier", "ptp")),
+        (("--family", "fourier", "--moves", "12"), ("--moves does nothing with --family fourier", "ptp")),
         (("--knots", "60"), ("--knots does nothing", "spline")),
         (("--family", "manual", "--sequence", "none.toml"), ("none.toml", "cannot be read", "TOML file of steps")),
         (("--family", "manual", "--sequence", "none.csv"), ("none.csv", "cannot be read", "CSV of poses")),
@@ -165,10 +180,10 @@ def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
 
 
 def test_what_no_filter_holds_back_may_have_any_period(hexapod_case: Case):
-    require_plannable(Request("hexapod", period=0.25, duration=0.25), hexapod_case)
+    require_plannable(Request("hexapod", family="fourier", period=0.25, duration=0.25), hexapod_case)
     case = changed(hexapod_case, recording__filter_cutoff_Hz=10.0)
     with pytest.raises(HexciteError, match=r"order 5 reaches 20 Hz, the evaluation hears up to 5 Hz"):
-        require_plannable(Request("hexapod", period=0.25, duration=0.25), case)
+        require_plannable(Request("hexapod", family="fourier", period=0.25, duration=0.25), case)
 
 
 def test_a_motion_is_drawn_back_out_of_a_small_box_close_to_its_middle(hexapod_case: Case):

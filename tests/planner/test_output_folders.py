@@ -11,7 +11,7 @@ from cases.errors import HexciteError
 from planner import planning
 from tests.planner.command_line import ACCEPT, call, refused
 
-QUICK = ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "1", "--json")
+QUICK = ("plan", "hexapod", "--family", "fourier", "--order", "2", "--model", "0", "--starts", "1", "--json")
 
 
 @pytest.fixture

@@ -139,7 +139,7 @@ def test_a_series_whose_highest_harmonics_do_next_to_nothing_says_which_order_wo
     share = np.where(np.arange(1, 6) <= used, 1.0, 0.01)[:, None] * np.full(6, 0.1)
     found = SimpleNamespace(
         motion=FourierMotion(np.zeros(6), share, 0.5 * share, 3.0, 4), starts=(), family="fourier",
-        settings={"order": 5}, noise_note=(), request=Request("hexapod"), limits=LimitReport(()),
+        settings={"order": 5}, noise_note=(), laws=None, request=Request("hexapod"), limits=LimitReport(()),
     )  # fmt: skip
     assert vars(Plan)["notes"].fget(found) == notes
 
@@ -151,7 +151,7 @@ def test_a_spline_whose_knots_keep_it_from_full_acceleration_says_how_many_would
     """At 200 rad/s^3 it takes 0.1 s from -10 to 10 rad/s^2, at 100 m/s^3 0.12 s from -6 to 6 m/s^2."""
     found = SimpleNamespace(
         motion=SimpleNamespace(duration=12.0), starts=(), family="spline", settings={"knots": knots}, noise_note=(),
-        request=Request("hexapod", family="spline"), limits=LimitReport(()), case=hexapod_case,
+        laws=None, request=Request("hexapod", family="spline"), limits=LimitReport(()), case=hexapod_case,
     )  # fmt: skip
     notes = vars(Plan)["notes"].fget(found)
     assert [f"{knots} knots, not the machine" in n and "--knots 120 carries more" in n for n in notes] == [

@@ -7,6 +7,7 @@ import pytest
 from tests.planner.command_line import refused
 
 PLAN = ("plan", "hexapod", "--json")
+FOURIER = (*PLAN, "--family", "fourier")
 
 
 @pytest.mark.parametrize(
@@ -16,9 +17,9 @@ PLAN = ("plan", "hexapod", "--json")
         (("plan", "ft_wrist"), ("ft_wrist", "machine", "is missing")),
         ((*PLAN, "--family", "magic"), ("'magic'", "choose manual, fourier, ptp, spline")),
         ((*PLAN, "--criterion", "E"), ("'E'", "choose A, D, K, N")),
-        ((*PLAN, "--order", "8"), ("order 8", "1 to 7")),
-        ((*PLAN, "--period", "0"), ("period 0 s", "choose")),
-        ((*PLAN, "--period", "3", "--duration", "10"), ("10 s", "choose 9 s")),
+        ((*FOURIER, "--order", "8"), ("order 8", "1 to 7")),
+        ((*FOURIER, "--period", "0"), ("period 0 s", "choose")),
+        ((*FOURIER, "--period", "3", "--duration", "10"), ("10 s", "choose 9 s")),
         ((*PLAN, "--duration", "nan"), ("duration nan",)),
         ((*PLAN, "--starts", "0"), ("0 starts", "choose 1 to 1000")),
         ((*PLAN, "--seed", "-1"), ("seed -1", "choose 0 or more")),

@@ -38,14 +38,14 @@ from tests.helpers import one_line
 )
 def test_a_setting_outside_its_range_is_named_with_its_value(setting: str, value: object, words: str):
     with pytest.raises(HexciteError, match=re.escape(words)) as caught:
-        Request("hexapod", **{setting: value})
+        Request("hexapod", **{"family": "fourier", setting: value})
     one_line(caught.value)
 
 
 def test_order_1_needs_two_periods_for_it_is_led_in_and_out_of_over_one():
-    Request("hexapod", order=1, period=3.0, duration=6.0)
+    Request("hexapod", family="fourier", order=1, period=3.0, duration=6.0)
     with pytest.raises(HexciteError, match=r"order 1 needs two periods.*--duration 6 or more"):
-        Request("hexapod", order=1, period=3.0, duration=3.0)
+        Request("hexapod", family="fourier", order=1, period=3.0, duration=3.0)
 
 
 @pytest.mark.parametrize(
@@ -55,21 +55,24 @@ def test_the_duration_is_a_whole_number_of_stated_periods(duration: float, chose
     with pytest.raises(
         HexciteError, match=f"{duration:g} s is not a whole number of periods of 3 s; {chosen}"
     ) as caught:
-        Request("hexapod", period=3.0, duration=duration)
+        Request("hexapod", family="fourier", period=3.0, duration=duration)
     one_line(caught.value)
 
 
 @given(duration=st.floats(0.1, 600.0), order=st.integers(1, 7))
 def test_a_period_that_is_not_stated_fits_any_duration(duration: float, order: int):
-    request = Request("hexapod", order=order, duration=duration)
+    request = Request("hexapod", family="fourier", order=order, duration=duration)
     assert request.periods * request.base_period == pytest.approx(duration, rel=1e-12)
     assert request.periods == 1 + (order == 1) or abs(request.base_period / USUAL_PERIOD - 1.0) <= 1 / 4
-    assert Request("hexapod", order=order, duration=duration, period=request.base_period).periods == request.periods
+    assert (
+        Request("hexapod", family="fourier", order=order, duration=duration, period=request.base_period).periods
+        == request.periods
+    )
 
 
 def test_a_whole_number_of_periods_may_be_a_rounded_one():
-    Request("hexapod", period=0.1, duration=0.3)  # 0.3 / 0.1 is 2.9999999999999996
-    Request("hexapod", period=0.7, duration=4.9)
+    Request("hexapod", family="fourier", period=0.1, duration=0.3)  # 0.3 / 0.1 is 2.9999999999999996
+    Request("hexapod", family="fourier", period=0.7, duration=4.9)
 
 
 @pytest.mark.parametrize(

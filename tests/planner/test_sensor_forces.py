@@ -103,7 +103,7 @@ def test_the_plan_says_which_load_bound_it():
     check = LimitCheck("sensor force (sensor 3, 5 payloads)", 800.0, 800.0, "N", 0.999, 1.0, Status.PROVEN)
     found = SimpleNamespace(
         motion=None, starts=(), family="ptp", settings={}, request=Request("hexapod", family="ptp"), noise_note=(),
-        limits=LimitReport((check,)),
+        limits=LimitReport((check,)), laws=None,
     )  # fmt: skip
     (note,) = vars(Plan)["notes"].fget(found)
     assert note.startswith("sensor force (sensor 3, 5 payloads) shapes the motion")

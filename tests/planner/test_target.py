@@ -57,7 +57,7 @@ def test_the_shortest_duration_that_meets_the_target_is_found_in_few_plans(hexap
 
 def test_a_fourier_motion_lasts_whole_periods_where_one_is_stated(hexapod_case: Case):
     make, _ = planner_with(0.1)
-    request = Request("hexapod", targets=("m=0.05kg",))
+    request = Request("hexapod", family="fourier", targets=("m=0.05kg",))
     assert shortest_plan(replace(request, period=3.0), hexapod_case, make).motion.duration == 6.0
     assert 4.0 <= shortest_plan(request, hexapod_case, make).motion.duration < 4.2
 
@@ -73,7 +73,9 @@ def test_a_target_out_of_reach_says_what_is_reached_and_how_long_would_do(hexapo
 
 def test_the_duration_that_would_do_is_one_that_the_family_can_have(hexapod_case: Case):
     with pytest.raises(InfeasiblePlan, match=r"allow --duration 105 or a wider target"):  # 35 periods of 3 s
-        shortest_plan(Request("hexapod", period=3.0, targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
+        shortest_plan(
+            Request("hexapod", family="fourier", period=3.0, targets=("m=10g",)), hexapod_case, planner_with(0.1)[0]
+        )
 
 
 def test_a_target_that_no_motion_can_meet_is_called_so(hexapod_case: Case):
@@ -111,7 +113,7 @@ def test_a_plan_tells_what_its_targets_use(hexapod_case: Case):
     request = Request("hexapod", targets=("m=0.05kg", "zC=0.3mm"))
     found = SimpleNamespace(
         motion=None, starts=(), settings={}, family="fourier", request=request, case=hexapod_case, noise_note=(),
-        limits=LimitReport(()), predicted_std={"m": 0.0491, "zC": 1.5e-4},
+        limits=LimitReport(()), predicted_std={"m": 0.0491, "zC": 1.5e-4}, laws=None,
     )  # fmt: skip
     assert vars(Plan)["notes"].fget(found) == ["targets: m 0.0491 of 0.05 kg, zC 0.15 of 0.3 mm"]
 

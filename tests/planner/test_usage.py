@@ -76,7 +76,7 @@ def test_help_lists_every_command_in_a_whole_sentence():
         ("nonsense",),
         ("plan",),
         ("plan", "hexapod", "--nonsense"),
-        ("plan", "hexapod", "--order", "five"),
+        ("plan", "hexapod", "--family", "fourier", "--order", "five"),
         ("plan", "hexapod", "surplus"),
         ("check", "p.ngc"),
         ("run", "p.ngc"),

@@ -10,7 +10,7 @@ from tests.planner.command_line import ACCEPT
 
 COMMANDS = (
     ("plan", "hexapod", "--family", "manual", "-o", "plan"),
-    ("plan", "hexapod", "--order", "2", "--model", "0", "--starts", "1", "-o", "searched"),
+    ("plan", "hexapod", "--family", "fourier", "--order", "2", "--model", "0", "--starts", "1", "-o", "searched"),
     ("post", "plan", *ACCEPT, "-o", "p.ngc"),
     ("check", "p.ngc", "--case", "hexapod"),
     ("run", "p.ngc", "--case", "hexapod", "-o", "run"),

@@ -4,6 +4,7 @@
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,10 @@ import pytest
 
 from cases.loading import load_case
 from cases.units import DEG, MM
+from identification.motion import Joined
+from identification.trajectories.profile import StraightMove
 from planner.families.fourier_motion import FourierMotion
+from planner.families.ptp import unit_profile
 from postprocessors.composing import excitation_program
 from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger
 from tests.postprocessors.changed_case import changed
@@ -38,7 +42,20 @@ def excitation() -> Program:
     return excitation_program(FourierMotion(HOME, a, b, 2.0, 1), slow, ("two harmonics",))
 
 
-PROGRAMS: dict[str, Callable[[], Program]] = {"one_of_each.ngc": one_of_each, "excitation.ngc": excitation}
+def trapezoids() -> Program:
+    """Moves whose accelerations step: of the origin, of the angles alone, of all coordinates with a cruise."""
+    places = HOME + UNITS * [[0, 0, 0, 0, 0, 0], [120, 0, 60, 0, 0, 0], [120, 0, 60, 5, -12, 0], [0, 200, 0, 0, 0, 15]]
+    times = [(0.1, 0.12), (0.15, 0.06), (0.1, 0.3)]
+    laws = [unit_profile(0.0, hold, cruise) for hold, cruise in times]
+    moves = tuple(StraightMove(a, b, law) for (a, b), law in zip(pairwise(places), laws, strict=True))
+    return excitation_program(Joined(moves), load_case("hexapod"), ("three trapezoids",))
+
+
+PROGRAMS: dict[str, Callable[[], Program]] = {
+    "one_of_each.ngc": one_of_each,
+    "excitation.ngc": excitation,
+    "trapezoids.ngc": trapezoids,
+}
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
@@ -52,6 +69,13 @@ def test_every_golden_file_is_compared():
 
 def test_the_golden_excitation_is_proven():
     assert proof((GOLDEN / "excitation.ngc").read_text(encoding="ascii"), load_case("hexapod")).ok
+
+
+def test_trapezoids_last_as_planned_by_the_law_of_the_controller():
+    """Three moves of 0.32, 0.36 and 0.5 s between the pauses with the trigger off."""
+    found = proof((GOLDEN / "trapezoids.ngc").read_text(encoding="ascii"), load_case("hexapod"))
+    assert found.ok
+    assert found.excitation == pytest.approx(0.32 + 0.36 + 0.5, rel=1e-4)
 
 
 @pytest.mark.linuxcnc

@@ -8,7 +8,7 @@ the blocks nobody limits.
 import math
 
 from cases.schema import Case
-from identification.trajectories.profile import TimeLaw, Trapezoid, fastest_trapezoid
+from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.reading.words import Move, Reading, Timing
@@ -49,8 +49,8 @@ class _Line:
     def __init__(self, headroom: float) -> None:
         self.headroom = headroom
 
-    def __call__(self, velocity: float, acceleration: float, jerk: float) -> Trapezoid:
-        return fastest_trapezoid(1.0, velocity, self.headroom * acceleration)
+    def __call__(self, velocity: float, acceleration: float, jerk: float) -> Profile:
+        return fastest_profile(1.0, velocity, self.headroom * acceleration)
 
 
 class _Arc:
@@ -60,4 +60,4 @@ class _Arc:
     def __call__(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
         allowed = self.headroom * acceleration
         turning = math.sqrt(ARC_ACROSS * allowed / angle)  # v^2 / r over the length r angle
-        return fastest_trapezoid(1.0, min(velocity, turning), ARC_ALONG * allowed)
+        return fastest_profile(1.0, min(velocity, turning), ARC_ALONG * allowed)

@@ -36,6 +36,32 @@ def test_no_rest_to_rest_move_is_faster(limits: tuple[float, float, float, float
     assert fastest_profile(*limits).duration == pytest.approx(ruckig_duration(*limits), rel=1e-9)
 
 
+@given(limits=st.tuples(size, size, size))
+def test_without_a_limit_of_jerk_no_move_is_faster_either(limits: tuple[float, float, float]) -> None:
+    """Ruckig, asked with an infinite jerk, knows nothing of the closed form."""
+    profile = fastest_profile(*limits)
+    assert profile.duration == pytest.approx(ruckig_duration(*limits, np.inf), rel=1e-9)
+    assert profile.jerk_time == 0.0
+    assert profile.jerk == np.inf
+
+
+@given(limits=st.tuples(size, size, size))
+def test_a_trapezoid_is_what_very_large_limits_of_jerk_come_near(limits: tuple[float, float, float]) -> None:
+    trapezoid = fastest_profile(*limits)
+    near = fastest_profile(*limits, 1e7 * limits[2] / trapezoid.duration)
+    assert near.duration == pytest.approx(trapezoid.duration, rel=1e-5)
+    t = np.linspace(0.0, trapezoid.duration, 57)
+    assert trapezoid.at(t)[0] == pytest.approx(near.at(t)[0], abs=1e-5 * limits[0])
+
+
+def test_where_accelerations_step_the_value_after_the_step_counts() -> None:
+    profile = fastest_profile(1.0, 1.0, 4.0)  # 0.25 s up, 0.75 s of cruise, 0.25 s down
+    assert profile == pytest.approx((4.0, 0.0, 0.25, 0.75))
+    assert profile.at([0.0, 0.25, 1.0, 1.25])[2].tolist() == [4.0, 0.0, -4.0, -4.0]
+    assert not profile.at(np.linspace(0.0, 1.25, 101))[3].any()
+    assert profile.slowed(0.5) == pytest.approx((1.0, 0.0, 0.5, 1.5))
+
+
 @given(limits=limits)
 def test_a_profile_ends_at_rest_where_it_should_inside_its_limits(limits: tuple[float, float, float, float]) -> None:
     distance, velocity, acceleration, jerk = limits
@@ -67,7 +93,7 @@ def test_velocity_and_acceleration_are_the_integrals_of_the_jerk(shape: tuple[fl
 
 
 def test_before_and_after_its_time_a_profile_stands_at_its_ends() -> None:
-    profile = Profile(jerk=8.0, jerk_time=0.5, hold_time=0.1, cruise_time=0.2)
+    profile = Profile(acceleration=4.0, jerk_time=0.5, hold_time=0.1, cruise_time=0.2)
     s = profile.at([-1.0, 0.0, profile.duration, profile.duration + 1.0])[0]
     assert s[0] == s[1] == 0.0
     assert s[2] == s[3] > 0.0

@@ -9,6 +9,7 @@ from identification.model import identification_model
 from identification.motion import sample
 from identification.reference import reference_scaling
 from identification.trajectories.profile import StraightMove
+from planner.controlled import controlled
 from planner.families.ptp import PointToPointFamily
 from planner.search.inside import MARGIN, keep_limits
 from planner.search.problem import Problem, build_problem, mean_information
@@ -19,15 +20,21 @@ from planner.search.state_limits import pose_shares
 MOVES = 9
 
 
-@pytest.fixture(scope="module")
-def family(hexapod_case: Case) -> PointToPointFamily:
-    return PointToPointFamily.of(hexapod_case, MOVES, 4.0)
+@pytest.fixture(scope="module", params=["sinumerik", "linuxcnc"])
+def case(request: pytest.FixtureRequest, hexapod_case: Case) -> Case:
+    """With the limits that count on a controller that limits jerk, and on one that does not."""
+    return controlled(hexapod_case, request.param).case
 
 
 @pytest.fixture(scope="module")
-def problem(hexapod_case: Case, family: PointToPointFamily) -> Problem:
-    model = identification_model(hexapod_case, 9)
-    return build_problem(hexapod_case, model, family, reference_scaling(hexapod_case, model), MARGIN)
+def family(case: Case) -> PointToPointFamily:
+    return PointToPointFamily.of(case, MOVES, 4.0)
+
+
+@pytest.fixture(scope="module")
+def problem(case: Case, family: PointToPointFamily) -> Problem:
+    model = identification_model(case, 9)
+    return build_problem(case, model, family, reference_scaling(case, model), MARGIN)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +57,7 @@ def test_it_is_at_rest_at_both_ends_and_between_its_moves(start: np.ndarray, fam
     motion = family.motion(start)
     corners = motion.at(motion.starts)
     assert np.abs(corners.rates).max() < 1e-12
-    assert np.abs(corners.accelerations).max() < 1e-10
+    assert family.steps or np.abs(corners.accelerations).max() < 1e-10
     points = family.split(start)[0]
     assert corners.pose == pytest.approx(family.middle + points * family.half, abs=1e-15)
     assert len(points) == MOVES + 1
@@ -71,7 +78,10 @@ def test_its_derivatives_are_those_of_its_poses(start: np.ndarray, family: Point
     t = np.linspace(0.1, 3.9, 400)
     before, now, after = (motion.at(t + d) for d in (-h, 0.0, h))
     assert (after.pose - before.pose) / (2 * h) == pytest.approx(now.rates, abs=1e-7)
-    assert (after.rates - before.rates) / (2 * h) == pytest.approx(now.accelerations, abs=1e-2)
+    smooth = np.abs(after.accelerations - before.accelerations).max(axis=1) < 0.1
+    assert smooth.mean() > 0.9
+    slopes = (after.rates - before.rates) / (2 * h)
+    assert slopes[smooth] == pytest.approx(now.accelerations[smooth], abs=1e-2)
 
 
 def test_states_of_the_optimiser_are_states_of_the_motion(
@@ -79,7 +89,7 @@ def test_states_of_the_optimiser_are_states_of_the_motion(
 ):
     """Of information and of limits: each is found along the motion of its move, at the share of its phase."""
     states = problem.layout.states.at(start)
-    assert states.shape == (MOVES, 11, 19)
+    assert states.shape == (MOVES, 5 if family.steps else 11, 19)
     assert states[:, :, 18].sum() == pytest.approx(1.0)  # shares of the duration
     motion = family.motion(start)
     lasting = states[:, :, 18].sum(axis=1) * motion.duration
@@ -91,30 +101,28 @@ def test_states_of_the_optimiser_are_states_of_the_motion(
             assert np.abs(found - state).max(axis=1).min() < 2e-3
 
 
-def test_rows_bound_every_derivative_at_every_instant(
-    start: np.ndarray, family: PointToPointFamily, hexapod_case: Case
-):
+def test_rows_bound_every_derivative_at_every_instant(start: np.ndarray, family: PointToPointFamily, case: Case):
     """Three rows a coordinate and move stand for all t: the finest grid finds nothing beyond them."""
-    motion, box = sample(family.motion(start), 50_000.0), hexapod_case.limits.motion
+    motion, box = sample(family.motion(start), 50_000.0), case.limits.motion
     for values, limit in ((motion.rates, box.rate), (motion.accelerations, box.acceleration), (motion.jerks, box.jerk)):
         assert np.abs(values / limit).max() <= 1.0 + 1e-9
 
 
 @pytest.fixture(scope="module")
-def found(hexapod_case: Case, family: PointToPointFamily) -> Start:
-    return run_start(Task(hexapod_case, 9, family, "D", 5))
+def found(case: Case, family: PointToPointFamily) -> Start:
+    return run_start(Task(case, 9, family, "D", 5))
 
 
 def test_an_optimised_motion_is_proven_and_carries_far_more_than_a_random_one(
-    found: Start, start: np.ndarray, family: PointToPointFamily, hexapod_case: Case
+    found: Start, start: np.ndarray, family: PointToPointFamily, case: Case
 ):
-    model = identification_model(hexapod_case, 9)
-    scaling = reference_scaling(hexapod_case, model)
-    report = prove(found.family.motion(found.unknowns), hexapod_case)
+    model = identification_model(case, 9)
+    scaling = reference_scaling(case, model)
+    report = prove(found.family.motion(found.unknowns), case)
     assert report.kept
     assert 0.99 < report.worst_ratio <= 1.0
     assert found.refined
-    inside = keep_limits(hexapod_case, family, start, 1000.0).unknowns
+    inside = keep_limits(case, family, start, 1000.0).unknowns
     before, after = (
         np.linalg.slogdet(mean_information(model, scaling, some.motion(values)))[1]
         for some, values in ((family, inside), (found.family, found.unknowns))
@@ -128,18 +136,19 @@ def test_every_phase_lasts_three_cycles_of_the_controller_or_is_absent(found: St
         assert isinstance(part, StraightMove)
         for phase in part.profile[1:]:
             assert phase == 0.0 or phase >= 0.003 - 1e-12
-        assert part.profile.jerk_time >= 0.003 - 1e-12
+        assert max(part.profile.jerk_time, part.profile.hold_time) >= 0.003 - 1e-12
+        assert (part.profile.jerk_time == 0.0) == found.family.steps
 
 
 def test_limits_of_poses_are_constrained_at_every_waypoint(
-    start: np.ndarray, family: PointToPointFamily, problem: Problem, hexapod_case: Case
+    start: np.ndarray, family: PointToPointFamily, problem: Problem, case: Case
 ):
     """At the first as well, where no move ends: drawn out of reach alone, it is outside a row."""
     for waypoint in range(MOVES + 1):
         far = start.copy()
         far[6 * waypoint : 6 * waypoint + 6] = 3.0
         poses = family.middle + family.split(far)[0] * family.half
-        shares = pose_shares(hexapod_case, poses)["strut length"].max(axis=1)
+        shares = pose_shares(case, poses)["strut length"].max(axis=1)
         assert np.flatnonzero(shares > 1.0).tolist() == [waypoint]
         rows = [part for part in problem.program.rows if isinstance(part, StateRows)]
         assert max(np.abs(part.values(far)).max(initial=0.0) for part in rows) > 1.0

@@ -27,7 +27,7 @@ def test_what_is_fixed_is_the_only_choice(hexapod_case: Case):
 
 @pytest.mark.parametrize("order", [1, 2, 5, 7])
 def test_a_free_period_is_the_duration_over_a_whole_number(order: int, hexapod_case: Case):
-    found = choices(Request("hexapod", order=order, free_period=True), hexapod_case)
+    found = choices(Request("hexapod", family="fourier", order=order, free_period=True), hexapod_case)
     periods = [12.0 / choice.period for choice in found]
     assert periods == pytest.approx(np.round(periods))
     assert len(set(periods)) == len(found) > 2
@@ -36,7 +36,10 @@ def test_a_free_period_is_the_duration_over_a_whole_number(order: int, hexapod_c
 
 
 def test_the_best_known_periods_are_among_the_choices(hexapod_case: Case):
-    found = {(c.order, c.period) for c in choices(Request("hexapod", free_order=True, free_period=True), hexapod_case)}
+    found = {
+        (c.order, c.period)
+        for c in choices(Request("hexapod", family="fourier", free_order=True, free_period=True), hexapod_case)
+    }
     assert {(5, 3.0), (7, 4.0), (3, 2.0)} <= found
     assert {order for order, _ in found} == set(range(2, 8))
 
@@ -44,26 +47,29 @@ def test_the_best_known_periods_are_among_the_choices(hexapod_case: Case):
 def test_velocity_alone_binds_far_below_and_acceleration_far_above_the_choices(hexapod_case: Case):
     """One harmonic of amplitude V / w has an acceleration of V w: the limit A is reached at w = A / V."""
     box = hexapod_case.limits.motion
-    highest = [c.order / c.period for c in choices(Request("hexapod", order=5, free_period=True), hexapod_case)]
+    highest = [
+        c.order / c.period
+        for c in choices(Request("hexapod", family="fourier", order=5, free_period=True), hexapod_case)
+    ]
     meets = (box.acceleration / box.rate).max() / (2 * np.pi)
     assert meets / 3 <= min(highest) < meets < max(highest) <= 2 * meets
 
 
 def test_a_free_order_keeps_the_period_that_is_fixed(hexapod_case: Case):
-    found = choices(Request("hexapod", period=4.0, free_order=True), hexapod_case)
+    found = choices(Request("hexapod", family="fourier", period=4.0, free_order=True), hexapod_case)
     assert [c.order for c in found] == [2, 3, 4, 5, 6, 7]
     assert {c.period for c in found} == {4.0}
 
 
 def test_a_duration_need_not_fit_a_period_that_is_free(hexapod_case: Case):
-    assert choices(Request("hexapod", duration=10.3, free_period=True), hexapod_case)
+    assert choices(Request("hexapod", family="fourier", duration=10.3, free_period=True), hexapod_case)
     with pytest.raises(HexciteError, match="not positive"):
-        Request("hexapod", duration=-1.0, free_period=True)
+        Request("hexapod", family="fourier", duration=-1.0, free_period=True)
 
 
 def test_too_short_a_duration_is_refused_in_one_line(hexapod_case: Case):
     with pytest.raises(HexciteError, match="no period fits") as caught:
-        choices(Request("hexapod", duration=0.3, free_period=True), hexapod_case)
+        choices(Request("hexapod", family="fourier", duration=0.3, free_period=True), hexapod_case)
     one_line(caught.value)
 
 
@@ -91,7 +97,7 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     criterion: str, refinements: int, hexapod_case: Case
 ):
     """With results made up: the shorter the period the better, and refinements better still."""
-    request = Request("hexapod", criterion=criterion, order=2, duration=3.0, free_period=True)
+    request = Request("hexapod", family="fourier", criterion=criterion, order=2, duration=3.0, free_period=True)
     periods = sorted(choice.period for choice in choices(request, hexapod_case))
     request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from identification.trajectories.profile import fastest_profile, fastest_trapezoid
+from identification.trajectories.profile import fastest_profile
 from postprocessors.execute.ruckig_law import RuckigLaw, by_ruckig
 
 limits = st.tuples(st.floats(0.05, 20.0), st.floats(0.1, 200.0), st.floats(1.0, 5000.0))
@@ -26,15 +26,15 @@ def test_the_seven_segment_profile_is_the_fastest_that_ruckig_knows(limits: tupl
 @given(limits=limits)
 def test_the_trapezoid_is_the_fastest_without_a_jerk_limit(limits: tuple[float, float, float]):
     velocity, acceleration, jerk = limits
-    law = by_ruckig(lambda v, a, j: fastest_trapezoid(1.0, v, a))
-    agree(law(velocity, acceleration, jerk), fastest_trapezoid(1.0, velocity, acceleration))
+    law = by_ruckig(lambda v, a, j: fastest_profile(1.0, v, a))
+    agree(law(velocity, acceleration, jerk), fastest_profile(1.0, velocity, acceleration))
 
 
 @given(limits=limits, speed=st.floats(0.05, 1.0))
 def test_a_slowed_law_covers_the_same_way_in_the_inverse_share_of_the_time(
     limits: tuple[float, float, float], speed: float
 ):
-    for law in (RuckigLaw.within(*limits), fastest_profile(1.0, *limits), fastest_trapezoid(1.0, *limits[:2])):
+    for law in (RuckigLaw.within(*limits), fastest_profile(1.0, *limits), fastest_profile(1.0, *limits[:2])):
         slow = law.slowed(speed)
         t = np.linspace(0.0, law.duration, 51)
         assert np.allclose(slow.at(t / speed)[0], law.at(t)[0], atol=1e-9)

@@ -1,0 +1,208 @@
+"""What a structural mode makes of a planned motion: forces that no identification model contains, and their errors.
+
+A run is evaluated behind a low-pass, with its delay estimated, and its smoothing where that can be told; what the
+vibration adds to the forces passes the same least squares. Steps of acceleration excite a mode more than ramps do, but
+carry more information: which of the two is better follows from the errors to be expected of both.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from identification.loaded import circumstances, mode_frequency, vibrating
+from identification.model import Model, identification_model, regressors
+from identification.motion import Joined, Standstill, Trajectory
+from identification.parameters import body_parameters, physical_form
+from identification.reference import reference_scaling
+from identification.runs.smoothing import SAMPLED
+from identification.signals import Filter
+from identification.trajectories.executed import StrutExecution
+from identification.trajectories.profile import StraightMove, has_steps
+from planner.deviations import predicted_std_of
+from planner.noise import expected_noise
+
+Array = NDArray[np.float64]
+
+LARGE = 1.5  # times the predicted standard deviations: errors that are worth another evaluation
+REST = 0.3  # [s] of standing still before and after, longer than the filter and most of the ringing
+
+
+@dataclass(frozen=True, slots=True)
+class Vibration:
+    """What a motion is worth on a machine with a structural mode.
+
+    Args:
+        frequency: of the mode with what is mounted [Hz].
+        errors: to be expected of each physical parameter: predicted standard deviation and the error that the mode
+            leaves, root of the sum of squares, by name [SI].
+        times: errors over predicted standard deviations, geometric mean.
+        s0: residual of a force sample that identification will report [N].
+    """
+
+    frequency: float
+    errors: dict[str, float]
+    times: float
+    s0: float
+
+    def over(self, other: "Vibration") -> float:
+        """Errors over those of another motion, geometric mean."""
+        return _mean_ratio(self.errors, other.errors)
+
+
+def _mean_ratio(one: dict[str, float], other: dict[str, float]) -> float:
+    return float(np.exp(np.mean([np.log(one[name] / other[name]) for name in one])))
+
+
+def with_other_law(motion: Joined, case: Case) -> Joined:
+    """The same moves as fast as the limits of the coordinates allow: with the limits of jerk where they had none, and
+    without where they had them."""
+    box = case.need_machine("planning")[2].motion
+    limits = (box.rate, box.acceleration, *((box.jerk,) if has_steps(motion) else ()))
+    parts = [
+        StraightMove.fastest(part.start, part.end, *limits) if isinstance(part, StraightMove) else part
+        for part in motion.parts
+    ]
+    return Joined(tuple(parts))
+
+
+def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds: float) -> Vibration | None:
+    """What a motion is worth on the simulated machine of a case; None where the case states no mode or no filter.
+
+    Args:
+        case: with `[simulation.disturbances]`.
+        number: of the model.
+        motion: from rest to rest.
+        payload: number of payloads that are mounted.
+        seconds: measuring time of the white noise: motions are compared at equal time [s].
+
+    Raises:
+        CaseError: the case has no machine or no nominal body.
+    """
+    cutoff = case.recording.filter_cutoff_Hz
+    if cutoff is None or case.simulation is None or case.simulation.disturbances is None:
+        return None
+    model = identification_model(case, number)
+    around = circumstances(case, payload, True)
+    assert around.disturbances is not None
+    frequency = mode_frequency(case.simulation.parameters, around)
+    cycle = case.need_controller("the vibration of a machine").cycle
+    noise = expected_noise(case, model, payload)
+    body = body_parameters(case.body(payload))
+    u = np.array([body.get(name, 0.0) for name in model.names])
+    still = [Standstill(pose, REST) for pose in motion.at([0.0, motion.duration]).pose]
+    run = Joined((still[0], motion, still[1]))
+    low_pass, damping = Filter(cutoff, cycle), around.disturbances.mode_damping
+    columns, added = _evaluated(Hexapod.of(case), model, run, u, low_pass, frequency, damping)
+    shift, s0 = _shift(columns[:, :-1], added, noise.sensors, low_pass)
+    if _tells_smoothing(columns, u, s0, low_pass):
+        shift, s0 = _shift(columns, added, noise.sensors, low_pass)
+    shift = shift[: len(u)]
+    form, none = physical_form(model), np.zeros((len(u), len(u)))
+    errors = form.of(u + shift, none)[0] - form.of(u, none)[0]
+    white = predicted_std_of(case, model, reference_scaling(case, model), motion, noise, payload)
+    share = np.sqrt(motion.duration / seconds)
+    white = {name: std * share for name, std in white.items()}
+    found = {p.name: float(np.hypot(white[p.name], error)) for p, error in zip(form.parameters, errors, strict=True)}
+    return Vibration(frequency, found, _mean_ratio(found, white), s0)
+
+
+def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: Filter) -> bool:
+    """Whether identification estimates the smoothing too, by its own rule: differences of evaluated samples decide."""
+    step, matrices = low_pass.stride * low_pass.step, columns[:, : len(u)].reshape(-1, 6, len(u))
+    expected = matrices @ u
+    slope = (expected[2:] - expected[:-2]) / (2.0 * step)
+    bend = (expected[2:] - 2.0 * expected[1:-1] + expected[:-2]) / step**2
+    rows = np.concatenate([matrices[1:-1], slope[:, :, None], bend[:, :, None]], axis=2)
+    triangle = np.asarray(np.linalg.qr(rows.reshape(-1, rows.shape[2]), mode="r"))
+    return bool(s0 / np.sqrt(low_pass.stride) < SAMPLED * low_pass.step**2 * abs(triangle[-1, -1]))
+
+
+def _shift(columns: Array, added: Array, noise: float, low_pass: Filter) -> tuple[Array, float]:
+    """What added forces move each unknown by, and the residual of a force sample beside its noise [N]."""
+    size = np.linalg.norm(columns, axis=0)
+    answer, *_ = np.linalg.lstsq(columns / size, added, rcond=None)
+    left = added - (columns / size) @ answer
+    return answer / size, float(np.sqrt(noise**2 + np.mean(left**2) / low_pass.noise_gain))
+
+
+def _evaluated(
+    hexapod: Hexapod, model: Model, run: Joined, u: Array, low_pass: Filter, frequency: float, damping: float
+) -> tuple[Array, Array]:
+    """Columns of the least squares, those of delay and smoothing the last two, shape (n, u + 2), and the forces that
+    the vibration adds, shape (n,), both of the excitation behind the filter."""
+    step = low_pass.step
+    t = np.arange(int(np.ceil(run.duration / step)) + 1) * step
+    lengths = hexapod.strut_lengths(run.at(np.minimum(t, run.duration)).pose)
+    execution = StrutExecution.of_set_points(hexapod, step, lengths)
+    t = t[t <= execution.duration]
+    struts, moved = execution.struts(t), execution.kinematics(t)
+    shaken = replace(moved, twist_rate=vibrating(moved.twist_rate, step, frequency, damping))
+    rigid = regressors(model, moved) @ u
+    added = low_pass.apply(regressors(model, shaken) @ u - rigid)
+    inside = t[low_pass.margin : -low_pass.margin]
+    rows = np.flatnonzero((inside >= REST) & (inside <= run.duration - REST))[:: low_pass.stride]
+    matrices = regressors(model, hexapod.kinematics(*(low_pass.apply(struts, order)[rows] for order in range(3))))
+    nuisances = [low_pass.apply(rigid, order)[rows, :, None] for order in (1, 2)]
+    columns = np.concatenate([matrices, *nuisances], axis=2)
+    return columns.reshape(-1, columns.shape[2]), added[rows].ravel()
+
+
+@dataclass(frozen=True, slots=True)
+class BothLaws:
+    """Point-to-point moves on a machine with a structural mode, as planned and under the other time law.
+
+    Args:
+        steps: whether the accelerations of the plan step; those of the other do not, or the other way round.
+        own: of the plan.
+        other: of the same moves as fast as the other law allows, at equal measuring time.
+    """
+
+    steps: bool
+    own: Vibration
+    other: Vibration
+
+    @property
+    def better(self) -> str:
+        """The law with the smaller errors to be expected."""
+        return "steps of acceleration" if self.steps == (self.own.over(self.other) <= 1.0) else "limited jerk"
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        law, other = ("limited jerk", "steps of acceleration")[:: -1 if self.steps else 1]
+        text = (
+            f"on a machine with a mode at {self.own.frequency:.3g} Hz (simulation.disturbances), errors to be expected "
+            f"with {law} are {self.own.times:.2f} times the predicted standard deviations (geometric mean); the same "
+            f"moves with {other}, at equal time, would have {1.0 / self.own.over(self.other):.2f} times these errors: "
+            f"{self.better} {'is' if self.better == 'limited jerk' else 'are'} better there"
+        )
+        return text + ("; identify --flexible estimates the mode" if self.own.times > LARGE else "")
+
+    def to_json(self) -> dict[str, Any]:
+        """For `plan.json`."""
+        return {
+            "mode_Hz": self.own.frequency,
+            "steps": self.steps,
+            "expected_errors": self.own.errors,
+            "times_predicted_std": self.own.times,
+            "s0_N": self.own.s0,
+            "other_law_errors": self.other.errors,
+            "over_other_law": self.own.over(self.other),
+            "better": self.better,
+        }
+
+
+def both_laws(case: Case, number: int, motion: Trajectory, payload: int) -> BothLaws | None:
+    """What the time law of point-to-point moves costs on a machine that is not stiff.
+
+    None for other motions, and where the case states no mode.
+    """
+    if not isinstance(motion, Joined) or not all(isinstance(part, StraightMove) for part in motion.parts):
+        return None
+    own = vibration(case, number, motion, payload, motion.duration)
+    other = vibration(case, number, with_other_law(motion, case), payload, motion.duration)
+    return None if own is None or other is None else BothLaws(has_steps(motion), own, other)

@@ -1,0 +1,87 @@
+"""Starts that come with hexcite: in units that any machine understands, and as good as they say."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from identification.model import identification_model
+from identification.reference import reference_scaling
+from planner.bounds.kept import box_bound
+from planner.families.family import Family
+from planner.families.ptp import PointToPointFamily
+from planner.families.shipped import FILE, shipped_start
+from planner.planning import first_family
+from planner.request import Request
+from planner.search.annealing import annealed_start
+from planner.search.problem import build_problem, mean_information
+
+FAMILIES = ("fourier", "ptp", "spline")
+CASE = load_case("hexapod")
+
+
+def family_of(name: str, **settings: object) -> Family:
+    return first_family(replace(Request("hexapod", family=name), **settings), CASE)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_a_table_of_unknowns_gives_them_back(name: str):
+    family = family_of(name)
+    layout = family.layout(CASE, 0.0)
+    unknowns = np.random.default_rng(3).uniform(-0.1, 0.1, len(layout.lower))
+    if name == "ptp":
+        times = 1.0 + unknowns[-120:].reshape(40, 3)
+        unknowns[-120:] = (times * 40 / (times @ [4, 2, 1]).sum()).ravel()
+    again = family.like(family.table(unknowns))
+    assert again is not None
+    np.testing.assert_allclose(again, unknowns, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_on_the_built_in_hexapod_it_is_worth_what_it_says_within_all_limits(name: str):
+    family, model = family_of(name), identification_model(CASE, 9)
+    start = shipped_start(family)
+    assert start is not None
+    scaling = reference_scaling(CASE, model)
+    logdet = np.linalg.slogdet(mean_information(model, scaling, family.motion(start)))[1]
+    stated = json.loads(FILE.read_text())[name]["d_efficiency"]
+    assert box_bound(CASE, model).efficiency(logdet) == pytest.approx(stated, abs=1e-3)
+    assert build_problem(CASE, model, family, scaling, 0.0).worst(start) < 1.0
+
+
+def test_fourier_series_of_another_order_are_not_like_it():
+    assert shipped_start(family_of("fourier", order=4)) is None
+    assert shipped_start(family_of("fourier", order=5, centred=True)) is None
+    assert shipped_start(family_of("fourier", order=5, duration=4.0)) is not None
+
+
+def test_splines_of_other_numbers_of_knots_follow_the_same_curve():
+    coarse, fine = family_of("spline", knots=60), family_of("spline")
+    t = np.linspace(0.0, 12.0, 200)
+    places = [family.motion(shipped_start(family)).at(t).pose / family.half for family in (coarse, fine)]
+    likeness = [np.corrcoef(places[0][:, k], places[1][:, k])[0, 1] for k in range(6)]
+    assert min(likeness) > 0.8
+
+
+@pytest.mark.parametrize("moves", [12, 40, 64])
+def test_more_moves_than_it_has_go_back_the_same_way(moves: int):
+    family = family_of("ptp", moves=moves, duration=0.3 * moves)
+    points, times = family.split(shipped_start(family))
+    assert points.shape == (moves + 1, 6)
+    assert np.abs(points).max() <= 1.0
+    assert np.all(times >= 0.0)
+    if moves > 40:
+        np.testing.assert_allclose(points[41:], points[2 * 40 - moves : 40][::-1], atol=1e-12)
+
+
+def test_a_walk_that_is_annealed_further_is_no_worse():
+    family, model = family_of("ptp", moves=20, duration=6.0), identification_model(CASE, 9)
+    assert isinstance(family, PointToPointFamily)
+    scaling, told = reference_scaling(CASE, model), []
+    walk = family.split(shipped_start(family))[0]
+    draw = np.random.default_rng(1)
+    unknowns = annealed_start(CASE, model, scaling, family, draw, 2000, lambda f: told.append(f) is not None, walk)
+    assert told == sorted(told, reverse=True)  # -log det F / u of the best until then
+    assert np.abs(family.split(unknowns)[0]).max() <= 1.0 + 1e-9

@@ -1,0 +1,215 @@
+"""Plans made for the controller that runs them: what it makes of their moves, and what is said of jerks."""
+
+import json
+import math
+import shutil
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cases.schema import Case
+from identification.limits import Status, prove
+from identification.motion import Joined
+from identification.trajectories.polynomial import polynomials_of
+from identification.trajectories.profile import StraightMove, has_steps
+from planner.controlled import controlled, move_count, planned_for
+from planner.families.saved import motion_entries, motion_of_entries
+from planner.request import Request
+from planner.saved_plan import load_plan
+from tests.planner.command_line import call, hexcite, refused
+from tests.postprocessors.changed_case import changed
+
+SECONDS, MOVES = 3.0, 14
+PLAN = ("plan", "hexapod", "--for", "linuxcnc", "--duration", SECONDS, "--starts", 1)
+ACCEPT = ("--accept", "jerk,strut-velocity,strut-acceleration,sensor-force")
+PLACES = np.array([[0.0, 0.0, 0.9, 0, 0, 0], [0.1, -0.1, 0.95, 0.1, 0, 0.2], [-0.1, 0.1, 0.9, 0, 0.2, 0]])
+
+
+@pytest.fixture(scope="module")
+def plan(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict[str, Any]:
+    """The answer of a plan of trapezoids; its folder is `shared/steps`."""
+    return once("steps", lambda: hexcite(*PLAN, "-o", shared / "steps", "--json", cwd=shared).json())
+
+
+@pytest.fixture(scope="module")
+def folder(plan: dict[str, Any]) -> Path:
+    return Path(plan["plan"])
+
+
+def trapezoids(case: Case) -> Joined:
+    """Two moves as fast as the limits of rates and accelerations allow, less a hundredth."""
+    box = case.limits.motion
+    pairs = pairwise(PLACES)
+    return Joined(tuple(StraightMove.fastest(a, b, 0.98 * box.rate, 0.98 * box.acceleration) for a, b in pairs))
+
+
+@pytest.mark.parametrize(("controller", "steps"), [("linuxcnc", 1e-3), *((name, 0.0) for name in
+                         ("virtual", "sinumerik", "twincat", "setpoints"))])  # fmt: skip
+def test_jerks_count_unless_the_controller_does_not_limit_them(controller: str, steps: float, hexapod_case: Case):
+    own = controlled(hexapod_case, controller)
+    assert own.step_time == steps
+    assert own.case.limits.motion.limits_jerk == (steps == 0.0)
+    assert hexapod_case.limits.motion.limits_jerk
+    assert own.case.hash == hexapod_case.hash or steps
+
+
+def test_twincat_without_a_slope_has_steps(hexapod_case: Case):
+    case = changed(hexapod_case, controller__twincat__slope="STEP")
+    assert controlled(case, "twincat").step_time == 2e-3
+
+
+def test_the_case_says_for_whom_to_plan(hexapod_case: Case):
+    wishes = hexapod_case.controller.model_copy(update={"plan_for": "linuxcnc"})
+    case = hexapod_case.model_copy(update={"controller": wishes})
+    assert not planned_for(Request("hexapod"), case).case.limits.motion.limits_jerk
+    assert planned_for(Request("hexapod", controller="sinumerik"), case).case.limits.motion.limits_jerk
+    assert planned_for(Request("hexapod", family="spline"), case).case.limits.motion.limits_jerk
+    assert planned_for(Request("hexapod"), hexapod_case).controller is None
+
+
+def test_shorter_moves_are_more_moves(hexapod_case: Case):
+    """At 6 m/s^2 it takes 0.1 s to 0.6 m/s, at 10 rad/s^2 0.105 s to 60 deg/s, and as long to rest again."""
+    own = controlled(hexapod_case, "linuxcnc").case
+    assert move_count(Request("hexapod"), own) == round(12.0 / (2 * math.radians(60) / 10.0))
+    assert move_count(Request("hexapod"), hexapod_case) == 40
+    assert move_count(Request("hexapod", moves=20), own) == 20
+    assert move_count(Request("hexapod", duration=60.0), own) == 64
+
+
+def test_the_proof_sees_steps_of_acceleration(hexapod_case: Case):
+    """The derivative is 0 before and after a step; what the case limits is exceeded in between."""
+    motion = trapezoids(hexapod_case)
+    report = prove(motion, hexapod_case)
+    assert sorted(v.name.split(" (")[0] for v in report.violations) == ["angular jerk", "jerk"]
+    own = controlled(hexapod_case, "linuxcnc")
+    told = own.reported(report)
+    assert told.kept
+    jerk = next(c for c in told.checks if c.name.startswith("jerk"))
+    assert jerk.status is Status.STEPS
+    largest = max(part.profile.acceleration * np.abs(part.end - part.start)[:3].max() for part in motion.parts)
+    assert largest / 1e-3 <= abs(jerk.worst) <= 2 * largest / 1e-3 * (1 + 1e-9)  # from one side to the other in a cycle
+    assert jerk.ratio == pytest.approx(abs(jerk.worst) / jerk.limit if jerk.worst > 0 else jerk.worst / jerk.limit)
+    assert "jerk" not in "".join(c.name for c in prove(motion, own.case).checks)
+    assert own.reported(report).worst_ratio == pytest.approx(prove(motion, own.case).worst_ratio)
+
+
+def test_trapezoids_are_read_back_as_they_were_saved(hexapod_case: Case):
+    motion = trapezoids(hexapod_case)
+    entries = json.loads(json.dumps(motion_entries(motion)))
+    again = motion_of_entries(entries)
+    t = np.linspace(0.0, motion.duration, 501)
+    assert has_steps(again)
+    for one, other in zip(motion.at(t).pose.T, again.at(t).pose.T, strict=True):
+        assert one == pytest.approx(other, abs=1e-15)
+    entries["moves"][0]["hold_time_s"] = 0.0  # nothing would accelerate
+    with pytest.raises(ValueError, match="hold_time_s"):
+        motion_of_entries(entries)
+
+
+def test_trapezoids_are_polynomials_of_the_second_degree(hexapod_case: Case):
+    motion = trapezoids(hexapod_case)
+    pieces = polynomials_of([part for part in motion.parts if isinstance(part, StraightMove)])
+    assert all(not np.abs(piece.coefficients[3:]).any() for piece in pieces.pieces)
+    t = np.linspace(0.0, motion.duration, 997)
+    assert pieces.at(t).pose == pytest.approx(motion.at(t).pose, abs=1e-12)
+    assert pieces.at(t).rates == pytest.approx(motion.at(t).rates, abs=1e-10)
+
+
+def test_a_plan_says_what_is_not_limited_and_for_whom_it_is(plan: dict[str, Any], folder: Path):
+    assert plan["settings"]["made_for"] == "linuxcnc"
+    assert plan["settings"]["moves"] == MOVES
+    for name in ("jerk", "angular jerk"):
+        assert plan["limits"][name]["status"] == "steps, not limited by controller"
+        assert plan["limits"][name]["ratio"] > 10.0
+        assert not any(name in entry for entry in plan["bound_by"])
+    assert all(v["ratio"] <= 1.0 for name, v in plan["limits"].items() if "jerk" not in name)
+    assert any("made for linuxcnc" in note and "100 m/s^3" in note for note in plan["notes"])
+    assert plan["d_efficiency_tight"] is None  # that bound is one of limited jerk
+    saved = load_plan(folder)
+    assert saved.motion.duration == pytest.approx(SECONDS)
+    assert has_steps(saved.motion)
+
+
+def test_the_same_seed_gives_the_same_plan(plan: dict[str, Any], tmp_path: Path):
+    again = call(*PLAN, "-o", tmp_path / "again", "--json").json()
+    own, other = ({k: v for k, v in answer.items() if k in ("moves", "logdet", "limits")} for answer in (plan, again))
+    assert own == other
+
+
+def test_it_carries_more_information_than_limited_jerk_does(plan: dict[str, Any], tmp_path: Path):
+    words = [*PLAN[:2], "--for", "virtual", *PLAN[4:], "--moves", 10, "-o", tmp_path / "smooth", "--json"]
+    smooth = call(*words).json()
+    assert plan["d_efficiency"] > 1.2 * smooth["d_efficiency"]
+    assert smooth["limits"]["jerk"]["status"] == "proven"
+    assert not any("made for" in note for note in smooth["notes"])
+
+
+def test_a_program_is_written_for_the_controller_that_the_plan_is_made_for(folder: Path, tmp_path: Path):
+    answer = call("post", folder, *ACCEPT, "-o", tmp_path / "run.ngc", "--json").json()
+    assert answer["dialect"] == "linuxcnc"
+    assert answer["excitation_s"] == pytest.approx(SECONDS, rel=1e-5)
+    assert answer["remarks"] == []
+    ran = call("run", tmp_path / "run.ngc", "--case", "hexapod", "--on", "virtual", "-o", tmp_path / "rec", "--json")
+    planned = json.loads((folder / "plan.json").read_text())["d_efficiency"]
+    assert ran.json()["d_efficiency"] > 0.95 * planned
+
+
+@pytest.mark.parametrize(("dialect", "file"), [("sinumerik", "p.mpf"), ("twincat", "p.nc"), ("setpoints", "p.csv")])
+def test_moves_with_steps_are_no_program_of_a_controller_that_limits_jerk(
+    dialect: str, file: str, folder: Path, tmp_path: Path
+):
+    line = refused("post", folder, "--dialect", dialect, "-o", tmp_path / file)
+    for words in ("made for linuxcnc", f"--for {dialect}", "hexcite retime"):
+        assert words in line
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_retimed_they_have_limited_jerk_and_go_anywhere(folder: Path, tmp_path: Path):
+    done = call("retime", folder, "-o", tmp_path / "smooth", "--json").json()
+    assert any("jerk" in sentence for sentence in done["before"]["violations"])
+    assert done["after"]["violations"] == []
+    assert done["after"]["duration_s"] > SECONDS
+    saved = load_plan(tmp_path / "smooth")
+    assert not has_steps(saved.motion)
+    assert call("post", tmp_path / "smooth", "--dialect", "sinumerik", "-o", tmp_path / "p.mpf").code == 0
+    smooth = call("post", tmp_path / "smooth", *ACCEPT, "-o", tmp_path / "p.ngc", "--json").json()
+    assert any("--for linuxcnc" in remark for remark in smooth["remarks"])
+
+
+def test_a_motion_with_an_edited_law_is_not_believed(folder: Path, tmp_path: Path):
+    edited = tmp_path / "edited"
+    shutil.copytree(folder, edited)
+    data = json.loads((edited / "plan.json").read_text())
+    for move in data["moves"]:
+        move["jerk_time_s"], move["hold_time_s"] = move["hold_time_s"] / 2, 0.0
+    (edited / "plan.json").write_text(json.dumps(data))
+    assert "plan again" in refused("post", edited, "-o", tmp_path / "run.ngc")
+
+
+@pytest.mark.linuxcnc
+def test_linuxcnc_runs_it_as_planned(folder: Path, plan: dict[str, Any], tmp_path: Path):
+    assert call("post", folder, *ACCEPT, "-o", tmp_path / "run.ngc").code == 0
+    words = ("run", tmp_path / "run.ngc", "--case", "hexapod", "--on", "linuxcnc", "-o", tmp_path / "rec", "--json")
+    ran = call(*words).json()
+    assert ran["duration_s"] == pytest.approx(SECONDS, rel=5e-3)
+    assert ran["d_efficiency"] > 0.95 * plan["d_efficiency"]
+    about = json.loads((tmp_path / "rec" / "recording.json").read_text())
+    assert max(about["peaks_of_limit"].values()) <= 1.001
+
+
+@pytest.mark.slow
+@pytest.mark.linuxcnc
+def test_forty_moves_are_executed_with_most_of_what_was_planned(tmp_path: Path):
+    plan = ("plan", "hexapod", "--for", "linuxcnc", "--moves", 40, "--starts", 1, "-o", tmp_path / "plan")
+    assert hexcite(*plan).code == 0
+    assert call("post", tmp_path / "plan", *ACCEPT, "-o", tmp_path / "run.ngc").code == 0
+    words = ("run", tmp_path / "run.ngc", "--case", "hexapod", "--on", "linuxcnc", "-o", tmp_path / "rec", "--json")
+    ran = call(*words).json()
+    assert ran["d_efficiency"] >= 0.60
+    assert ran["duration_s"] == pytest.approx(12.0, rel=5e-3)
+    about = json.loads((tmp_path / "rec" / "recording.json").read_text())
+    assert max(about["peaks_of_limit"].values()) <= 1.001
