@@ -1,5 +1,6 @@
 """A fit to samples: the delay between forces and motion, where there is one, is found together with the parameters."""
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -87,7 +88,8 @@ def fit_samples(
     for most in EXCERPTS:
         part = samples.excerpt(most)
         if part is not samples:
-            delay, _, near, _ = _converged(part, part.forces, how, problem, delay, held, near)
+            with suppress(IdentificationError):  # where a part tells too little, the whole is asked alone
+                delay, _, near, _ = _converged(part, part.forces, how, problem, delay, held, near)
     delay, columns, _, whitening = _converged(samples, forces, how, problem, delay, held, near)
     selection = how.selection(model)
     basis = block_diag(selection.basis, np.eye(beside))
