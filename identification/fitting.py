@@ -18,14 +18,14 @@ from identification.regressor_blocks import MASS
 from identification.result import Delay
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.wrist import WristRun
-from identification.samples import PART, Samples
+from identification.samples import Samples
 
 Array = NDArray[np.float64]
 
 DELAY_STEPS = 8
 DELAY_TOLERANCE = 1e-9  # [s]; the step that is left is in the fit's own nuisance
 CLOSE = 1e-5  # [s] the same where the search began near by: of the noise in so many samples its square is a hundredth
-EXCERPTS = (PART, 8 * PART)  # samples of a long run by which the search begins
+EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
 SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
 GAUSS_MARKOV = method()
 
@@ -85,8 +85,8 @@ def fit_samples(
     problem = replace(problem, nuisance=beside, filtered=samples.filtered)
     names = [*model.names, *samples.nuisances[:beside]]
     near = None
-    for most in EXCERPTS:
-        part = samples.excerpt(most)
+    for times in EXCERPTS:
+        part = samples.excerpt(times)
         if part is not samples:
             with suppress(IdentificationError):  # where a part tells too little, the whole is asked alone
                 delay, _, near, _ = _converged(part, part.forces, how, problem, delay, held, near)

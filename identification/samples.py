@@ -78,7 +78,7 @@ class Samples(Protocol):
     def without(self, left_out: Rows) -> Self:
         """The same without some samples, shape (n,)."""
 
-    def excerpt(self, most: int = PART) -> Self:
+    def excerpt(self, times: int = 1) -> Self:
         """A part that stands for all of them, `fair_part`; all of them where they are no more."""
 
     def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
@@ -167,9 +167,9 @@ class Standstills:
             self.model, self.t[keep], self.recorded[keep], self.matrices[keep], self.scale[keep], self.clocked
         )
 
-    def excerpt(self, most: int = PART) -> "Standstills":
+    def excerpt(self, times: int = 1) -> "Standstills":
         """All of them."""
-        del most
+        del times
         return self
 
     def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
@@ -178,8 +178,14 @@ class Standstills:
         return ()
 
 
-def fair_part(count: int, most: int = PART) -> NDArray[np.int64]:
-    """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all."""
+def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
+    """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all.
+
+    Args:
+        count: of the samples.
+        times: so many `PART` is the part.
+    """
+    most = times * PART
     if count <= most:
         return np.arange(count)
     size = most // STRETCHES

@@ -151,8 +151,9 @@ class PeriodicRun:
         change = (self.regressors(delay + DELAY_STEP) - self.regressors(delay - DELAY_STEP)) @ values
         return np.dstack([self.regressors(delay), change / (2.0 * DELAY_STEP)])
 
-    def excerpt(self, _most: int = 0) -> "PeriodicRun":
+    def excerpt(self, times: int = 1) -> "PeriodicRun":
         """All of it: a period is short."""
+        del times
         return self
 
     def left(self, matrices: Array, values: Array) -> Array:

@@ -20,7 +20,7 @@ from identification.noise.by_pose import covariance_by_pose
 from identification.noise.coloured import coloured_covariance
 from identification.noise.turned import turned
 from identification.recording import Recording
-from identification.samples import PART, fair_part
+from identification.samples import fair_part
 from identification.signals import Filter, decimated
 
 Array = NDArray[np.float64]
@@ -191,9 +191,9 @@ class Run:
         shift[apart + 1] = np.maximum(np.diff(places)[apart] - FORGOTTEN, 0)
         return np.asarray(places - np.cumsum(shift))
 
-    def excerpt(self, most: int = PART) -> "Run":
+    def excerpt(self, times: int = 1) -> "Run":
         """A part of the run that stands for it, `fair_part`; the run itself where that is all of it."""
-        part = fair_part(len(self.rows), most)
+        part = fair_part(len(self.rows), times)
         if len(part) == len(self.rows):
             return self
         left_out = np.ones(len(self.rows), dtype=bool)
