@@ -1,4 +1,4 @@
-"""A part of a long run stands for it where the number of samples only costs time: what comes out is of the whole run."""
+"""A part of a long run stands for it where the number of samples only costs time: results are of the whole run."""
 
 from dataclasses import replace
 
