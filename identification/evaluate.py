@@ -8,7 +8,7 @@ CasADi is column-major: one column a sample, so that memory order equals NumPy's
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -69,51 +69,50 @@ def _mapped(function: ca.Function, count: int) -> ca.Function:
     return function.map(count)
 
 
+class _Program(NamedTuple):
+    """An SX function as a list: instructions (operation, inputs, outputs, constant), and places for their results."""
+
+    instructions: tuple[tuple[int, Sequence[int], Sequence[int], float], ...]
+    places: int
+
+
 @lru_cache(maxsize=64)
-def _program(function: ca.Function) -> tuple[tuple[int, Sequence[int], Sequence[int], float], ...] | None:
-    """Instructions (operation, input, output, constant) of an SX function; None where one is not known here."""
-    if not function.is_a("SXFunction") or any(
-        function.instruction_id(k) not in _KNOWN for k in range(_length(function))
-    ):
+def _program(function: ca.Function) -> _Program | None:
+    """The instructions of a function; None where one is not known here."""
+    if not function.is_a("SXFunction"):
         return None
-    return tuple(
-        (
-            function.instruction_id(k),
-            function.instruction_input(k),
-            function.instruction_output(k),
-            function.instruction_constant(k) if function.instruction_id(k) == ca.OP_CONST else 0.0,
-        )
-        for k in range(_length(function))
-    )
+    count = range(function.n_instructions())
+    operations = [function.instruction_id(k) for k in count]
+    if not _KNOWN.issuperset(operations):
+        return None
+    constants = [function.instruction_constant(k) if operations[k] == ca.OP_CONST else 0.0 for k in count]
+    used, made = ([list(of(k)) for k in count] for of in (function.instruction_input, function.instruction_output))
+    return _Program(tuple(zip(operations, used, made, constants, strict=True)), function.sz_w())
 
 
-def _length(function: ca.Function) -> int:
-    return int(function.n_instructions())
-
-
-def _execute(
-    program: Sequence[tuple[int, Sequence[int], Sequence[int], float]], inputs: list[Array], outputs: list[Array]
-) -> None:
+def _execute(program: _Program, inputs: list[Array], outputs: list[Array]) -> None:
     """Runs a program for some samples: inputs of shape (n, length), outputs of shape (n, columns, rows)."""
     count = len(inputs[0])
     given = [np.ascontiguousarray(v.T) for v in inputs]
     results = [np.zeros((r.shape[1] * r.shape[2], count)) for r in outputs]
-    memory = np.empty((1 + max((max(o, default=0) for op, _, o, _ in program if op != ca.OP_OUTPUT), default=0), count))
-    places = list(memory)
-    for operation, used, made, constant in program:
-        if operation == ca.OP_INPUT:
-            places[made[0]] = given[used[0]][used[1]]
-        elif operation == ca.OP_OUTPUT:
+    memory = list(np.empty((program.places, count)))
+    places = memory.copy()
+    for operation, used, made, constant in program.instructions:
+        if operation == ca.OP_OUTPUT:
             results[made[0]][made[1]] = places[used[0]]
-        elif operation == ca.OP_CONST:
-            places[made[0]] = memory[made[0]]
-            places[made[0]].fill(constant)
+            continue
+        to = made[0]
+        if operation == ca.OP_INPUT:
+            places[to] = given[used[0]][used[1]]
+            continue
+        if operation == ca.OP_CONST:
+            memory[to].fill(constant)
+        elif operation == ca.OP_TWICE:
+            np.add(places[used[0]], places[used[0]], out=memory[to])
+        elif len(used) == 1:
+            _OPERATIONS[operation](places[used[0]], out=memory[to])
         else:
-            operands = [places[k] for k in used]
-            places[made[0]] = memory[made[0]]
-            if operation == ca.OP_TWICE:
-                np.add(operands[0], operands[0], out=places[made[0]])
-            else:
-                _OPERATIONS[operation](*operands, out=places[made[0]])
+            _OPERATIONS[operation](places[used[0]], places[used[1]], out=memory[to])
+        places[to] = memory[to]  # not before: an operand may have stood there
     for result, output in zip(results, outputs, strict=True):
         output.reshape(count, -1)[:] = result.T
