@@ -14,6 +14,7 @@ _MOTION = ("setup", "machine", "workspace", "limits", "controller.cycle_ms")
 _BOUND = (*_MACHINE, "workspace", "limits", "controller.cycle_ms")
 _PLAN = (*_BOUND, "sensors", "nominal", "payloads")
 _RESULT = (*_MACHINE, "sensors", "recording")
+_OF_PLANS = ("sensors.pose_error_N", "sensors.pose_error_length_mm")  # results find them, and do without them
 _NOT_COMPUTED_WITH = ("recording.rate_Hz",)  # a plan keeps the rate that its predictions assume
 _SHOWN = 60  # characters of a value
 
@@ -41,7 +42,7 @@ def recording_basis(case: Case) -> dict[str, Any]:
 
 def result_basis(case: Case) -> dict[str, Any]:
     """Values behind a result by dotted key: machine, sensors, gravity, and how the recording was read and filtered."""
-    return values(case, _RESULT)
+    return {name: value for name, value in values(case, _RESULT).items() if name not in _OF_PLANS}
 
 
 def motion_hash(case: Case) -> str:

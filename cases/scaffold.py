@@ -32,7 +32,8 @@ _ADVICE = {
     "sensor_frame": 'How the sensor reads: sense = "load_on_sensor" or "sensor_on_load".',
     "sensors": "From the sensors' data sheet. Noise may be stated: force_noise_N,\n"
     "# encoder_resolution_um, strut_noise_um, and of vibration acceleration_noise_m_s2 and\n"
-    "# angular_acceleration_noise_rad_s2: hexcite identify tells what the residuals look like.",
+    "# angular_acceleration_noise_rad_s2: hexcite identify tells what the residuals look like. So it does of errors\n"
+    "# that depend on the pose: pose_error_N and pose_error_length_mm, which plans then count on.",
     "recording": "Names, units and clock of the recorded columns, where they differ from hexcite's (CONVENTIONS.md).",
     "controller": "How the controller is set up. Nothing here is guessed: check each with its machine's parameters.",
     "controller.sinumerik": "SINUMERIK programs; without one delete this table, and the next ones likewise. The\n"

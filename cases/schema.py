@@ -56,7 +56,7 @@ class Case(Part):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
-        rules = (self._feed, self._drives, self._noise, self._box)
+        rules = (self._feed, self._drives, self._noise, self._pose_error, self._box)
         problems = [problem for rule in rules for problem in rule()]
         if problems:
             raise ValueError(ALSO.join(problems))
@@ -105,6 +105,24 @@ class Case(Part):
         if force is None and (self.sensors.weights == "stated" or self.sensors.acceleration_noise is not None):
             what = 'weights = "stated"' if self.sensors.weights == "stated" else "noise of accelerations"
             yield (f"sensors.force_noise_N is missing; {what} goes with it, from the sensors' data sheet")
+
+    def _pose_error(self) -> Iterator[str]:
+        size, length = self.sensors.pose_error_N, self.sensors.pose_error_length_mm
+        if (size is None) != (length is None):
+            missing = "pose_error_N" if size is None else "pose_error_length_mm"
+            yield (
+                f"sensors.{missing} is missing; errors that depend on the pose have a size and a length: give both, as "
+                "hexcite identify prints them, or neither"
+            )
+        elif size is not None and (self.sensor_frame.bars is None or self.machine is None or self.setup == "1a"):
+            yield (
+                f"sensors.pose_error_N = {size:g} is for bars that struts move (setup 1b); remove it and "
+                "pose_error_length_mm"
+            )
+        elif size is not None and self.sensors.range_N is not None and size > self.sensors.range_N:
+            yield (
+                f"sensors.pose_error_N = {size:g} is more than sensors.range_N = {self.sensors.range_N:g}; give newtons"
+            )
 
     def _box(self) -> Iterator[str]:
         if self.workspace is None or self.limits is None:

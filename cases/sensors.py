@@ -1,7 +1,7 @@
 """What measures, and what it is expected to carry: sensor frame, noise, rigid body and compensation factors."""
 
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -11,6 +11,8 @@ from cases.geometry import WORST_CONDITION, condition_of_lines
 from cases.machine import Joints
 from cases.parts import Array, NonNegative, Number, Part, Positive, Six, Vector, frozen
 from cases.units import MM, MS, UM
+
+LEAST_LENGTH_MM, MOST_LENGTH_MM = 0.1, 10_000.0  # of errors that depend on the pose: others are metres or radians
 
 
 class Bars(Part):
@@ -74,6 +76,11 @@ class Sensors(Part):
     recorded sample and in each direction: vibration of the structure."""
     angular_acceleration_noise_rad_s2: Positive | None = None
     """The same of angular accelerations."""
+    pose_error_N: Positive | None = None
+    """Standard deviation of force errors that depend on the pose (of encoders, joints, frame), in each sensor; given
+    together with their length."""
+    pose_error_length_mm: Annotated[float, Field(strict=True, ge=LEAST_LENGTH_MM, le=MOST_LENGTH_MM)] | None = None
+    """Distance in the space of the six strut lengths, the root of the sum of squares, at which they are half alike."""
 
     @property
     def force_noise(self) -> Array | None:

@@ -100,7 +100,8 @@ def fit_samples(
         robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
         if robust is not None:
             findings = (*fit.findings, *robust.findings)
-            fit = replace(fit, covariance_robust=basis @ robust.covariance @ basis.T, findings=findings)
+            covariance = basis @ robust.covariance @ basis.T
+            fit = replace(fit, covariance_robust=covariance, findings=findings, field=robust.field)
     fit = of_forces(whitening, fit, columns, forces)
     require_sense(model, fit)
     late = bool(samples.nuisances) and held is None  # the last of the values is a step of the delay

@@ -77,8 +77,14 @@ def controlled(case: Case, controller: str | None) -> Controlled:
 
 def usual_dialect(plan: Mapping[str, Any]) -> str:
     """The language of the controller that a saved plan was made for, else LinuxCNC's."""
-    made_for = plan["settings"].get("made_for")
+    made_for = _made_for(plan)
     return made_for if made_for in DIALECTS else "linuxcnc"
+
+
+def _made_for(plan: Mapping[str, Any]) -> str:
+    """The controller that a saved plan was made for; nothing where it says none."""
+    settings = plan.get("settings")
+    return str(settings.get("made_for", "")) if isinstance(settings, Mapping) else ""
 
 
 def move_count(request: Request, case: Case) -> int:
@@ -116,18 +122,18 @@ def fits_law(
     """
     if plan["family"] != "ptp":
         return ()
-    made_for, steps = plan["settings"].get("made_for"), bool(controlled(case, dialect_name).step_time)
+    made_for, steps = _made_for(plan), bool(controlled(case, dialect_name).step_time)
     if has_steps(motion) and not steps:
         raise HexciteError(
-            f"{folder}: was made for {made_for}, which does not limit jerk; moves for {dialect_name} keep the limits "
-            f"of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with hexcite retime "
-            f"{folder} -o NEW"
+            f"{folder}: was made for {made_for or 'a controller'}, which does not limit jerk; moves for {dialect_name} "
+            f"keep the limits of jerk and last longer: plan with --for {dialect_name}, or re-time the moves with "
+            f"hexcite retime {folder} -o NEW"
         )
     if steps and not has_steps(motion):
         return (
             f"planned with limited jerk; {dialect_name} does not limit it and makes trapezoids of the moves: a plan "
             f"made with --for {dialect_name} carries more information there",
         )
-    if made_for not in (None, "virtual", dialect_name):
+    if made_for not in ("", "virtual", dialect_name):
         return (f"made for {made_for}; {dialect_name} times moves by the same law",)
     return ()

@@ -6,10 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.hexapod import Hexapod
 from identification.model import Model
 from identification.motion import Trajectory
+from identification.noise.pose_field import PoseField
 from identification.parameters import body_parameters, physical_form
 from planner.noise import ExpectedNoise, expected_noise, seen_through
+from planner.pose_errors import PoseErrors
+from planner.poses.regressors import total_information
 from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]
@@ -37,7 +41,8 @@ def predicted_std(
         duration: [s].
         noise: standard deviation of a force sample [N], 1 / sqrt of what W is in units of.
         payload: number of the case's payloads that are mounted.
-        scattered: mean of H A^T W C W A H, C the noise in units of `noise`, where W is not right for it, shape (u, u).
+        scattered: mean of H A^T W C W A H, C the noise in units of `noise`, where W is not right for it, errors of the
+            pose included, shape (u, u).
 
     Raises:
         CaseError: the case has no nominal body.
@@ -50,21 +55,27 @@ def predicted_std(
 
 
 def predicted_std_at_poses(
-    case: Case, model: Model, scaling: Array, information: Array, noise: float
+    case: Case, model: Model, scaling: Array, regressors: Array, poses: Array, noise: float
 ) -> dict[str, float]:
     """Standard deviations of the physical parameters from averaged standstills.
 
     Args:
-        case: gives the nominal body.
+        case: gives the nominal body, and errors that depend on the pose.
         model: of the parameters.
         scaling: of its columns, shape (u,).
-        information: total, scaled, shape (u, u).
+        regressors: of the poses, scaled, shape (n, 6, u).
+        poses: shape (n, 6) [m, rad].
         noise: standard deviation of an averaged force [N].
 
     Raises:
         CaseError: the case has no nominal body.
     """
-    return _physical_std(case, model, noise**2 * np.linalg.inv(information) * np.outer(scaling, scaling))
+    inverse = np.linalg.inv(total_information(regressors))
+    covariance = noise**2 * inverse
+    if (field := PoseField.of(case.sensors)) is not None:
+        by_pose = field.covariance(Hexapod.of(case).strut_lengths(poses))
+        covariance = covariance + inverse @ sum(a.T @ by_pose @ a for a in regressors.transpose(1, 0, 2)) @ inverse
+    return _physical_std(case, model, covariance * np.outer(scaling, scaling))
 
 
 def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0) -> dict[str, float]:
@@ -80,7 +91,7 @@ def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0)
 def predicted_std_of(
     case: Case, model: Model, scaling: Array, motion: Trajectory, noise: ExpectedNoise, payload: int
 ) -> dict[str, float]:
-    """Standard deviations of the physical parameters for one run of a motion, by rate, weights and noise.
+    """Standard deviations of the physical parameters for one run of a motion, by rate, weights, noise and pose errors.
 
     Args:
         case: gives the nominal body and the weights.
@@ -97,6 +108,10 @@ def predicted_std_of(
     scattered = None
     if noise.scatter is not None:
         scattered = mean_information(seen_through(model, noise.scatter), scaling, motion)
+    errors = PoseErrors.of(case, noise)
+    if errors is not None:
+        scattered = information if scattered is None else scattered
+        scattered = scattered + errors.scatter_of(seen_through(model, noise.whitening), scaling, motion)
     return predicted_std(case, model, scaling, information, motion.duration, noise.sensors, payload, scattered)
 
 

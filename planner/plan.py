@@ -14,6 +14,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limits import LimitReport, Status
 from identification.motion import Motion, Trajectory, sample
+from identification.noise.pose_field import PoseField
 from planner.bounds.kept import Bound
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
@@ -105,9 +106,10 @@ class Plan:
         """Why another plan would carry more information, each with what to do; the first thing that a user is told."""
         told = []
         if self.rival is not None and self._of_rival > RIVALS:
+            counted = "" if self.case.sensors.pose_error_N is None else ", errors of the pose counted"
             told.append(
                 f"weaker than a motion of another family that took seconds: --family {self.rival.family.name} has "
-                f"{self._of_rival:.2f} times the D-efficiency"
+                f"{self._of_rival:.2f} times the D-efficiency{counted}"
             )
         refined = [s for s in self.starts if s.refined]
         if refined and not self.interrupted and not refined[0].converged:
@@ -250,6 +252,7 @@ class Plan:
             "assumed_rate_Hz": self.case.recording.rate_Hz,
             "assumed_noise_of_channels": self.noise.std.tolist(),
             "noise_of_accelerations": self.noise.shaken,
+            "pose_errors": None if (field := PoseField.of(self.case.sensors)) is None else field.keys,
             "weights": self.noise.weights,
             "limits": self.limits.to_json(),
             **motion_entries(self.motion),

@@ -16,6 +16,7 @@ from identification.criteria import CRITERIA, singular_values
 from identification.limits import PROOF_RATE, LimitReport, prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
+from identification.noise.pose_field import PoseField
 from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound, known_tight_bound
 from planner.controlled import Controlled, move_count, planned_for
@@ -30,13 +31,14 @@ from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.plan import Plan
+from planner.pose_errors import PoseErrors, without_pose_errors
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.choices import choices
 from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import FEWEST, Patience
-from planner.search.problem import mean_information
+from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
 from planner.vibration import both_laws
 
@@ -59,6 +61,7 @@ class Found(NamedTuple):
         failed: starts that led nowhere.
         interrupted: whether Ctrl-C ended the search early.
         rival: what another family found in seconds.
+        white: what one start reaches where errors of the pose do not count.
     """
 
     motion: Trajectory
@@ -69,6 +72,7 @@ class Found(NamedTuple):
     failed: tuple[Failed, ...]
     interrupted: bool
     rival: Start | None = None
+    white: Start | None = None
 
 
 def first_family(request: Request, case: Case) -> Family:
@@ -116,9 +120,11 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     own = planned_for(request, case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
     results, rivals, interrupted = _explored(request, own, case, listener, run, patience.exploring())
-    rough = sorted((s for s in results if isinstance(s, Start) and not s.refined), key=lambda s: -s.promise)
+    done = max((s.score for s in results if isinstance(s, Start) and s.refined), default=-np.inf)
+    # What an exploration promises is too much, never too little: what is less than has been reached leads nowhere.
+    rough = [s for s in results if isinstance(s, Start) and not s.refined and s.promise > done]
     best = [Task(own.case, request.model, s.family, request.criterion, s.seed, request.payload, Step.REFINE, s.begin)
-            for s in rough[: patience.refined]]  # fmt: skip
+            for s in sorted(rough, key=lambda s: -s.promise)[: patience.refined]]  # fmt: skip
     if best and not interrupted:
         second = run(best, listener, patience)
         results, interrupted = results + second.results, second.interrupted
@@ -128,6 +134,14 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         if interrupted:
             raise Interrupted
         raise InfeasiblePlan(failed[0].reason)
+    white = None
+    if PoseField.of(case.sensors) is not None and not interrupted:
+        fresh, best_family = first_family(request, own.case), starts[0].family
+        fresh = fresh if fresh.settings == best_family.settings else best_family
+        one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].seed, request.payload,
+                   begin=shipped_start(fresh))  # fmt: skip
+        last = run([one], Listener(lambda start: None, listener.news), patience)
+        white, interrupted = next((r for r in last.results if isinstance(r, Start)), None), last.interrupted
     winner = starts[0].family
     unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)
     motion = winner.motion(unknowns)
@@ -141,6 +155,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         tuple(failed),
         interrupted,
         next(iter(rivals), None),
+        white,
     )
 
 
@@ -254,9 +269,9 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
     mu = singular_values(information, model.names)
     noise = expected_noise(case, model, request.payload)
     worst = worst_std(case, model, scaling, found.motion, request.payloads)
-    chosen = mu
-    if noise.whitening is not None:
-        weighted = mean_information(seen_through(model, noise.whitening), scaling, found.motion)
+    chosen, errors = mu, PoseErrors.of(case, noise)
+    if noise.whitening is not None or errors is not None:
+        weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
         chosen = singular_values(weighted, model.names)
     return Plan(
         case=case,
@@ -276,7 +291,10 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
         predicted_std={name: std for name, (std, _) in worst.items()},
         worst_payload={name: payload for name, (_, payload) in worst.items()},
         noise=noise,
-        noise_note=_told(case, model, scaling, found.motion, noise, request.payload),
+        noise_note=(
+            *_told(case, model, scaling, found.motion, noise, request.payload),
+            *_of_pose_errors(case, model, scaling, found, request, {n: s for n, (s, _) in worst.items()}),
+        ),
         limits=found.limits,
         solve_seconds=seconds,
         tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
@@ -310,6 +328,31 @@ def _told(
         told,
         f'identify --weights stated, or sensors.weights = "stated" in the case, makes the standard deviations '
         f"{100 * less:.0f} % smaller than the weights {noise.weights} (geometric mean, this motion)",
+    )
+
+
+def _of_pose_errors(
+    case: Case, model: Model, scaling: Array, found: Found, request: Request, predicted: dict[str, float]
+) -> tuple[str, ...]:
+    """What errors that depend on the pose cost a plan, and what it gave up for them."""
+    field = PoseField.of(case.sensors)
+    if field is None:
+        return ()
+    white = worst_std(without_pose_errors(case), model, scaling, found.motion, request.payloads)
+    times = float(np.exp(np.mean([np.log(predicted[name] / std) for name, (std, _) in white.items()])))
+    told = (
+        f"errors that depend on the pose ({field.words}) make the standard deviations {times:.3g} times those of white "
+    )
+    told += "noise alone (geometric mean); "
+    if found.white is None:
+        return (told + "D-efficiency counts white noise alone",)
+    plain = np.linalg.slogdet(mean_information(model, scaling, found.motion))[1]
+    other = found.white.family.motion(found.white.unknowns)
+    best = np.linalg.slogdet(mean_information(model, scaling, other))[1]
+    bound = box_bound(case, model)
+    return (
+        f"{told}D-efficiency, which counts white noise alone, is {bound.efficiency(float(plain)):.3f}; a plan for it "
+        f"reaches {bound.efficiency(float(max(best, plain))):.3f}",
     )
 
 

@@ -14,9 +14,10 @@ from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
 from planner.deviations import predicted_std_at_poses, worst_std
 from planner.noise import ExpectedNoise, expected_noise, seen_through
+from planner.pose_errors import PoseErrors
 from planner.poses.regressors import pose_regressors, total_information
 from planner.request import FAMILIES
-from planner.search.problem import mean_information
+from planner.search.problem import information_of, mean_information
 
 Array = NDArray[np.float64]
 
@@ -69,18 +70,20 @@ def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iter
     yield from _unlike("d_efficiency", data["d_efficiency"], efficiency)
     payload = _whole(data, "payload")
     noise = expected_noise(case, model, payload)
-    yield from _of_criterion(data, singular_values(_weighted(model, noise, scaling, motion, information), model.names))
+    chosen = _chosen(case, model, noise, scaling, motion, information)
+    yield from _of_criterion(data, singular_values(chosen, model.names))
     yield from _unlike("assumed_noise_N", data["assumed_noise_N"], noise.sensors)
     first = _whole(data, "payload_from") if "payload_from" in data else payload
     worst = worst_std(case, model, scaling, motion, range(first, payload + 1))
     yield from _unlike_deviations(data, {name: std for name, (std, _) in worst.items()})
 
 
-def _weighted(model: Model, noise: ExpectedNoise, scaling: Array, motion: Trajectory, plain: Array) -> Array:
-    """The information that the search maximised: by the weights of the case, where these are not equal."""
-    if noise.whitening is None:
+def _chosen(case: Case, model: Model, noise: ExpectedNoise, scaling: Array, motion: Trajectory, plain: Array) -> Array:
+    """The information that the search maximised: by the weights of the case, and what errors of the pose leave."""
+    errors = PoseErrors.of(case, noise)
+    if noise.whitening is None and errors is None:
         return plain
-    return mean_information(seen_through(model, noise.whitening), scaling, motion)
+    return information_of(seen_through(model, noise.whitening), scaling, motion, errors)
 
 
 def _of_criterion(data: dict[str, Any], mu: Array) -> Iterator[Mismatch]:
@@ -99,9 +102,9 @@ def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[
     if len(poses):
         model = identification_model(case, _whole(data, "model"))
         scaling = reference_scaling(case, model)
-        information = total_information(pose_regressors(model, poses) * scaling)
-        singular_values(information, model.names)
-        expected = predicted_std_at_poses(case, model, scaling, information, float(data["assumed_noise_N"]))
+        regressors = pose_regressors(model, poses) * scaling
+        singular_values(total_information(regressors), model.names)
+        expected = predicted_std_at_poses(case, model, scaling, regressors, poses, float(data["assumed_noise_N"]))
         yield from _unlike_deviations(data, expected)
 
 

@@ -40,7 +40,7 @@ class Vibration:
         errors: to be expected of each physical parameter: predicted standard deviation and the error that the mode
             leaves, root of the sum of squares, by name [SI].
         times: errors over predicted standard deviations, geometric mean.
-        s0: residual of a force sample that identification will report [N].
+        s0: residual of a force sample that identification will report, errors that depend on the pose included [N].
     """
 
     frequency: float
@@ -97,15 +97,18 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     run = Joined((still[0], motion, still[1]))
     low_pass, damping = Filter(cutoff, cycle), around.disturbances.mode_damping
     columns, added = _evaluated(Hexapod.of(case), model, run, u, low_pass, frequency, damping)
-    shift, s0 = _shift(columns[:, :-1], added, noise.sensors, low_pass)
+    weight = around.load * float(np.linalg.norm(case.gravity))
+    by_pose = np.hypot(around.disturbances.pose_error_N, weight * around.disturbances.pose_error_of_load)
+    floor = float(np.sqrt(noise.sensors**2 + by_pose**2 / low_pass.noise_gain))  # slow errors pass the filter whole
+    shift, s0 = _shift(columns[:, :-1], added, floor, low_pass)
     if _tells_smoothing(columns, u, s0, low_pass):
-        shift, s0 = _shift(columns, added, noise.sensors, low_pass)
+        shift, s0 = _shift(columns, added, floor, low_pass)
     shift = shift[: len(u)]
     form, none = physical_form(model), np.zeros((len(u), len(u)))
     errors = form.of(u + shift, none)[0] - form.of(u, none)[0]
-    white = predicted_std_of(case, model, reference_scaling(case, model), motion, noise, payload)
-    share = np.sqrt(motion.duration / seconds)
-    white = {name: std * share for name, std in white.items()}
+    share = float(np.sqrt(motion.duration / seconds))  # of white noise, which averages out over time
+    at_equal_time = replace(noise, sensors=share * noise.sensors, channels=share**2 * noise.channels)
+    white = predicted_std_of(case, model, reference_scaling(case, model), motion, at_equal_time, payload)
     found = {p.name: float(np.hypot(white[p.name], error)) for p, error in zip(form.parameters, errors, strict=True)}
     return Vibration(frequency, found, _mean_ratio(found, white), s0)
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.finding import Finding
+from identification.noise.pose_field import PoseField
 
 Array = NDArray[np.float64]
 
@@ -37,10 +38,12 @@ class Robust(NamedTuple):
     Args:
         covariance: of u, shape (u, u).
         findings: what noise it allows for.
+        field: errors that depend on the pose, where the run shows them.
     """
 
     covariance: Array
     findings: tuple[Finding, ...] = ()
+    field: PoseField | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +62,7 @@ class Fit:
         condition: mu_1 / mu_u of the scaled regressor (26).
         findings: what the estimator did beside, as a constraint that bound, or a prior that moved it, and what speaks
             against it, as a prior that disagrees, or a search that did not settle.
+        field: errors that depend on the pose, where the run shows them.
     """
 
     values: Array
@@ -71,6 +75,7 @@ class Fit:
     rank: int
     condition: float
     findings: tuple[Finding, ...] = ()
+    field: PoseField | None = None
 
 
 Estimator = Callable[[Array, Array, Sequence[str]], Fit]

@@ -163,6 +163,16 @@ def _own(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> li
     return [*fitted.fit.findings, *fitted.samples.findings(fitted.fit, fitted.w)]
 
 
+def _placed(_recording: Recording, case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+    """Errors that depend on the pose, in the keys by which a case states them."""
+    field = fitted.fit.field
+    if field is None:
+        return []
+    stated = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
+    told = f"[sensors] {stated}: with this in the case, plans count on the errors that depend on the pose"
+    return [note(Kind.NOISE, "" if case.sensors.pose_error_N else told, pose_errors=field.keys)]
+
+
 def _late(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
     """A delay that no filter of a force channel has."""
     if abs(fitted.at) < SUSPICIOUS_DELAY:
@@ -206,5 +216,5 @@ def _rated(recording: Recording, case: Case, _how: Method, fitted: Fitted) -> li
 
 
 Check = Callable[[Recording, Case, Method, Fitted], list[Finding]]
-CHECKS: tuple[Check, ...] = (_cut_off, _own, _late, _unlikely, _not_compared, _looks_like, _fed, _rated)
+CHECKS: tuple[Check, ...] = (_cut_off, _own, _placed, _late, _unlikely, _not_compared, _looks_like, _fed, _rated)
 """What is looked at after every fit, in the order in which it is told."""

@@ -19,6 +19,7 @@ from scipy.special import gammaincinv, ndtri
 
 from identification.finding import Finding, Kind, note
 from identification.noise.coloured import LEAST_SAMPLES, autoregressive, slow_noises, toeplitz
+from identification.noise.pose_field import PoseField, matern, squared_distances
 from identification.noise.restricted import Family, Left, likeliest, mixtures, shares_by_channel
 from identification.noise.turned import Turned
 
@@ -47,15 +48,17 @@ class ByPose(NamedTuple):
     share: float
     length: float
 
+    def field(self, residuals: Array) -> PoseField:
+        """The field of a channel, where residuals, shape (n, 6), are those of forces [N]."""
+        return PoseField(float(np.sqrt(self.share * np.mean(residuals**2))), self.length)
+
     @property
     def finding(self) -> Finding:
         """For the user."""
-        each = 1e3 * self.length / np.sqrt(6.0)
         return note(
             Kind.NOISE,
-            f"errors come back with the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the "
-            f"parameters take a part of them, and half alike where struts differ by {each:.2g} mm: std_robust allows "
-            "for them",
+            f"errors depend on the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the parameters "
+            "take a part of them: std_robust allows for them",
         )
 
 
@@ -70,7 +73,7 @@ def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
     if samples < LEAST_SAMPLES:
         return None
     chosen = np.arange(samples)[(samples - 1) % -(-samples // INSTANTS) // 2 :: -(-samples // INSTANTS)]
-    squared = _squared_distances(struts[chosen])
+    squared = squared_distances(struts[chosen], struts[chosen])
     reach = float(np.sqrt(np.median(squared[np.triu_indices(len(squared), 1)])))
     if reach == 0.0:
         return None
@@ -85,7 +88,7 @@ def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
     if without - value <= UNKNOWNS:
         return None
     length = reach * float(shares[-1])
-    field = _matern(np.sqrt(squared) / length)[0]
+    field = matern(np.sqrt(squared) / length)[0]
     # Between channels slow noises differ as a whole: one by one a channel tells next to nothing of them.
     memories = [memories[0], np.tensordot(shares[1:-2], memories[1:], 1)]
     alike = np.array([memories[0][lags], memories[1][lags], field])
@@ -108,23 +111,6 @@ def _near(found: Turned) -> Array:
     return np.asarray(np.mean([autoregressive(channel, here, scale) for channel in series.T], axis=0))
 
 
-def _squared_distances(places: Array) -> Array:
-    apart = places - places.mean(axis=0)
-    size = np.sum(apart**2, axis=1)
-    return np.asarray(np.maximum(size[:, None] + size - 2.0 * apart @ apart.T, 0.0))
-
-
-def _matern(distance: Array) -> tuple[Array, Array]:
-    """Matern's correlation of smoothness 3/2, and its derivative by the logarithm of the length.
-
-    Args:
-        distance: in lengths.
-    """
-    scaled = np.sqrt(3.0) * distance
-    fading = np.exp(-scaled)
-    return (1.0 + scaled) * fading, scaled**2 * fading
-
-
 def _with_field(kernels: Array, squared: Array) -> Family:
     """Sums of kernels, shape (c, m, m), and of a field over places at squared distances, shape (m, m).
 
@@ -135,7 +121,7 @@ def _with_field(kernels: Array, squared: Array) -> Family:
     def family(logarithms: Array) -> tuple[Array, Callable[[Array], Array]]:
         memory, pulled = mixture(logarithms[:-2])
         share = np.exp(logarithms[-2])
-        alike, longer = _matern(distance * np.exp(-logarithms[-1]))
+        alike, longer = matern(distance * np.exp(-logarithms[-1]))
 
         def pull(slope: Array) -> Array:
             return np.asarray(np.r_[pulled(slope), share * np.sum(slope * alike), share * np.sum(slope * longer)])

@@ -179,7 +179,8 @@ class Run:
         assert self.recording.struts is not None
         placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows[part]])
         if placed is not None:
-            return Robust(placed.covariance, (placed.finding,))
+            field = placed.field(residuals) if whitening is None else None
+            return Robust(placed.covariance, (placed.finding,), field)
         coloured = coloured_covariance(found)
         return None if coloured is None else Robust(coloured)
 

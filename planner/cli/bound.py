@@ -49,6 +49,7 @@ def information_limit(
     from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
     from identification.model import identification_model
+    from identification.noise.pose_field import PoseField
     from planner.bounds.kept import box_bound, tight_bound
 
     if not (isfinite(time_limit) and time_limit > 0.0):
@@ -71,6 +72,7 @@ def information_limit(
         "over": "motions from rest to rest in the motion box" if tight else "motion box",
         "tight": tight,
         "weights": "equal",
+        "pose_errors": None if (field := PoseField.of(loaded.sensors)) is None else field.keys,
         "logdet_bound": found.logdet,
         "logdet_design": found.design_logdet,
         "logdet_proven": found.proven_logdet,
@@ -96,4 +98,6 @@ def _show(answer: dict[str, Any]) -> None:
     print(f"largest directional derivative {certificate['dmax']:.4f} for p = {certificate['p']} parameters")
     if not answer["certified"]:
         print(f"proven so far: at most {answer['logdet_proven']:.4f}; a longer --time-limit closes the gap")
+    if answer["pose_errors"] is not None:
+        print("white noise alone counts here: errors that depend on the pose, which [sensors] states, leave less")
     print(f"method: {certificate['method']}; {answer['solve_s']:.1f} s")

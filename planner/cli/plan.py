@@ -231,6 +231,8 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
     if answer["noise_of_accelerations"]:
         noise += " and noise of the accelerations as the case states it"
+    if (by_pose := answer["pose_errors"]) is not None:
+        noise += f", {by_pose['pose_error_N']:g} N over {by_pose['pose_error_length_mm']:g} mm that depend on the pose"
     noise += f", {answer['assumed_rate_Hz']:g} Hz, {_mounted(answer)}"
     print(f"predicted standard deviations ({noise}, weights {answer['weights']}):")
     for line in _deviations(answer, case):

@@ -8,6 +8,7 @@ from cases.schema import Case
 from identification.model import identification_model
 from planner.bounds.kept import box_bound
 from planner.noise import expected_noise
+from planner.pose_errors import PoseErrors
 from planner.request import Request
 from planner.search.parallel import News
 from planner.search.patience import FEWEST, IDLE, WORTHWHILE, gain
@@ -27,7 +28,8 @@ class Progress:
         self.request, self.remark, self.bound = request, remark, None
         model = identification_model(case, request.model)
         self.size = len(model.names)
-        if request.family != "manual" and expected_noise(case, model, request.payload).whitening is None:
+        noise = expected_noise(case, model, request.payload)
+        if request.family != "manual" and noise.whitening is None and PoseErrors.of(case, noise) is None:
             remark("the limit of information")
             self.bound = box_bound(case, model)
         self.begin(request)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from postprocessors.execute.executed_run import ExecutedRun
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
-# are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does.
+# are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does, but for moves with steps.
 ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 
 
@@ -161,7 +161,8 @@ def carry_out(
 def _program(method: str, settings: Settings, plan: Path, folder: Path) -> Path:
     from planner.cli.post import make_program
 
-    dialect, suffix, accepted = ("sinumerik", "mpf", ()) if settings.on == "virtual" else ("linuxcnc", "ngc", ACCEPTED)
+    smooth = settings.on == "virtual" and method != "ptp-steps"
+    dialect, suffix, accepted = ("sinumerik", "mpf", ()) if smooth else ("linuxcnc", "ngc", ACCEPTED)
     program = folder / "programs" / f"{method}.{suffix}"
     make_program(plan, dialect, 1.0, accepted, program, quiet=True, overwrite=True)
     return program
@@ -276,7 +277,8 @@ def _planned(name: str, method: str, settings: Settings, folder: Path) -> Path:
         requests = {
             "D9M": Request(name, family="manual"),
             "D9N": Request(name, family="fourier", criterion="N", order=3, period=4.0, starts=starts, seed=seed),
-            "ptp": Request(name, family="ptp", starts=starts, seed=seed),
+            "ptp": Request(name, controller="virtual", starts=starts, seed=seed),
+            "ptp-steps": Request(name, controller="linuxcnc", starts=starts, seed=seed),
             "spline": Request(name, family="spline", starts=starts, seed=seed),
         }
         if make_plan(requests[method], plan, quiet=True)["interrupted"]:

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from cases.basis import bound_hash
 from cases.errors import HexciteError
+from identification.noise.pose_field import PoseField
 from planner.comparison.entries import Entry, Level
 
 SAME_PATH = 2e-3  # [m] a run that strays less from a plan, and the plan from it, is a run of that plan
@@ -133,15 +134,22 @@ def _comparable(one: Entry, other: Entry) -> bool:
         return False
     if one.noise is None or other.noise is None:
         return True
+    if PoseField.of(one.case.sensors) != PoseField.of(other.case.sensors):  # one prediction counts errors of the pose
+        return False
     return max(one.noise, other.noise) <= SAME_NOISE * min(one.noise, other.noise)
 
 
 def _conditions(entries: Sequence[Entry]) -> str:
     """Machine, load and noise of entries that have them in common, in words."""
     loads = [f"{e.load:.4g} kg mounted" for e in entries if e.load is not None]
-    noises = [f"noise {e.noise:.3g} N" for e in entries if e.noise is not None]
+    noises = [f"noise {e.noise:.3g} N{_by_pose(e)}" for e in entries if e.noise is not None]
     machines = [e.machine for e in entries if e.machine is not None]
     return ", ".join([f"case {entries[0].case.name}", *machines[:1], *loads[:1], *noises[:1]])
+
+
+def _by_pose(entry: Entry) -> str:
+    field = PoseField.of(entry.case.sensors)
+    return "" if field is None else f" and {field.words} that depends on the pose"
 
 
 def _among(chosen: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recommendation:

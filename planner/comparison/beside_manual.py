@@ -19,14 +19,17 @@ class Beside(NamedTuple):
     Args:
         duration: [s].
         std: predicted standard deviation of each physical parameter, of one whole run [SI].
+        averaging: whether errors average out where it is repeated; those that depend on the pose do not.
     """
 
     duration: float
     std: dict[str, float]
+    averaging: bool = True
 
     def at_equal_time(self, duration: float) -> dict[str, float]:
         """Deviations if the motion were repeated, or broken off, after another duration [s]."""
-        return {name: std * float(np.sqrt(self.duration / duration)) for name, std in self.std.items()}
+        times = float(np.sqrt(self.duration / duration)) if self.averaging else 1.0
+        return {name: std * times for name, std in self.std.items()}
 
 
 def beside_manual(plan: Plan) -> Beside | str:
@@ -40,6 +43,8 @@ def beside_manual(plan: Plan) -> Beside | str:
         if np.linalg.matrix_rank(information) < len(scaling):
             return "the hand-made motion of this case does not determine all parameters of the model"
         worst = worst_std(case, model, scaling, motion, plan.request.payloads)
-        return Beside(motion.duration, {name: std for name, (std, _) in worst.items()})
+        return Beside(
+            motion.duration, {name: std for name, (std, _) in worst.items()}, case.sensors.pose_error_N is None
+        )
     except HexciteError as error:
         return f"there is no hand-made motion to compare with: {error}"

@@ -29,6 +29,7 @@ from identification.runs.rates import on_one_clock
 from identification.saved import load_result
 from planner.deviations import predicted_std
 from planner.noise import expected_noise
+from planner.pose_errors import PoseErrors
 from planner.poses.regressors import pose_regressors
 from planner.runs.fingerprints import plan_hash
 from planner.runs.recorded import standing_of
@@ -199,7 +200,8 @@ def _run(path: Path, case_name: str | None, stale: bool) -> Entry:
     recording, _ = standing_of(recorded, case, path)
     model = identification_model(case, default_model(recording))
     scaling = reference_scaling(case, model)
-    matrices, way, samples = _matrices(recording, case, model)
+    matrices, struts, samples = _matrices(recording, case, model)
+    way = None if struts is None or recording.t is None else Hexapod.of(case).poses(struts)[:, :3]
     information = _seen(matrices, None, scaling)
     duration = about.get("executed_s")
     noise = expected_noise(case, model)
@@ -208,6 +210,11 @@ def _run(path: Path, case_name: str | None, stale: bool) -> Entry:
         seconds = float(np.count_nonzero(recorded.trigger) * recorded.step)  # of standing still, averaged
     weighted = _seen(matrices, noise.whitening, scaling)
     scattered = None if noise.scatter is None else _seen(matrices, noise.scatter, scaling)
+    errors = PoseErrors.of(case, noise)
+    if errors is not None and struts is not None:
+        seen = matrices if noise.whitening is None else noise.whitening @ matrices
+        scattered = weighted if scattered is None else scattered
+        scattered = scattered + errors.scatter(seen * scaling, struts, seconds)
     units = _units(model)
     expected = predicted_std(case, model, scaling, weighted, seconds, noise.sensors, 0, scattered)
     figures = ("planned_s", "executed_s", "d_efficiency_planned", "d_efficiency", "path_error_mm")
@@ -239,14 +246,14 @@ def _seen(matrices: Array, root: Array | None, scaling: Array) -> Array:
 
 
 def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Array | None, int]:
-    """Regressors that are evaluated, the way of the platform, and the number of samples that they stand for."""
+    """Regressors that are evaluated, strut lengths there, and the number of samples that they stand for."""
     found = scan(recording, case)
     if recording.t is None:
-        return standstills(recording, case, model, found).matrices, None, int(np.sum(~found.bad))
+        struts = None if recording.struts is None else recording.struts[~found.bad]
+        return standstills(recording, case, model, found).matrices, struts, int(np.sum(~found.bad))
     run = moving_run(recording, case, model, found=found)
     struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
-    way = None if struts is None else Hexapod.of(case).poses(struts)[:, :3]
-    return run.regressors(0.0), way, run.samples
+    return run.regressors(0.0), struts, run.samples
 
 
 def _fingerprints(path: Path) -> frozenset[str]:

@@ -47,6 +47,11 @@ class Family(Protocol):
         ...
 
     @property
+    def duration(self) -> float:
+        """Of the excitation [s]."""
+        ...
+
+    @property
     def settings(self) -> dict[str, Any]:
         """What was chosen beforehand, for `plan.json`."""
         ...

@@ -81,6 +81,11 @@ class FourierFamily:
         return "fourier"
 
     @property
+    def duration(self) -> float:
+        """Of the excitation [s]."""
+        return self.period * self.repeats + 2.0 * self.run_in
+
+    @property
     def settings(self) -> dict[str, Any]:
         """Order, period and number of periods."""
         own = {"order": self.order, "period_s": self.period, "repeats": self.repeats, "centred": self.centred}

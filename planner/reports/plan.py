@@ -12,6 +12,7 @@ from identification.identifiability import analyse
 from identification.limited import rotation_motion, strut_motion
 from identification.model import Model, identification_model
 from identification.motion import Motion, Trajectory, sample
+from identification.noise.pose_field import PoseField
 from identification.overload import SHARE, load_shares, sensor_forces
 from identification.parameters import physical_form
 from identification.provenance import provenance
@@ -116,6 +117,8 @@ def _headline(plan: Plan) -> Tiles:
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
     shaken = " and noise of the accelerations as the case states it" if plan.noise.shaken else ""
+    if (field := PoseField.of(plan.case.sensors)) is not None:
+        shaken += f" and errors of {field.words} that depend on the pose"
     noise, rate = f"{plan.noise.sensors:g} N{shaken}", plan.case.recording.rate_Hz
     note = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {plan.noise.weights}."
     columns = ["parameter", "predicted std"]
@@ -123,10 +126,9 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
     if plan.family != "manual":
         if isinstance(manual, Beside):
             other = manual.at_equal_time(plan.motion.duration)
-            columns += ["hand-made, equal time", "times smaller"]
-            note += (
-                f" The hand-made motion of the case takes {manual.duration:.2f} s; its deviations are those of "
-                "as much measuring time as the plan's, repeated or broken off."
+            columns += ["hand-made, equal time" if manual.averaging else "hand-made", "times smaller"]
+            note += f" The hand-made motion of the case takes {manual.duration:.2f} s; its deviations are those of " + (
+                "as much measuring time as the plan's, repeated or broken off." if manual.averaging else "one run."
             )
         else:
             note += f" {manual[0].upper()}{manual[1:]}."

@@ -12,7 +12,8 @@ from identification.limits import TOLERANCE, LimitReport, prove
 from identification.model import Model
 from planner.families.family import Family
 from planner.infeasible import remedy
-from planner.search.problem import mean_information
+from planner.pose_errors import PoseErrors
+from planner.search.problem import information_of
 
 Array = NDArray[np.float64]
 
@@ -22,15 +23,17 @@ SMALLEST = 1e-6  # share of all ways below which nothing moves
 
 
 class Rating(NamedTuple):
-    """What a motion is worth in reference scaling: log det F, and the criterion to be maximised."""
+    """What a motion is worth in reference scaling: log det of its information, and the criterion to be maximised."""
 
     logdet: float
     score: float
 
 
-def rate(model: Model, scaling: Array, family: Family, unknowns: Array, criterion: str) -> Rating:
+def rate(
+    model: Model, scaling: Array, family: Family, unknowns: Array, criterion: str, errors: PoseErrors | None = None
+) -> Rating:
     """Rates a motion from its samples at 1 kHz; minus infinity where it does not determine all parameters."""
-    information = mean_information(model, scaling, family.motion(unknowns))
+    information = information_of(model, scaling, family.motion(unknowns), errors)
     try:
         mu = singular_values(information, model.names)
     except IdentificationError:

@@ -12,6 +12,8 @@ from identification.evaluate import over_samples
 from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
+from planner.pose_errors import PoseErrors, of_estimate
+from planner.search.by_pose import FieldByStates
 from planner.search.program import Program, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows
 from planner.search.state_limits import BINDS, LimitGroup, near_limits
@@ -94,7 +96,9 @@ def _equation(part: Rows) -> bool:
     return isinstance(part, LinearRows) and part.equal is not None
 
 
-def build_problem(case: Case, model: Model, family: Family, scaling: Array, margin: float) -> Problem:
+def build_problem(
+    case: Case, model: Model, family: Family, scaling: Array, margin: float, errors: PoseErrors | None = None
+) -> Problem:
     """Builds the program of criterion D.
 
     Args:
@@ -103,6 +107,7 @@ def build_problem(case: Case, model: Model, family: Family, scaling: Array, marg
         family: what the unknowns mean.
         scaling: reference scaling, shape (u,).
         margin: share of each limit that is left free.
+        errors: of the pose, which the information counts.
     """
     layout, limits = family.layout(case, margin), near_limits(case)
     rows = tuple(
@@ -123,9 +128,22 @@ def build_problem(case: Case, model: Model, family: Family, scaling: Array, marg
             if group.peak is Peak.POSE
         )
     program = Program(
-        layout.states, regressor_kernel(model, scaling), (*layout.rows, *first, *rows), layout.lower, layout.upper
+        layout.states,
+        regressor_kernel(model, scaling),
+        (*layout.rows, *first, *rows),
+        layout.lower,
+        layout.upper,
+        errors=None if errors is None else FieldByStates(errors, family.duration),
     )
     return Problem(layout, program, limits, case.need_machine("planning")[2].motion, *box_middle(case))
+
+
+def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:
+    """What of the mean information errors of the pose leave; all of it where there are none, shape (u, u)."""
+    plain = mean_information(model, scaling, trajectory)
+    if errors is None:
+        return plain
+    return of_estimate(plain, plain + errors.scatter_of(model, scaling, trajectory))
 
 
 def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate: float = 1000.0) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.model import Model
+from planner.search.by_pose import Felt, FieldByStates
 from planner.search.criterion import Local, criterion_at
 from planner.search.kernel import Kernel
 from planner.search.rows import Blocks, Rows, pulled_back
@@ -38,13 +39,13 @@ def regressor_kernel(model: Model, scaling: Array) -> Kernel:
 
 
 class _Point(NamedTuple):
-    """What is known at one vector of unknowns."""
+    """What is known at one vector of unknowns: states, A of (21) with its slopes, and the information with its own."""
 
     unknowns: Array
     states: Array
     regressors: Array
     slopes: Array
-    information: Array
+    felt: Felt
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,7 @@ class Program:
         convex: whether second derivatives leave out what bends the information itself. That part is negative nearly
             everywhere: without it Newton steps are longer, need no correction, and lead to better optima from afar; the
             last digits take more of them.
+        errors: of the pose, which the information then counts; second derivatives are convex with them.
     """
 
     states: States
@@ -72,6 +74,7 @@ class Program:
     letter: str = "D"
     halvings: int = 0
     convex: bool = False
+    errors: FieldByStates | None = None
 
     @property
     def unknowns(self) -> int:
@@ -107,9 +110,12 @@ class Program:
         return np.concatenate(rows), np.concatenate(columns)
 
     def information(self, unknowns: Array) -> Array:
-        """Mean of H A^T A H over the motion, shape (u, u)."""
+        """Mean of H A^T A H over the motion, or what errors of the pose leave of it, shape (u, u)."""
         states = self.states.at(unknowns).reshape(-1, STATE)
-        return _weighted_square(self.regressor.values(states), states[:, SHARE], self.size)
+        regressors = self.regressor.values(states)
+        if self.errors is not None:
+            return self.errors.information(states, regressors)
+        return _weighted_square(regressors, states[:, SHARE], self.size)
 
     def value(self, unknowns: Array) -> float:
         """The criterion."""
@@ -130,22 +136,27 @@ class Program:
             return last[0]
         states = self.states.at(unknowns).reshape(-1, STATE)
         regressors, slopes = self.regressor.slopes(states)
-        square = _weighted_square(regressors, states[:, SHARE], self.size)
-        last[:] = [_Point(unknowns.copy(), states, regressors, slopes, square)]
+        if self.errors is None:
+            square = _weighted_square(regressors, states[:, SHARE], self.size)
+            felt = Felt(square, regressors, slopes, regressors)
+        else:
+            felt = self.errors.felt(states, regressors, slopes)
+        last[:] = [_Point(unknowns.copy(), states, regressors, slopes, felt)]
         return last[0]
 
     def _pull(self, point: _Point, local: Local) -> tuple[Array, Array]:
         """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, 19)."""
-        bent = (point.regressors.reshape(-1, 6, self.size) @ local.slope).reshape(len(point.states), -1)
-        plain = 2.0 * (point.slopes @ bent[:, :, None])[:, :, 0]
+        felt = point.felt
+        bent = (felt.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
+        plain = 2.0 * (felt.slopes @ bent[:, :, None])[:, :, 0]
         pull = plain * point.states[:, SHARE : SHARE + 1]
-        pull[:, SHARE] = np.einsum("ki,ki->k", bent, point.regressors)
+        pull[:, SHARE] = np.einsum("ki,ki->k", bent, felt.own)
         return plain, pull
 
     def gradient(self, unknowns: Array) -> Array:
         """Derivative of the criterion, shape (n,)."""
         point = self._point(unknowns)
-        _, pull = self._pull(point, criterion_at(self.letter, point.information, self.halvings))
+        _, pull = self._pull(point, criterion_at(self.letter, point.felt.information, self.halvings))
         index = self.states.index
         pull = pull.reshape(len(index), -1)
         slopes = self.states.slopes(unknowns).reshape(len(index), pull.shape[1], -1)
@@ -172,33 +183,20 @@ class Program:
     def _bent(self, unknowns: Array, factor: float, total: Array) -> Blocks | None:
         """Second derivative of the criterion: adds the part through F to total, returns that along the states."""
         point, size = self._point(unknowns), self.size
-        local = criterion_at(self.letter, point.information, self.halvings)
-        shares = point.states[:, SHARE]
-        index, slopes = self.states.index, self.states.slopes(unknowns)
-        blocks, width = index.shape
-        # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
-        turned = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
-        turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
-        flat_slopes = slopes.reshape(len(point.states), STATE, width)
-        own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * shares[:, None, None]
-        own = own.reshape(blocks, -1, width, 6, size).transpose(0, 2, 1, 3, 4).reshape(blocks, width, -1, size)
-        rows = turned.reshape(blocks, 1, -1, size)
-        products = (rows.transpose(0, 1, 3, 2) @ own).reshape(blocks, width, -1)
-        upper, lower = np.triu_indices(size)
-        elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
-        if flat_slopes[:, SHARE].any():
-            squares = turned.reshape(-1, 6, size)
-            squares = (squares.transpose(0, 2, 1) @ squares).reshape(blocks, -1, size * size)
-            lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
-            elements += lengths @ squares[:, :, upper * size + lower]
-        through = _spread(index, self.unknowns) @ elements.reshape(-1, len(upper))
-        diagonal = upper == lower
-        weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
-        main = through[:, diagonal]
-        total += factor * ((through * weights) @ through.T + main @ local.second @ main.T)
+        local = criterion_at(self.letter, point.felt.information, self.halvings)
+        self._add_through(unknowns, factor, local, point.states, point.felt, total)
+        if self.errors is not None:  # where field and motion change together the part above is flat, and steps too long
+            square = _weighted_square(point.regressors, point.states[:, SHARE], size)
+            without = Felt(square, point.regressors, point.slopes, point.regressors)
+            self._add_through(unknowns, factor, criterion_at("D", square), point.states, without, total)
+            return None
         if self.convex:
             return None
+        index, slopes = self.states.index, self.states.slopes(unknowns)
+        shares = point.states[:, SHARE]
         plain, pull = self._pull(point, local)
+        turned = (point.regressors.reshape(-1, size) @ local.vectors).reshape(len(point.states), -1)
+        turned_slopes = (point.slopes.reshape(-1, size) @ local.vectors).reshape(*point.slopes.shape)
         bent = (turned.reshape(-1, size) * local.first) @ local.vectors.T
         along = self.regressor.curvature(point.states, 2.0 * bent.reshape(len(point.states), -1))
         scaled = (turned_slopes.reshape(-1, size) * local.first).reshape(*turned_slopes.shape)
@@ -208,6 +206,39 @@ class Program:
         shape = (*slopes.shape[:2], STATE)
         matrices = pulled_back(self.states, unknowns, slopes, along.reshape(*shape, STATE), pull.reshape(shape))
         return Blocks(index, factor * matrices)
+
+    def _add_through(
+        self, unknowns: Array, factor: float, local: Local, states: Array, felt: Felt, total: Array
+    ) -> None:
+        """Adds to a second derivative what a criterion has through its information."""
+        size, index, slopes = self.size, self.states.index, self.states.slopes(unknowns)
+        blocks, width = index.shape
+        # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
+        turned = (felt.rows.reshape(-1, size) @ local.vectors).reshape(len(states), -1)
+        turned_slopes = (felt.slopes.reshape(-1, size) @ local.vectors).reshape(*felt.slopes.shape)
+        flat_slopes = slopes.reshape(len(states), STATE, width)
+        own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * states[:, SHARE, None, None]
+        own = own.reshape(blocks, -1, width, turned.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
+        own = own.reshape(blocks, width, -1, size)
+        rows = turned.reshape(blocks, 1, -1, size)
+        products = (rows.transpose(0, 1, 3, 2) @ own).reshape(blocks, width, -1)
+        upper, lower = np.triu_indices(size)
+        elements = products[:, :, upper * size + lower] + products[:, :, lower * size + upper]
+        if flat_slopes[:, SHARE].any():
+            right = left = turned.reshape(len(states), -1, size)
+            if felt.own is not felt.rows:
+                right = (felt.own.reshape(-1, size) @ local.vectors).reshape(left.shape)
+            squares = left.transpose(0, 2, 1) @ right
+            if felt.own is not felt.rows:
+                squares = (squares + squares.transpose(0, 2, 1)) / 2.0
+            squares = squares.reshape(blocks, -1, size * size)
+            lengths = slopes[:, :, SHARE].transpose(0, 2, 1)
+            elements += lengths @ squares[:, :, upper * size + lower]
+        through = _spread(index, self.unknowns) @ elements.reshape(-1, len(upper))
+        diagonal = upper == lower
+        weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
+        main = through[:, diagonal]
+        total += factor * ((through * weights) @ through.T + main @ local.second @ main.T)
 
 
 def _weighted_square(regressors: Array, shares: Array, size: int) -> Array:

@@ -21,6 +21,7 @@ from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.infeasible import require_rest
 from planner.noise import expected_noise, seen_through
+from planner.pose_errors import PoseErrors
 from planner.search.annealing import annealed_start
 from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate
 from planner.search.ipopt import Watch, solve
@@ -159,19 +160,22 @@ _AT_HAND: dict[str, object] = {"mu_init": 1e-5}
 def _stages(task: Task, close: bool) -> Iterator[_Stage]:
     """First by D, which is smooth everywhere, then, when refining, by the criterion asked for.
 
-    `close`: whether the start is a good motion within the limits.
+    `close`: whether the start is a good motion within the limits, which is refined at once.
     """
-    afar = _FAR if task.begin is None and not task.moves else _AT_HAND if close else _NEAR
+    afar = _FAR if task.begin is None and not task.moves else _NEAR
+    at_hand = _Stage("D", 0, False, REFINE, _AT_HAND)
     if task.step is Step.GLANCE:
         if not task.moves:
             yield _Stage("D", 0, True, GLANCE, afar)
         return
-    if task.step is Step.EXPLORE:
+    if close:
+        yield at_hand
+    elif task.step is Step.EXPLORE:
         yield _Stage("D", 0, not task.moves, EXPLORE[task.family.name], afar)
         if not task.moves:
             return
     if task.criterion == "D" and task.step is Step.REFINE:
-        yield _Stage("D", 0, False, REFINE, _AT_HAND)
+        yield at_hand
     elif task.criterion == "A":
         yield _Stage("A", 0, not task.moves, OTHERWISE, afar)
     elif task.criterion in "KN":
@@ -189,11 +193,11 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     run = _Run(task, watch)
     unknowns = run.begin()
     before = run.rate(unknowns)
-    exploring = task.step is not Step.REFINE and not task.moves
+    exploring = task.step is not Step.REFINE and not task.moves and not run.close
     best: tuple[Rating, Inside] | None = None
-    if task.step is Step.GLANCE and task.moves:  # its annealed walk tells enough
-        glance = keep_limits(task.case, run.family, unknowns, QUICK_RATE)
-        best = run.rate(glance.unknowns), glance
+    if run.close or (task.step is Step.GLANCE and task.moves):  # of a glance the annealed walk tells enough
+        inside = keep_limits(task.case, run.family, unknowns, QUICK_RATE)
+        best = run.rate(inside.unknowns), inside
     for stage in _stages(task, run.close):
         if run.stopped and best is not None:
             break
@@ -239,8 +243,9 @@ class _Run:
         model = identification_model(task.case, task.model)
         self.task, self.family, self.watch = task, task.family, watch
         self.scaling = reference_scaling(task.case, model)
-        self.model = seen_through(model, expected_noise(task.case, model, task.payload).whitening)
-        self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED)
+        noise = expected_noise(task.case, model, task.payload)
+        self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
+        self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
         self.iterations, self.status, self.converged, self.stopped, self.close = 0, "", False, False, False
 
     def told(self, objective: float) -> bool:
@@ -250,14 +255,15 @@ class _Run:
 
     def rate(self, unknowns: Array, letter: str | None = None) -> Rating:
         """What a motion is worth by the criterion asked for, or another."""
-        return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion)
+        return rate(self.model, self.scaling, self.family, unknowns, letter or self.task.criterion, self.errors)
 
     def begin(self) -> Array:
         """Where the solver begins."""
         task, begin, draw = self.task, self.task.begin, np.random.default_rng(self.task.seed)
         if begin is not None:
             worst = self.problem.worst(begin)
-            self.close = task.step is not Step.REFINE and worst <= CLOSE
+            # What is good for white noise alone is far from what errors of the pose call for.
+            self.close = task.step is Step.EXPLORE and worst <= CLOSE and self.errors is None
             if self.close or task.step is Step.REFINE:
                 self.problem = self.problem.with_rows_above(begin, NEAR)
                 return begin

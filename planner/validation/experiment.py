@@ -38,6 +38,7 @@ METHODS = {
     "D9M": "hand-made motion, model 9",
     "D9N": "N-optimal Fourier series of order 3, 12 s, model 9",
     "ptp": "D-optimal point-to-point moves, 12 s, model 9",
+    "ptp-steps": "D-optimal point-to-point moves without limit of jerk, as LinuxCNC times them, 12 s, model 9",
     "spline": "D-optimal jerk-limited spline, 12 s, model 9",
 }
 

@@ -9,7 +9,7 @@ from cases.schema import Case
 from planner.validation.causes import BODY, CAUSES, SUSPICIOUS
 from planner.validation.step import Identified, Step
 
-OURS, MOVING, STANDING = ("ptp", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
+OURS, MOVING, STANDING = ("ptp", "ptp-steps", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps
 NEAR = 0.03  # of the mass: in Table 3 models 6, 7 and 9 agree within 1 %, while 0 to 2 are off by 10 %
 WITHOUT_K5 = (6, 7)  # models of motions that have no orientation-dependent error terms

@@ -30,6 +30,7 @@ from tests.bench.identified import identification_figures
 from tests.bench.leaps import leaps
 from tests.bench.monte_carlo import monte_carlo_table
 from tests.bench.portfolio import portfolio
+from tests.bench.pose_errors import pose_error_rows
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
 from tests.bench.retiming import retiming_table
@@ -60,7 +61,7 @@ def demos(folder: Path) -> list[list[str]]:
         rows += [
             [f"hexcite demo on {controller}", f"{seconds:.1f} s", "25 s"],
             ["  worst error in reported standard deviations", f"{answer['worst_error_in_std']:.2f}", "4"],
-            ["  Fourier order 5, solving", f"{plan['solve_s']:.1f} s", "6 s"],
+            [f"  {plan['settings']['moves']} moves, solving", f"{plan['solve_s']:.1f} s", ""],
             ["  D-efficiency planned / executed", f"{plan['d_efficiency']:.3f} / {run['d_efficiency']:.3f}", ""],
             ["  duration executed / planned", f"{run['duration_s'] / run['planned_s']:.4f}", ""],
             ["  distance from the planned path", f"{run['path_error_mm']:.3f} mm", ""],
@@ -117,6 +118,8 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
     yield "Exported models", exported()
     with tempfile.TemporaryDirectory() as name:
         yield "Validation", validation_rows(Path(name), command)
+    with tempfile.TemporaryDirectory() as name:
+        yield "Errors of the pose", pose_error_rows(Path(name), command)
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]

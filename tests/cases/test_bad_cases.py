@@ -22,6 +22,7 @@ def points(count: int) -> str:
 
 
 # mistake -> what is replaced by what, key, what the message says
+LENGTH = "pose_error_length_mm = 28.0"
 MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "unknown key": ("mass_kg = 33.0", "mas_kg = 33.0", "nominal.mas_kg", "unknown key; did you mean mass_kg"),
     "unknown table": ("[machine]", "[machin]", "machin", "unknown key; did you mean machine"),
@@ -69,6 +70,28 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "noise of moments of bars": ("range_N = 5000.0", "moment_noise_Nm = 0.1", "", "moment_noise_Nm = 0.1, but"),
     "weights by no noise": ('weights = "equal"', 'weights = "stated"', "", "force_noise_N is missing; w"),
     "vibration alone": ("range_N = 5000.0", "acceleration_noise_m_s2 = 0.1", "", "force_noise_N is missing; noise"),
+    "negative pose error": ("range_N = 5000.0", f"pose_error_N = -1.0\n{LENGTH}", "sensors.pose_error_N", "-1.0: .* 0"),
+    "pose error over no length": (
+        "range_N = 5000.0",
+        "pose_error_N = 1.0\npose_error_length_mm = 0.0",
+        "sensors.pose_error_length_mm",
+        "0.0: .*equal to 0.1",
+    ),
+    "pose error in metres": (
+        "range_N = 5000.0",
+        "pose_error_N = 1.0\npose_error_length_mm = 0.028",
+        "sensors.pose_error_length_mm",
+        "0.028: .*equal to 0.1",
+    ),
+    "pose error over an angle": (
+        "range_N = 5000.0",
+        "pose_error_N = 1.0\npose_error_angle_deg = 3.0",
+        "sensors.pose_error_angle_deg",
+        "unknown key",
+    ),
+    "pose error without length": ("range_N = 5000.0", "pose_error_N = 1.0", "", "pose_error_length_mm is missing"),
+    "pose error without size": ("range_N = 5000.0", LENGTH, "", "pose_error_N is missing"),
+    "pose error in mN": ("weights =", f"pose_error_N = 6e3\n{LENGTH}\nweights =", "", "more than sensors.range"),
     "another unit of noise": ("range_N = 5000.0", "strut_noise_mm = 0.1", "sensors.strut_noise_mm", "noise_um"),
     "another version": ("schema_version = 1", "schema_version = 2", "schema_version", "2: .*1"),
     "unknown setup": ('setup = "1b"', 'setup = "r"', "setup", "'r': .*'1a', '1b' or 'R'"),

@@ -72,7 +72,7 @@ def test_errors_that_depend_on_the_pose_are_seen_from_a_part_and_do_not_average_
     waving = replace(RUN, forces=RUN.forces + 3.0 * np.sin(phase))
     whole, begun = estimates(waving, monkeypatch)
     for estimate in (whole, begun):
-        assert any("the pose" in n for n in estimate.notes)
+        assert any("depend on the pose" in n for n in estimate.notes)
     ratio = np.sqrt(np.diag(begun.covariance_robust) / np.diag(whole.covariance_robust))
     assert 0.4 < np.median(ratio) < 2.5
 

@@ -69,10 +69,14 @@ def test_softer_is_worse_and_equal_time_is_what_white_noise_counts(hexapod_case:
     assert once.over(thrice) == pytest.approx(np.sqrt(3.0), rel=0.02)
 
 
+@pytest.mark.parametrize("pose_error", [0.0, 1.45])
 @pytest.mark.parametrize("limited", [True, False])
-def test_the_error_is_that_of_the_simulated_machine(limited: bool, hexapod_case: Case):
-    """Identified from a recording of the run, the mode's part of the error of the mass is the one that is predicted."""
-    case = with_mode(hexapod_case, 80.0)
+def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: float, hexapod_case: Case):
+    """Identified from a recording of the run, the mode's part of the error of the mass is the one that is predicted.
+
+    With errors of the pose residuals are larger, so that less is estimated beside the parameters.
+    """
+    case = changed(with_mode(hexapod_case, 80.0), simulation__disturbances__pose_error_N=pose_error)
     motion = walk(case, limited)
     found = vibration(case, 9, motion, 0, motion.duration)
     language = dialect("sinumerik" if limited else "linuxcnc").load()
@@ -84,7 +88,7 @@ def test_the_error_is_that_of_the_simulated_machine(limited: bool, hexapod_case:
     predicted = np.sqrt(found.errors["m"] ** 2 - white(case, motion)["m"] ** 2)
     assert predicted == pytest.approx(abs(by_mode), rel=0.25)
     assert identify(excitation.recorded(0, case.simulation.disturbances)[0], case).s0 == pytest.approx(
-        found.s0, rel=0.1
+        found.s0, rel=0.15
     )
 
 

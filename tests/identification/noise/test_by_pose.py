@@ -11,8 +11,9 @@ from identification.estimation.estimator import gauss_markov
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.loaded import UNDISTURBED, Circumstances
-from identification.noise.by_pose import FREEDOM, _matern, _spectrum, covariance_by_pose
+from identification.noise.by_pose import FREEDOM, _spectrum, covariance_by_pose
 from identification.noise.coloured import coloured_covariance
+from identification.noise.pose_field import matern
 from identification.noise.turned import Turned, turned
 from identification.result import Estimate
 from identification.simulate import simulate_recording
@@ -141,7 +142,7 @@ def test_too_few_samples_tell_nothing() -> None:
 
 def test_the_correlation_knows_its_slope() -> None:
     apart = np.array([0.1, 1.0, 3.0])
-    found = taylor_slope(lambda h: _matern(apart * np.exp(-h))[0], 0.0, _matern(apart)[1], 0.1)
+    found = taylor_slope(lambda h: matern(apart * np.exp(-h))[0], 0.0, matern(apart)[1], 0.1)
     assert found == pytest.approx(2.0, abs=0.1)
 
 
@@ -151,7 +152,7 @@ def test_waves_add_up_to_the_correlation() -> None:
     for direction in np.linalg.qr(np.random.default_rng(5).normal(size=(6, 6)))[0]:
         for apart in (0.3, 1.0, 2.0, 6.0):
             mean = np.cos(waves @ (apart * direction)).mean()
-            assert mean == pytest.approx(float(_matern(np.array(apart))[0]), abs=0.12)
+            assert mean == pytest.approx(float(matern(np.array(apart))[0]), abs=0.12)
     assert FREEDOM == 3  # 2 nu, nu = 3/2
 
 
@@ -164,7 +165,7 @@ def identified(around: Circumstances) -> Estimate:
 def test_identify_says_that_errors_come_back_and_allows_for_them() -> None:
     quiet = identified(UNDISTURBED)
     disturbed = identified(Circumstances((), CASE.simulation.disturbances))
-    assert not any("come back with the pose" in note for note in quiet.notes)
-    assert sum("come back with the pose" in note for note in disturbed.notes) == 1
+    assert not any("errors depend on the pose" in note for note in quiet.notes)
+    assert sum("errors depend on the pose" in note for note in disturbed.notes) == 1
     wider = [v.reported / v.std for v in disturbed.physical.values()]
     assert min(wider) > 1.5

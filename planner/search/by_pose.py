@@ -1,0 +1,106 @@
+"""The information that errors of the pose leave, by the states of a motion: value and derivatives.
+
+With y = A X, X = M^-1 F, and r = R X, R_i = sum_j C_ij w_j A_j (see `planner.pose_errors`), a change dA of the
+regressor of state i, of share w_i, and a change dC of its correlations change S = F M^-1 F by w_i (B + B^T), where
+B = y^T (dA - h) + (A - y - r)^T dA X and h = sum_j dC_ij w_j A_j X: a product of rows with slopes, like that of F.
+"""
+
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from identification.noise.pose_field import squared_distances
+from planner.pose_errors import PoseErrors
+from planner.search.kernel import Kernel
+from planner.search.states import SHARE, STATE
+
+Array = NDArray[np.float64]
+
+
+class Felt(NamedTuple):
+    """An information matrix S and its derivatives by K states: dS = share (rows^T slopes + slopes^T rows).
+
+    Args:
+        information: S, shape (u, u).
+        rows: shape (K, r u).
+        slopes: by the components of the state, shape (K, 19, r u).
+        own: dS/d share = (rows^T own + own^T rows) / 2, shape (K, r u).
+    """
+
+    information: Array
+    rows: Array
+    slopes: Array
+    own: Array
+
+
+class FieldByStates:
+    """Errors of the pose at the states of a motion.
+
+    Args:
+        errors: of the machine.
+        duration: of the motion [s].
+    """
+
+    def __init__(self, errors: PoseErrors, duration: float) -> None:
+        state = ca.SX.sym("state", STATE)
+        self.errors, self.gain = errors, errors.rate * duration
+        self.struts = Kernel(state, errors.hexapod.inverse(state[:6]))
+
+    def _parts(self, states: Array, regressors: Array, struts: Array) -> tuple[Array, Array, Array, Array]:
+        """A, w Q A (Q mixes channels), R and M of K states, shapes (K, 6, u) thrice and (u, u)."""
+        shares = states[:, SHARE]
+        matrices = regressors.reshape(len(states), 6, -1)
+        felt = matrices * shares[:, None, None]
+        mixed = felt if self.errors.mixing is None else self.errors.mixing @ felt
+        answer = self.errors.correlation(struts, struts) @ mixed.reshape(len(states), -1)
+        answer = self.gain * answer.reshape(matrices.shape)
+        return matrices, mixed, answer, np.tensordot(felt, matrices + answer, ((0, 1), (0, 1)))
+
+    def information(self, states: Array, regressors: Array) -> Array:
+        """S, shape (u, u), of states, shape (K, 19), and A, shape (K, 6 u)."""
+        matrices, _, _, scatter = self._parts(states, regressors, self.struts.values(states))
+        plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
+        return _estimate(plain, scatter)[1]
+
+    def felt(self, states: Array, regressors: Array, slopes: Array) -> Felt:
+        """S and its derivatives.
+
+        Args:
+            states: shape (K, 19).
+            regressors: A, shape (K, 6 u).
+            slopes: of A by the states, shape (K, 19, 6 u).
+        """
+        struts, ways = self.struts.slopes(states)
+        matrices, mixed, answer, scatter = self._parts(states, regressors, struts)
+        plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
+        turn, information = _estimate(plain, scatter)
+        y, left = matrices @ turn, answer @ turn
+        changed = slopes.reshape(*slopes.shape[:2], 6, -1)
+        shifted = changed - (ways @ self._pulled(struts, mixed @ turn)).reshape(changed.shape)
+        flat = (len(states), -1)
+        return Felt(
+            information,
+            np.concatenate([y, matrices - y - left], axis=1).reshape(flat),
+            np.concatenate([shifted, changed @ turn], axis=2).reshape(*slopes.shape[:2], -1),
+            np.concatenate([2.0 * (matrices - left) - y, np.zeros_like(y)], axis=1).reshape(flat),
+        )
+
+    def _pulled(self, struts: Array, answer: Array) -> Array:
+        """Sum over j of dC_ij/dl_i times answer_j, by each strut, shape (K, 6, 6 u)."""
+        length, flat = self.errors.field.length, answer.reshape(len(answer), -1)
+        distance = np.sqrt(squared_distances(struts, struts)) / length
+        bent = -3.0 * self.gain / length**2 * np.exp(-np.sqrt(3.0) * distance)
+        whole = bent @ flat
+        return np.stack([struts[:, k, None] * whole - bent @ (struts[:, k, None] * flat) for k in range(6)], axis=1)
+
+
+def _estimate(plain: Array, scatter: Array) -> tuple[Array, Array]:
+    """X = M^-1 F and S = F X, shapes (u, u); not a number where M is singular: the solver then steps back."""
+    try:
+        turn = np.linalg.solve(scatter, plain)
+    except np.linalg.LinAlgError:
+        turn = np.full(plain.shape, np.nan)
+    information = plain @ turn
+    return np.asarray(turn), np.asarray((information + information.T) / 2.0)
