@@ -1,11 +1,12 @@
 """Files and folders that are either whole or absent, also when the process is killed while it writes."""
 
+import errno
 import json
 import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain, count
 from pathlib import Path
@@ -225,28 +226,44 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
         part.chmod(0o777 & ~_mask())
         for file in part.rglob("*"):
             _flush(file)
-        if not overwrite and path.is_dir() and any(path.iterdir()):
-            free = free_name(path)
-            os.rename(part, free)
-            raise FileProblem(f"{path}: {kind.name} stands there by now and stays; the new one is in {free}")
-        if path.exists():
-            old = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
-            os.rename(path, old / path.name)
-            try:
-                os.rename(part, path)
-            except OSError:
-                os.rename(old / path.name, path)
-                raise
-            finally:
-                shutil.rmtree(old)
-        else:
-            os.rename(part, path)
+        placed = _put(part, path, overwrite)
+        if placed != path:
+            raise FileProblem(f"{path}: {kind.name} stands there by now and stays; the new one is in {placed}")
     except FileProblem:
         raise
     except OSError as error:
         raise _unwritable(path, error) from error
     finally:
         shutil.rmtree(part, ignore_errors=True)
+
+
+def _put(part: Path, path: Path, overwrite: bool) -> Path:
+    """Renames a folder to `path`, or to a free name where another stands there and stays; returns where it is.
+
+    Other commands may write the same folder at the same time: whoever comes first or last, each finds a place.
+    """
+    place, aside = path, list[Path]()
+    try:
+        while True:
+            try:
+                os.rename(part, place)
+                return place
+            except OSError as error:
+                if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                    raise
+            with suppress(FileNotFoundError):  # another command has just set it aside
+                if overwrite or not any(path.iterdir()):
+                    aside.append(Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent)))
+                    os.rename(path, aside[-1] / path.name)
+                else:
+                    place = free_name(path)
+    except OSError:
+        if aside and not path.exists():
+            os.rename(aside[-1] / path.name, path)
+        raise
+    finally:
+        for old in aside:
+            shutil.rmtree(old, ignore_errors=True)
 
 
 def write_text(path: Path, text: str) -> None:

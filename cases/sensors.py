@@ -184,7 +184,7 @@ class Simulation(Part):
     encoder_resolution_um: NonNegative
     force_noise_N: NonNegative
     force_delay_ms: NonNegative
-    force_sampling_offset_cycles: NonNegative = Field(le=1.0)
+    force_sampling_offset_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
     encoder_rate_Hz: Positive
     acceleration_noise_m_s2: NonNegative = 0.0
     """White accelerations of the platform beside those of the struts, as in `Sensors`."""

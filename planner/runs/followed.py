@@ -3,12 +3,12 @@
 from cases.errors import ExecutionError
 from cases.schema import Case
 from identification.motion import Joined, Standstill, Trajectory
-from postprocessors.files import ProgramFile
+from postprocessors.files import Program
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 
 
-def planned_excitation(read: ProgramFile, case: Case) -> Trajectory:
+def planned_excitation(read: Program, case: Case) -> Trajectory:
     """The motion that the program asks for while its trigger is on.
 
     Raises:

@@ -9,17 +9,15 @@ from numpy.typing import NDArray
 from cases.basis import Artefact, recording_basis
 from cases.errors import HexciteError, RecordingError
 from cases.files import another_kind
-from cases.loading import CASE_FILE, built_in_cases, find_case, lasting_name, load_case
+from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.recording import Recording
-from identification.result import Estimate
+from identification.recording import record_of as about_recording
 from identification.runs.standing import average, find_standstills, match, stands_only
 from identification.saved import load_result
-from planner.poses.expected import poses_of_plan, poses_of_recording
-from planner.runs.about import about_recording
-from planner.runs.fingerprints import plan_of_recording
+from planner.poses.expected import poses_of_record
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 Array = NDArray[np.float64]
@@ -30,11 +28,11 @@ class Still(NamedTuple):
     """What a user says about standstills in a run that was recorded with a clock.
 
     Args:
-        plan: of poses, whose standstills the run holds.
+        poses: whose standstills the run holds, shape (n, 6) [m, rad].
         asked: average standstills without knowing the poses.
     """
 
-    plan: Path | None = None
+    poses: Array | None = None
     asked: bool = False
 
 
@@ -96,31 +94,11 @@ def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
     return None
 
 
-def about_run(path: Path, case: str | None, recording: Recording, estimate: Estimate) -> dict[str, Any]:
-    """What a result says of its run: the file of the case, the plan that it followed, the time that it took.
-
-    Args:
-        path: of the recording.
-        case: as it was named; None where the recording's folder says.
-        recording: as it was identified.
-        estimate: of it.
-    """
-    about = about_recording(path)
-    taken = about.get("executed_s")
-    if taken is None and recording.t is not None:
-        taken = estimate.samples * float(np.median(np.diff(recording.t)))  # stamps of a host jitter
-    name = str(about.get("case_file")) if case is None else lasting_name(case)
-    return {"case_file": name, "plan_hash": plan_of_recording(path), "measuring_s": taken}
-
-
-def shorter_than_planned(path: Path, recording: Recording) -> tuple[Finding, ...]:
-    """A trigger that was on for less than its program lasts, at the feed that was recorded.
-
-    Args:
-        path: a folder of `hexcite run`, which knows what was planned; nothing is said of others.
-        recording: in it.
-    """
-    planned = about_recording(path).get("planned_s")
+def shorter_than_planned(recording: Recording) -> tuple[Finding, ...]:
+    """A trigger that was on for less than the program lasts, at the feed that was recorded, of a run of hexcite."""
+    planned = recording.record.get("planned_s")
+    if recording.record.get("poses_m_rad"):  # there it is on in the dwells only
+        return ()
     if planned is None or recording.t is None or recording.trigger is None or recording.trigger.all():
         return ()
     feed = 1.0 if recording.override is None else recording.override[recording.trigger]
@@ -131,20 +109,18 @@ def shorter_than_planned(path: Path, recording: Recording) -> tuple[Finding, ...
     return (warning(Kind.WINDOW, f"{told}off; what the plan promises is not of this run"),)
 
 
-def standing_of(
-    recording: Recording, case: Case, path: Path, still: Still = UNSAID
-) -> tuple[Recording, dict[str, Any] | None]:
+def standing_of(recording: Recording, case: Case, still: Still = UNSAID) -> tuple[Recording, dict[str, Any] | None]:
     """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
 
-    A folder of hexcite run knows the poses of its program; `still` names others, or says that there are standstills.
+    A run of hexcite knows the poses of its program; `still` names others, or says that there are standstills.
 
     Raises:
         StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
         RecordingError: no standstills, though there should be some.
     """
-    expected = poses_of_plan(still.plan, case) if still.plan is not None else poses_of_recording(path)
+    expected = still.poses if still.poses is not None else poses_of_record(recording.record)
     if recording.t is None:
-        if still.plan is None and not still.asked:
+        if still.poses is None and not still.asked:
             return recording, None
         raise RecordingError(f"{recording.source}: its rows are averaged already; leave --poses and --standstills out")
     if expected is None and not still.asked and not stands_only(recording):

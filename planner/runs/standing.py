@@ -14,6 +14,8 @@ from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Stretch, Timed, Untimed
 
+STANDS = 1e-4  # [m] that a strut may move while the trigger is on: it settles for some cycles
+
 
 class Stood(NamedTuple):
     """How a run went.
@@ -48,16 +50,21 @@ def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Tr
 def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
     """How long it took from home to home, and how far the machine stood from the program's poses, shape (n, 6).
 
-    An accelerated LinuxCNC session times dwells by the wall clock: there they take longer than in the machine.
-
     Raises:
-        ExecutionError: the trigger did not come on once at each pose.
+        ExecutionError: the trigger did not come on once at each pose, or the machine moved while it was on.
     """
     if len(run.trigger) != len(poses):
         raise ExecutionError(
             f"{program}: the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}; "
             "report this"
         )
+    for k, (start, end) in enumerate(run.trigger, 1):
+        within = run.execution.struts(np.arange(start, end, 1e-3))
+        if (way := float(np.ptp(within, axis=0).max())) > STANDS:
+            raise ExecutionError(
+                f"{program}: at pose {k} a strut moved by {way * 1e3:.3g} mm while the trigger was on, on "
+                f"{run.controller}; run again"
+            )
     there = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)

@@ -45,8 +45,8 @@ def windows(on: NDArray[np.bool_], period: float) -> Array:
 def moving_windows(on: NDArray[np.bool_], struts: Array, period: float) -> Array:
     """Windows of the trigger from the first movement in them to the last, shape (k, 2) [s].
 
-    Before and after a movement the trigger waits for the controller's program, and with it for the computer's load; a
-    window without movement (a measurement at standstill) stays as it is.
+    Before and after a movement the trigger waits for the controller's program, and with it for the computer's load. A
+    window without movement stays as it is; of a program that measures standing still `windows` are wanted.
 
     Args:
         on: the trigger, shape (n,).

@@ -19,6 +19,7 @@ from identification.simulate import simulate_recording
 from planner.cli.console import print_table
 from planner.runs.running import execute
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing
+from postprocessors.files import read_program
 from tests.bench.anytime import anytime
 from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised
@@ -33,9 +34,12 @@ from tests.bench.portfolio import portfolio
 from tests.bench.pose_errors import pose_error_rows
 from tests.bench.poses import pose_figures, pose_tables
 from tests.bench.programs import programs
+from tests.bench.reliability.everything import reliability_rows
+from tests.bench.reliability.interrupted import interrupted_rows
 from tests.bench.retiming import retiming_table
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.study import study_rows
+from tests.bench.under_load import under_load_rows
 from tests.bench.validation import validation_rows
 from tests.bench.wall_times import wall_time_rows
 
@@ -72,7 +76,7 @@ def demos(folder: Path) -> list[list[str]]:
 def identification(folder: Path) -> list[list[str]]:
     """Identification of 20 000 samples, and coverage of the intervals."""
     case = load_case("hexapod")
-    outcome = execute(folder / "virtual" / "excitation.ngc", case, "virtual", 0)
+    outcome = execute(read_program(folder / "virtual" / "excitation.ngc", case), case, "virtual", 0)
     run = outcome.run
     recording = simulate_recording(case, run.execution, run.trigger, 0)
     repeats = 20_000 // len(recording.forces) + 1
@@ -122,6 +126,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
         yield "Errors of the pose", pose_error_rows(Path(name), command)
     yield "Studies", study_rows()
     yield "Poses", pose_figures()
+    yield "Reliability", [*reliability_rows(), *interrupted_rows(), *([] if linuxcnc_missing() else under_load_rows())]
     yield "Limits of information", [*limits_of_information(), *single_moves_rows()]
 
 

@@ -40,6 +40,7 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "true for a number": ("radius_mm = 700.0", "radius_mm = true", f"{RING}.radius_mm", "True: .* number"),
     "NaN": ("radius_mm = 700.0", "radius_mm = nan", f"{RING}.radius_mm", "nan: .*finite number"),
     "infinity": ("radius_mm = 700.0", "radius_mm = inf", f"{RING}.radius_mm", "inf: .*finite number"),
+    "beyond any machine": ("radius_mm = 700.0", "radius_mm = 1e308", f"{RING}.radius_mm", "less than or equal to 10"),
     "negative radius": ("radius_mm = 700.0", "radius_mm = -7.0", f"{RING}.radius_mm", "-7.0: .*greater than 0"),
     "five joints": (BASE, points(5), "machine.base.points_mm", "has 5 points, a hexapod has 6"),
     "points and ring": (BASE, f"{BASE}, {points(6)}", "machine.base", "either points_mm .* or ring"),

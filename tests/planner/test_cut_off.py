@@ -1,6 +1,5 @@
 """Runs that were cut off, recordings of another machine, and programs of another case are told as such."""
 
-import json
 import re
 import tomllib
 from dataclasses import replace
@@ -28,21 +27,17 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
 
 
-def folder_of(tmp_path: Path, planned: float) -> Path:
-    (tmp_path / "recording.json").write_text(json.dumps({"planned_s": planned}))
-    return tmp_path
-
-
 @pytest.mark.parametrize(("duration", "told"), [(2.6, False), (2.65, False), (3.0, True), (8.0, True)])
-def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool, tmp_path: Path) -> None:
-    found = shorter_than_planned(folder_of(tmp_path, duration), run())
+def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool) -> None:
+    found = shorter_than_planned(replace(run(), record={"planned_s": duration}))
+    assert shorter_than_planned(replace(run(), record={"planned_s": duration, "poses_m_rad": [[0.0] * 6]})) == ()
     assert bool(found) == told
     assert all(str(f).startswith("the trigger is on for 2.6 s, the program lasts ") for f in found)
 
 
-def test_an_override_that_was_recorded_explains_a_short_run(tmp_path: Path) -> None:
+def test_an_override_that_was_recorded_explains_a_short_run() -> None:
     fast = replace(run(), override=np.full(len(run().forces), 1.2))
-    assert shorter_than_planned(folder_of(tmp_path, 3.0), fast) == ()
+    assert shorter_than_planned(replace(fast, record={"planned_s": 3.0})) == ()
 
 
 def test_a_machine_whose_struts_fit_is_named(tmp_path: Path) -> None:

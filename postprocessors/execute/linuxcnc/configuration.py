@@ -19,6 +19,7 @@ INI_FILE = "machine.ini"
 HAL_FILE = "machine.hal"
 TOOL_FILE = "tool.tbl"
 VARIABLE_FILE = "machine.var"
+DWELL_FILE = "dwell.ngc"
 DISPLAY_FILE = "driver.py"
 
 SERVO_PERIOD = 1e-3
@@ -41,6 +42,21 @@ QUEUE = 100_000
 
 STRUTS = tuple(f"joint.{k}" for k in range(6))
 AXES = "XYZABC"
+DWELL_OUTPUT = 3
+"""Digital output that starts a dwell, digital input that ends it, and analog output that holds its seconds."""
+
+DWELL = f"""o<dwell> sub
+(- #1 seconds of servo cycles in position; written for HAL's timedelay)
+M68 E{DWELL_OUTPUT} Q#1
+M64 P{DWELL_OUTPUT}
+M66 P{DWELL_OUTPUT} L3 Q1000000
+M65 P{DWELL_OUTPUT}
+M66 P{DWELL_OUTPUT} L4 Q1000000
+o<dwell> endsub
+M2
+"""
+"""A dwell that is counted in the controller's own cycles; G4 is timed on the wall, whatever the servo thread does."""
+
 UNITS = np.array([MM, MM, MM, DEG, DEG, DEG])
 """LinuxCNC's unit of each pose coordinate in SI."""
 
@@ -155,12 +171,22 @@ def hal_text(case: Case) -> str:
     lines = [
         "loadrt [KINS]KINEMATICS",
         "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS num_dio=4 num_aio=4",
+        "loadrt and2",
+        "loadrt timedelay",
         f"loadrt sampler depth={QUEUE} cfg={sampler_format()}",
         "addf motion-command-handler servo-thread",
         "addf motion-controller servo-thread",
+        "addf and2.0 servo-thread",
+        "addf timedelay.0 servo-thread",
         "addf sampler.0 servo-thread",
         "setp sampler.0.enable 0",
         "net tool-length motion.tooloffset.z => genhexkins.tool-offset",
+        "setp timedelay.0.off-delay 0",
+        f"net dwell-asked motion.digital-out-0{DWELL_OUTPUT} => and2.0.in0",
+        "net standing motion.in-position => and2.0.in1",
+        "net dwelling and2.0.out => timedelay.0.in",
+        f"net dwell-seconds motion.analog-out-0{DWELL_OUTPUT} => timedelay.0.on-delay",
+        f"net dwelt timedelay.0.out => motion.digital-in-0{DWELL_OUTPUT}",
         "net emergency-stop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in",
         "net tool-prepare iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
         "net tool-change iocontrol.0.tool-change => iocontrol.0.tool-changed",
@@ -189,6 +215,7 @@ def write_configuration(folder: Path, case: Case, home_lengths: Array, headroom:
     (folder / INI_FILE).write_text(ini_text(case, home_lengths, headroom, box), encoding="ascii")
     (folder / HAL_FILE).write_text(hal_text(case), encoding="ascii")
     (folder / TOOL_FILE).write_text("T1 P1 Z0 D1\n", encoding="ascii")
+    (folder / DWELL_FILE).write_text(DWELL, encoding="ascii")
     (folder / VARIABLE_FILE).write_text("", encoding="ascii")  # no offsets left over from another program
 
 

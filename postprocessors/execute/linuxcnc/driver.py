@@ -75,7 +75,9 @@ class Recorder:
 
     @property
     def count(self):
-        return len(self._values) // self._width
+        """Cycles that were logged so far, those in the queue included."""
+        waiting = self._queue.depth
+        return waiting + len(self._values) // self._width
 
     def numbers(self):
         """First and last number of a cycle; cycles between them that are not there were lost."""

@@ -75,7 +75,7 @@ def run_linuxcnc(
             program without timed blocks (G93), else `acceleration_headroom`.
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
             depend on it, but for some cycles before the first blocks of a path on a busy computer. A run that loses
-            cycles or stretches dwells is repeated at half the speed-up and at a quarter; then that is an error.
+            cycles or shortens dwells is repeated at half the speed-up and at a quarter; then that is an error.
         time_limit: for the program [s on the wall]. By default its dwells and 20 s of controller time for each of its
             lines, both divided by the speed-up, and a minute.
 
@@ -98,10 +98,10 @@ def run_linuxcnc(
     speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
     with tempfile.TemporaryDirectory(prefix="hexcite-syntax-") as name:
         check_syntax(program, lines, Path(name), START_LIMIT)
-    for attempt, reserve in enumerate(timing.RESERVES):
+    copy = timing.with_dwells(lines, durations)
+    for attempt in range(timing.ATTEMPTS):
         speed = speedup / 2**attempt
         usual = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + sum(durations.values())) / speed
-        copy = timing.with_dwells(lines, durations, speed, reserve)
         try:
             log, window = _session(
                 program, copy, case, headroom, timed, speed, usual if time_limit is None else time_limit
@@ -112,7 +112,7 @@ def run_linuxcnc(
             if not (durations or switched):
                 return log
             timing.check_order(program, log)
-            found = timing.dwell_problem(log, durations, speed, reserve, window)
+            found = timing.dwell_problem(log, durations, switched, window)
             if found is None:
                 return timing.without_surplus(log, durations, switched, window)
             problem = f"{program}, {found}"

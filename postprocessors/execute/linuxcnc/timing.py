@@ -1,9 +1,10 @@
 """What depends on the wall clock although LinuxCNC counts motion in cycles: dwells, switches, the supply of blocks.
 
-LinuxCNC times G4 on the wall. A program is therefore run as a copy whose dwells are divided by the speed-up, line for
-line; what was executed is then checked in the log, in cycles. Written programs hold dwells in one form only, `G4
-P<seconds>` on a line of its own; any other form is refused, since it could not be proven. Outputs that switch at once
-(M64, M65) do so some milliseconds after the motion has ended, on the wall too: cycles of waiting in both are cut out.
+LinuxCNC times G4 on the wall, which a servo thread on a busy computer lags behind. A program is therefore run as a copy
+that counts its dwells in cycles (`configuration.DWELL`), line for line; that each phase between two switches of the
+trigger took its time is then checked in the log. Written programs hold dwells in one form only, `G4 P<seconds>` on a
+line of its own; any other form is refused, since it could not be proven. That a dwell has ended, and that an output
+is to switch at once (M64, M65), is seen some milliseconds late, on the wall: these cycles of waiting are cut out.
 
 Blocks reach the motion controller one by one, some thousand a second on the wall. Where they come too slowly the motion
 stops between them, and the log is true but not what LinuxCNC does in real time.
@@ -21,13 +22,8 @@ from cases.errors import ExecutionError
 from postprocessors.execute.linuxcnc.syntax import words
 from postprocessors.execute.log import ControllerLog
 
-RESERVES = (0.002, 0.008, 0.032)
-"""Added to each dwell [s on the wall], for a servo thread that lags more behind its clock at the dwell's end than at
-its start. A run whose dwells are not proven, or that lost cycles, is repeated with the next, at half the speed-up."""
-
-LATENCY = 1.0
-"""How much longer than that a dwell may take [s on the wall]; about 0.003 on an idle computer, 0.06 on a busy one. It
-is cut out of the log."""
+ATTEMPTS = 3
+"""Sessions for a program, each at half the speed-up of the one before, where cycles were lost or dwells not proven."""
 
 BLOCK = 1e-3
 """Shortest block that a session is given [s on the wall]. Down to half of it motion is the same at every speed-up, also
@@ -65,10 +61,10 @@ def dwells(program: Path, lines: list[str]) -> dict[int, float]:
     return found
 
 
-def with_dwells(lines: list[str], durations: dict[int, float], speedup: float, reserve: float) -> list[str]:
-    """The lines of a program for a controller whose clock runs `speedup` times as fast as the wall's."""
+def with_dwells(lines: list[str], durations: dict[int, float]) -> list[str]:
+    """The lines of a program for a controller that counts its dwells in servo cycles."""
     return [
-        f"G4 P{durations[number] / speedup + reserve:.6f}" if number in durations else line
+        f"o<dwell> call [{durations[number]:.6f}]" if number in durations else line
         for number, line in enumerate(lines, start=1)
     ]
 
@@ -115,33 +111,33 @@ def check_order(program: Path, log: ControllerLog) -> None:
 
 
 def dwell_problem(
-    log: ControllerLog, durations: dict[int, float], speedup: float, reserve: float, window: tuple[int, int]
+    log: ControllerLog, durations: dict[int, float], switched: dict[int, bool], window: tuple[int, int]
 ) -> str | None:
-    """Proves from the log that each dwell took its programmed time, and at most `LATENCY` on the wall more.
+    """Proves from the log that the dwells took their programmed time, each before and after its switch of the trigger.
 
-    No line is executed while LinuxCNC dwells. Dwells without a motion between them are checked as a sum, for the log
-    cannot tell them apart. Those before the first and after the last motion are checked within `window`, which is as
-    exact as the driver's polling (some milliseconds on the wall).
+    No line is executed while LinuxCNC dwells. Dwells without a motion or a switch between them are checked as a sum,
+    for the log cannot tell them apart. Those before the first and after the last motion are checked within `window`.
 
     Args:
         log: what was executed, from top to bottom.
         durations: line number and duration [s] of each dwell.
-        speedup: controller time per wall-clock time.
-        reserve: what was added to each dwell [s on the wall].
+        switched: line number of each switch, and whether it switches on.
         window: rows between which the program ran: first, and one past the last.
 
     Returns:
         None, or what is wrong, beginning with the line.
     """
-    for numbers, start, end in _standstills(log, durations, window):
-        taken = (end - start) * log.period
-        planned = sum(durations[number] for number in numbers)
-        allowed = planned + len(numbers) * (reserve + LATENCY) * speedup
-        if not planned <= taken <= allowed:
-            return (
-                f"line {numbers[0]}: LinuxCNC dwelt {taken:.3f} s, must be {planned:.3f} to {allowed:.3f} s; the "
-                f"computer is too busy, run again with a speed-up below {speedup:g}"
-            )
+    for still in _standstills(log, durations.keys() | switched.keys(), window):
+        phases = _phases(log, still, durations, switched)
+        if not phases:
+            return f"line {still.numbers[0]}: the trigger did not switch here as the program asks; run again"
+        for phase in phases:
+            taken = (phase.end - phase.start) * log.period
+            if taken < phase.seconds - log.period / 2:
+                return (
+                    f"line {still.numbers[0]}: LinuxCNC dwelt {taken:.3f} s instead of {phase.seconds:.3f} s; the "
+                    "computer is too busy, run again"
+                )
     return None
 
 
@@ -189,23 +185,44 @@ def without_surplus(
     """
     keep = np.ones(len(log.lines), dtype=bool)
     for still in _standstills(log, durations.keys() | switched.keys(), window):
-        edges = still.start + 1 + np.flatnonzero(np.diff(log.trigger[still.start : still.end].astype(int)))
-        planned = _between_switches(still.numbers, durations, switched, bool(log.trigger[still.start]))
-        if len(planned) == len(edges) + 2 and planned[-1] == 0.0:
-            planned.pop()  # the last switch comes with the motion
-        if len(planned) != len(edges) + 1:
-            continue
-        bounds = [still.start, *(int(edge) for edge in edges), still.end]
-        for first, last, seconds in zip(bounds, bounds[1:], planned, strict=False):
-            cycles = max(round(seconds / log.period), FEWEST_CYCLES)
-            middle = first + cycles // 2
-            surplus = slice(middle, middle + last - first - cycles)
+        for phase in _phases(log, still, durations, switched):
+            cycles = max(round(phase.seconds / log.period), FEWEST_CYCLES)
+            middle = phase.start + cycles // 2
+            surplus = slice(middle, middle + phase.end - phase.start - cycles)
             if surplus.stop <= middle:
                 continue
             if not np.ptp(log.strut_lengths[middle - 1 : surplus.stop + 1], axis=0).any():
                 keep[surplus] = False
     columns = {name: getattr(log, name)[keep] for name in ("strut_lengths", "poses", "trigger", "lines")}
     return replace(log, **columns, left_out=int(np.count_nonzero(~keep)))
+
+
+class _Phase(NamedTuple):
+    """A part of a standstill in which the trigger does not switch.
+
+    Args:
+        start: first row of the log.
+        end: one past the last.
+        seconds: programmed [s].
+    """
+
+    start: int
+    end: int
+    seconds: float
+
+
+def _phases(
+    log: ControllerLog, still: _Standstill, durations: dict[int, float], switched: dict[int, bool]
+) -> list[_Phase]:
+    """The phases of a standstill; none where the log does not show the switches that the program asks for."""
+    edges = still.start + 1 + np.flatnonzero(np.diff(log.trigger[still.start : still.end].astype(int)))
+    planned = _between_switches(still.numbers, durations, switched, bool(log.trigger[still.start]))
+    if len(planned) == len(edges) + 2 and planned[-1] == 0.0:
+        planned.pop()  # the last switch comes with the motion
+    if len(planned) != len(edges) + 1:
+        return []
+    bounds = [still.start, *(int(edge) for edge in edges), still.end]
+    return [_Phase(*phase) for phase in zip(bounds, bounds[1:], planned, strict=False)]
 
 
 def _between_switches(

@@ -1,0 +1,187 @@
+"""Commands killed at random instants, and computers that let nobody write: artefacts are whole or absent.
+
+python -m tests.bench.reliability.interrupted KILLS [SEED]
+"""
+
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from tests.bench.reliability.tally import Tally
+from tests.planner.command_line import ACCEPT, PROGRAM, hexcite
+
+KILLS = 200
+LIMIT = 900.0  # [s] on the wall for a command on a busy computer
+
+
+class Work(NamedTuple):
+    """A command whose output can be whole or absent.
+
+    Args:
+        words: the command without its output.
+        output: file or folder that it writes.
+        parts: what must stand in a folder that is whole.
+    """
+
+    words: tuple[str, ...]
+    output: str
+    parts: tuple[str, ...] = ()
+
+
+WORKS = {
+    "plan": Work(
+        ("plan", "hexapod", "--family", "manual", "--json"), "plan-new", ("plan.json", "motion.csv", "report.html")
+    ),
+    "run": Work(("run", "p.ngc", "--case", "hexapod", "--json"), "run-new", ("recording.json", "recording.csv")),
+    "identify": Work(("identify", "run", "--json"), "result-new", ("result.json", "report.html")),
+    "validate": Work(
+        ("validate", "hexapod", "--weights", "0", "--methods", "D9M", "--on", "virtual", "--json"),
+        "validation", ("validation.json", "report.html"),
+    ),
+    "study": Work(("study", "hexapod", "--spec", "small.toml", "--workers", "1", "--json"), "study"),
+}  # fmt: skip
+STUDY = 'schema_version = 1\nname = "small"\n[grid]\nfamily = "fourier"\norder = [1, 2]\nmodel = [0]\nseed = [0]\n'
+
+
+def prepared(folder: Path) -> None:
+    """What the commands begin with: a plan, its program, a run of it."""
+    assert hexcite("plan", "hexapod", "--family", "manual", "-o", folder / "plan").code == 0
+    assert hexcite("post", folder / "plan", *ACCEPT, "-o", folder / "p.ngc").code == 0
+    assert hexcite("run", folder / "p.ngc", "--case", "hexapod", "-o", folder / "run").code == 0
+    (folder / "small.toml").write_text(STUDY, encoding="utf-8")
+
+
+def whole_or_absent(place: Path, parts: tuple[str, ...]) -> str | None:
+    """What is wrong with an output; None where it is whole or not there."""
+    if not place.exists():
+        return None
+    for file in place.rglob("*.json"):
+        json.loads(file.read_text(encoding="utf-8"))
+    missing = [part for part in parts if not (place / part).exists()]
+    return f"{place.name} misses {', '.join(missing)}" if missing else None
+
+
+def _started(work: Work, folder: Path, limits: Callable[[], None] | None = None) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [PROGRAM, *work.words, "-o", work.output, *(["--overwrite"] if work.output != "study" else [])],
+        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=limits,
+    )  # fmt: skip
+
+
+def _ended(process: subprocess.Popen[str]) -> tuple[int, str]:
+    """Exit code and standard error; whatever is left of its session is taken away."""
+    try:
+        _, said = process.communicate(timeout=LIMIT)
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+    return process.returncode, said
+
+
+def tally_of_kills(names: list[str], count: int, seed: int, folder: Path) -> Tally:
+    """Commands that are killed at random instants of their work; what they left is repeated to its end.
+
+    Args:
+        names: of the commands, taken in turn.
+        count: of kills.
+        seed: of the instants.
+        folder: where they work; see `prepared`.
+    """
+    tally, draw = Tally("commands by kill -9"), random.Random(seed)
+    lasted = dict.fromkeys(names, 0.0)
+    for k in range(count):
+        name = names[k % len(names)]
+        work = WORKS[name]
+        if not lasted[name]:  # how long it takes, undisturbed
+            began = time.monotonic()
+            code, said = _ended(_started(work, folder))
+            lasted[name] = time.monotonic() - began
+            if code:
+                tally.defect(k, f"{name} fails undisturbed: {said}")
+                return tally
+        if draw.random() < 0.5:
+            _removed(folder / work.output)
+        process = _started(work, folder)
+        time.sleep(draw.uniform(0.0, lasted[name]))
+        os.killpg(process.pid, signal.SIGKILL)
+        code, said = _ended(process)
+        tally.counts["killed" if code < 0 else "over before"] += 1
+        if problem := whole_or_absent(folder / work.output, work.parts):
+            tally.defect(k, f"{name} killed: {problem}")
+        code, said = _ended(_started(work, folder))
+        problem = whole_or_absent(folder / work.output, work.parts)
+        if code or problem or not (folder / work.output).exists():
+            tally.defect(k, f"{name} repeated after a kill: exit code {code}, {said}, {problem}")
+        print(tally.row(), file=sys.stderr, flush=True)
+    return tally
+
+
+def _parts(folder: Path) -> set[str]:
+    return {p.name for p in folder.iterdir() if p.name.endswith((".part", ".old", ".try"))}
+
+
+def _removed(place: Path) -> None:
+    for path in (place, place.with_name(f"{place.name}.unfinished")):
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def tally_of_full_disks(names: list[str], folder: Path) -> Tally:
+    """Commands whose files may not grow beyond sizes that are reached early and late, as on a disk that is full."""
+    tally = Tally("commands on a full disk")
+    for k, size in enumerate((0, 100, 4_000, 60_000, 400_000, 50_000_000)):
+        for name in names:
+            work = WORKS[name]
+            _removed(folder / work.output)
+            before = _parts(folder)  # of commands that were killed
+
+            def limited(size: int = size) -> None:
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # as Python does: an error of the write
+                resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+            code, said = _ended(_started(work, folder, limited))
+            tally.counts["done" if code == 0 else "refused"] += 1
+            one_line = said.count("\n") == 1 and "Traceback" not in said and "internal error" not in said
+            if code not in (0, 1) or (code == 1 and not one_line):
+                tally.defect(k, f"{name} with files of {size} bytes at most: exit code {code}, {said}")
+            if problem := whole_or_absent(folder / work.output, work.parts):
+                tally.defect(k, f"{name} with files of {size} bytes at most: {problem}")
+            if left := _parts(folder) - before:
+                tally.defect(k, f"{name} with files of {size} bytes at most leaves {left}")
+    return tally
+
+
+def interrupted_rows(kills: int = KILLS) -> list[list[str]]:
+    """Defects among commands that were killed, and among commands on a full disk."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
+        prepared(folder)
+        names = list(WORKS)
+        return [tally_of_kills(names, kills, 0, folder).row(), tally_of_full_disks(names[:3], folder).row()]
+
+
+def main() -> None:
+    """Prints both tallies."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        prepared(folder)
+        kills = tally_of_kills(list(WORKS), int(sys.argv[1]), int((*sys.argv, "0")[2]), folder)
+        disks = tally_of_full_disks(["plan", "run", "identify"], folder)
+        for tally in (kills, disks):
+            print(*tally.row())
+            print(*tally.defects, sep="\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,48 @@
+"""A share of the damaged inputs that `make bench` tries: answered, or refused in one line; nothing wrong unnoticed."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.bench.reliability.folders import tally_of_cases, tally_of_plans, tally_of_results
+from tests.bench.reliability.programs import CASE, DIALECTS
+from tests.bench.reliability.recordings import ALONE_AND_IN_PAIRS, KINDS, tally_of_other_files, tally_of_runs
+from tests.bench.reliability.tally import Tally
+from tests.postprocessors.canonical import interpreted_share
+from tests.postprocessors.edited import EVERY_DIALECT, changed, moves
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_damaged_programs(dialect: str) -> None:
+    assert DIALECTS[dialect](range(200)).defects == []
+
+
+@pytest.mark.parametrize(
+    ("tally_of", "count"),
+    [(tally_of_runs, len(KINDS)), (tally_of_other_files, 90), (tally_of_cases, 150), (tally_of_results, 40)],
+)
+def test_damaged_recordings_cases_and_results(
+    tally_of: Callable[[range, Path], Tally], count: int, tmp_path: Path
+) -> None:
+    tally = tally_of(range(count), tmp_path)
+    assert tally.defects == []
+    assert tally.counts["refused"] > 0, "nothing was refused: not a test"
+    assert tally.tried == count
+
+
+@pytest.mark.slow
+def test_damaged_plans(tmp_path: Path) -> None:
+    assert tally_of_plans(range(60), tmp_path).defects == []
+
+
+def test_there_are_fifteen_kinds_of_damage_alone_and_in_pairs() -> None:
+    assert (len(KINDS), len(ALONE_AND_IN_PAIRS)) == (15, 15 + 15 * 14 // 2)
+
+
+@pytest.mark.linuxcnc
+def test_linuxcncs_own_interpreter_sees_what_is_dangerous() -> None:
+    assert 0.3 < interpreted_share(moves("linuxcnc").encode(), CASE) <= 1.0
+    for edit in ("a feed ten times as high", "a height below ground", "a position ten times as far"):
+        assert interpreted_share(changed(moves("linuxcnc"), *EVERY_DIALECT[edit]).encode(), CASE) > 1.0
+    assert "zero feed rate" in str(interpreted_share(b"G94\nG1 X1\nM2\n", CASE))
