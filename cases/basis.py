@@ -45,6 +45,17 @@ def result_basis(case: Case) -> dict[str, Any]:
     return {name: value for name, value in values(case, _RESULT).items() if name not in _OF_PLANS}
 
 
+def study_basis(case: Case) -> dict[str, Any]:
+    """Values behind a study by dotted key: of plans, their runs and identifications."""
+    rate = {"recording.rate_Hz": case.recording.rate_Hz}  # predictions assume it
+    return values(case, (*_PLAN, "recording", "simulation")) | rate
+
+
+def study_hash(case: Case) -> str:
+    """Fingerprint of what the cells of a study depend on."""
+    return fingerprint(study_basis(case))
+
+
 def motion_hash(case: Case) -> str:
     """Fingerprint of what programs are proven against: machine, workspace and limits."""
     return fingerprint(values(case, _MOTION))

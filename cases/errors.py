@@ -46,6 +46,10 @@ class IdentificationError(HexciteError, ValueError):
     """The data do not determine the parameters that were asked for."""
 
 
+class NegativeMass(IdentificationError):
+    """The mass comes out negative for certain."""
+
+
 class InfeasiblePlan(HexciteError, ValueError):
     """No motion inside the limits was found; the message says which limit stands in the way."""
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.basis import Artefact, result_basis
+from cases.basis import KEPT, Artefact, recording_basis, result_basis
 from cases.errors import FileProblem
 from cases.files import read_json
 from cases.schema import Case
@@ -18,6 +18,8 @@ from identification.parameters import physical_form
 from identification.result import SCHEMA_VERSION, Value
 
 Array = NDArray[np.float64]
+
+_OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,13 +133,25 @@ def _accelerometer(data: Any) -> AccelerometerBias:
     return AccelerometerBias(values, covariance, turn, rms)
 
 
-def biases_of(path: Path, case: Case) -> Biases:
-    """Offsets of forces and accelerometer from a result of the same case, for a run that is to take them as known.
+def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
+    """Offsets of forces and accelerometer from a result of the same machine, for a run that is to take them as known.
+
+    How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
+
+    Args:
+        path: the result.
+        case: of the run.
+        stale: go on although the machine has changed since.
 
     Raises:
-        FileProblem: no such result, or one of another case.
+        FileProblem: no such result, one of another case, or the machine has changed and `stale` is not set.
     """
     result = load_result(path)
+    now, then = recording_basis(case), result.about.get(KEPT)
+    about = dict(result.about)
+    if isinstance(then, Mapping):
+        about[KEPT] = {key: value for key, value in then.items() if key in now or not key.startswith(_OF_A_RECORDING)}
+    remarks = Artefact(Path(result.source), about, "identify the standstills again").require_unchanged(now, case, stale)
     names = result.model_of(case).names
     offsets = [names.index(name) for name in OFFSET_NAMES]
     white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
@@ -145,7 +159,7 @@ def biases_of(path: Path, case: Case) -> Biases:
     larger = np.maximum(std, np.sqrt(np.diag(robust)))
     grown = larger / np.where(std > 0.0, std, 1.0)
     covariance = white * np.outer(grown, grown)
-    return Biases(str(path), result.values[offsets], covariance, result.accelerometer)
+    return Biases(str(path), result.values[offsets], covariance, result.accelerometer, remarks)
 
 
 def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array, source: str) -> dict[str, Any]:

@@ -17,12 +17,12 @@ from cases.schema import Case
 from identification.findings.plausibility import scan
 from identification.formats.assembly import force_columns
 from identification.hexapod import Hexapod
-from identification.long.decimation import decimated
 from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.wrist import wrist_run
+from identification.signals import decimated
 
 Array = NDArray[np.float64]
 
@@ -32,15 +32,16 @@ LEAST = 60  # forces beyond the unknowns
 INSTANTS = 150  # that are tried
 
 
-def require_wiring(recording: Recording, case: Case, model: Model) -> None:
+def require_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> None:
     """Raises IdentificationError where exchanged struts or force channels explain what is wrong with a run.
 
     Args:
         recording: a run that something speaks against.
         case: its case.
         model: that its forces are compared with.
+        negative: whether the mass came out negative for certain.
     """
-    if (found := other_wiring(recording, case, model)) is not None:
+    if (found := other_wiring(recording, case, model, negative)) is not None:
         raise IdentificationError(found)
 
 
@@ -96,13 +97,14 @@ class Data(NamedTuple):
     regressors: Array | None
 
 
-def other_wiring(recording: Recording, case: Case, model: Model) -> str | None:
+def other_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> str | None:
     """How struts or force channels seem to be exchanged, with the remedy; None where nothing else explains the run.
 
     Args:
         recording: the run.
         case: its case.
         model: that the forces are compared with.
+        negative: whether the mass came out negative for certain.
     """
     try:
         data = _data(recording, case, model)
@@ -120,7 +122,13 @@ def other_wiring(recording: Recording, case: Case, model: Model) -> str | None:
             found.append((_left(data, _regressors_of(data, case, model, order), mass=mass), "strut", order))
     best = min(found, key=lambda f: f[0].weighted)
     if not np.isfinite(best[0].weighted) or best[0].weighted * FACTOR > now.weighted:
-        return None
+        if not negative:
+            return None
+        turned = Order(STRAIGHT.places, (-1,) * 6)
+        return (
+            f"{turned.words(_SIDES['force'])}: the mass comes out negative, with residuals of {now.newtons:.2g} N; "
+            f"{_remedy(case, 'force', turned)}, or correct gravity_m_s2"
+        )
     rivals = [min((f for f in found if f[1] == side), key=lambda f: f[0].weighted) for side in {f[1] for f in found}]
     alike = sorted((r for r in rivals if r[0].weighted <= ALIKE * best[0].weighted), key=lambda r: r[0].weighted)
     names = " or ".join(order.words(_SIDES[side]) for _, side, order in alike)
@@ -187,7 +195,7 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
         used = np.flatnonzero(~found.bad)
         forces = recording.forces[used]
         if recording.struts is None:
-            matrices = standstills(recording, case, model, found).regressors
+            matrices = standstills(recording, case, model, found).matrices
         else:
             struts = (recording.struts[used], np.zeros_like(forces), np.zeros_like(forces))
     elif recording.struts is None:

@@ -24,6 +24,7 @@ class Typed(NamedTuple):
         prior: uncertain values.
         weights: instead of the case's.
         biases: result whose offsets are taken.
+        stale: go on although the case has changed since the biases were identified.
     """
 
     estimator: str = "gauss-markov"
@@ -33,6 +34,7 @@ class Typed(NamedTuple):
     prior: tuple[str, ...] = ()
     weights: str | None = None
     biases: Path | None = None
+    stale: bool = False
 
 
 def method_of(wish: Typed, model: Model, case: Case) -> Method:
@@ -47,5 +49,5 @@ def method_of(wish: Typed, model: Model, case: Case) -> Method:
     if wish.symmetric:
         known = symmetric_platform(model) | known
     priors = [Prior(*values) for values in read_uncertain(wish.prior, units, "--prior")]
-    biases = None if wish.biases is None else biases_of(wish.biases, case)
+    biases = None if wish.biases is None else biases_of(wish.biases, case, wish.stale)
     return method(wish.estimator, known, wish.drop, priors, wish.weights, biases)

@@ -6,6 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cases.basis import KEPT, study_basis
 from cases.schema import Case
 from planner.study.rows import FAILED, PLANNED, completed, schema
 from planner.study.spec import Spec, cell_key, request_of, settings_of
@@ -76,6 +77,7 @@ def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
         "name": spec.name,
         "case": case.name,
         "case_hash": case.hash,
+        KEPT: study_basis(case),
         "case_file": case.origin,
         "version": version("hexcite"),
         "cells": cells,

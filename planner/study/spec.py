@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field, ValidationError
 
+from cases.basis import study_hash
 from cases.errors import FileProblem, HexciteError
 from cases.parts import Part, Positive
 from cases.schema import Case
@@ -176,12 +177,12 @@ def request_of(settings: dict[str, Any]) -> Request:
 
 
 def cell_key(settings: dict[str, Any], execute: Execution | None, case: Case, version: str) -> str:
-    """What a cell's rows are known by: 16 hexadecimal digits of case, settings, execution and version.
+    """What a cell's rows are known by: 16 hexadecimal digits of settings, execution, version and case.
 
-    The settings of the controller count where it runs the plans.
+    Of the case only what it uses counts; the settings of the controller where it runs the plans.
     """
     executed = None if execute is None else [execute.on, execute.disturbed, case.controller_hash]
-    content = [settings, executed, case.hash, version]
+    content = [settings, executed, study_hash(case), version]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 

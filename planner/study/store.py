@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cases.basis import KEPT, Artefact
 from cases.errors import FileProblem
 from cases.files import atomic_file, json_text, read_json, write_text
 
@@ -80,7 +81,7 @@ def opened(folder: Path, schema: "pa.Schema", about: dict[str, Any]) -> Iterator
     Args:
         folder: of the study.
         schema: of its rows.
-        about: what study.json holds; `name` and `case_hash` must be those of the study that is there.
+        about: what study.json holds; `name` and what was used of the case must be those of the study there.
 
     Raises:
         FileProblem: another study's or somebody else's folder, one that is being written to, or no place to write.
@@ -124,12 +125,15 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
             raise FileProblem(f"{folder}: is not a study of hexcite's (it holds {first}); choose another with -o")
         return
     held = read_json(folder / ABOUT, "hexcite study")
-    for key, what in (("case_hash", "case"), ("name", "study")):
-        if held.get(key) != about[key]:
-            raise FileProblem(
-                f"{folder}: holds a study of another {what} ({held.get(what, held.get('name'))}, {key} "
-                f"{held.get(key)}, not {about[key]}); choose another place with -o"
-            )
+    if held.get("name") != about["name"]:
+        raise FileProblem(
+            f"{folder}: holds another study ({held.get('name')}, not {about['name']}); choose another place with -o"
+        )
+    if changes := Artefact(folder / ABOUT, held, "").changes(about[KEPT], about["case_hash"]):
+        raise FileProblem(
+            f"{folder}: holds a study of case {held.get('case')} before {changes[0]}; choose another place with -o, or "
+            "restore the case"
+        )
 
 
 def _journal(folder: Path) -> list[dict[str, Any]]:

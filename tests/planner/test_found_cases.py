@@ -51,6 +51,44 @@ def test_a_case_that_changed_is_refused_by_key_and_stale_stays_written(
     assert "sensors.range_N was 5000, is 6000" in (tmp_path / "b.json").read_text()
 
 
+@pytest.fixture
+def standing(shared: Path, tmp_path: Path) -> Path:
+    """The rest before a run, as a recording of its own."""
+    lines = (shared / "recording" / "recording.csv").read_text().splitlines()[:180]
+    file = tmp_path / "standing.csv"
+    file.write_text("".join(line.rsplit(",", 1)[0] + "\n" for line in lines))
+    return file
+
+
+def test_a_tare_finds_the_case_of_its_result(mine: Path, standing: Path, tmp_path: Path, hexapod_file: Path) -> None:
+    tared = call("tare", standing, "--parameters", mine, "-o", tmp_path / "tared", "--json").json()
+    assert tared["case"] == "mine"
+    before = json.loads((mine / "result.json").read_text())["parameters"]
+    for k in range(1, 7):
+        name = f"f_q0_{k}"
+        assert abs(tared["parameters"][name]["value"] - before[name]["value"]) < 2.0
+    assert tared["parameters"]["m"] == before["m"]
+    hexapod_file.write_text(hexapod_file.read_text().replace("range_N = 5000.0", "range_N = 6000.0"), encoding="utf-8")
+    line = refused("tare", standing, "--parameters", mine, "-o", tmp_path / "again")
+    assert "sensors.range_N was 5000, is 6000" in line
+
+
+def test_biases_are_taken_from_the_same_machine_only(
+    mine: Path, shared: Path, tmp_path: Path, hexapod_file: Path
+) -> None:
+    identify = ("identify", shared / "recording" / "recording.csv", "--case", hexapod_file, "--biases", mine, "--json")
+    text = hexapod_file.read_text()
+    hexapod_file.write_text(text.replace("filter_cutoff_Hz = ", "filter_cutoff_Hz = 1"), encoding="utf-8")
+    call(*identify, "-o", tmp_path / "a").json()  # how a recording is read and filtered may differ
+    assert "radius_mm = 146.0" in text
+    hexapod_file.write_text(text.replace("radius_mm = 146.0", "radius_mm = 147.0"), encoding="utf-8")
+    line = refused(*identify, "-o", tmp_path / "b")
+    assert "sensor_frame.bars.lower.ring.radius_mm was 146, is 147" in line
+    assert "--stale" in line
+    answer = call(*identify, "--stale", "-o", tmp_path / "b").json()
+    assert "radius_mm was 146, is 147" in json.dumps(answer["warnings"])
+
+
 def test_a_case_that_is_gone_can_be_named(mine: Path, tmp_path: Path, hexapod_file: Path) -> None:
     moved = tmp_path / "moved.toml"
     hexapod_file.rename(moved)

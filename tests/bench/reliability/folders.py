@@ -79,7 +79,7 @@ def _plans() -> tuple[dict[str, bytes], ...]:
     quick = ("--starts", 1, "--seconds", 2, "--duration", 6)
     commands = (
         ("plan", "hexapod", "--family", "manual"),
-        ("plan", "hexapod", "--order", 2, "--model", 0, *quick),
+        ("plan", "hexapod", "--family", "fourier", "--order", 2, "--model", 0, *quick),
         ("plan", "hexapod", "--family", "ptp", "--moves", 8, *quick),
         ("poses", "hexapod", "--count", 6, "--method", "backward", "--candidates", 60),
     )

@@ -61,6 +61,14 @@ def test_turned_signs_of_channels_are_named(signs: tuple[int, ...]) -> None:
     assert Order(tuple(range(6)), signs).words("force channels") in str(caught.value)
 
 
+def test_all_signs_turned_at_once_are_named_with_the_remedy() -> None:
+    """The residuals are those of the right signs; only the mass tells."""
+    whole = run(1)
+    with pytest.raises(IdentificationError, match=r"signs of all force channels are turned: .*mass") as caught:
+        identify(replace(whole, forces=-whole.forces), CASE)
+    assert "exchange both ends of these bars in sensor_frame.bars" in one_line(caught.value)
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_is_blamed_on_a_sound_run(seed: int) -> None:
     assert other_wiring(run(seed), CASE, MODEL) is None

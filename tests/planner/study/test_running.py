@@ -12,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from cases.basis import KEPT
 from cases.schema import Case
 from planner.study import running
 from planner.study.rows import DONE, FAILED, PLANNED, completed, schema
@@ -212,10 +213,12 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) ->
     assert "machine: is missing" in refused("study", "ft_wrist", "--spec", spec, "-o", folder)
     assert "cannot be read" in refused("study", "hexapod", "--spec", tmp_path / "none.toml", "-o", folder)
     assert not folder.exists()
-    about = {"name": "small", "case": "mill", "case_hash": "other"}
+    about = {"name": "small", "case": "mill", "case_hash": "other", KEPT: {}}
     with opened(folder, schema(), about):
         pass
-    assert "holds a study of another case" in refused("study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder)
+    assert "holds a study of case mill before" in refused(
+        "study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder
+    )
 
 
 def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(hexapod_case: Case) -> None:

@@ -79,6 +79,8 @@ def test_a_cell_is_known_by_all_that_changes_its_rows(hexapod_case: Case, wrist_
     more = Execution(noise_seeds=50)  # asks for more rows of the same cell
     assert cell_key(settings, more, hexapod_case, "1.0") == cell_key(settings, Execution(), hexapod_case, "1.0")
     assert cell_key({"order": 5, "family": "fourier"}, None, hexapod_case, "1.0") in keys
+    renamed = hexapod_case.model_copy(update={"title": "the same machine in other words"})
+    assert cell_key(settings, None, renamed, "1.0") in keys
 
 
 @pytest.mark.parametrize("name", ["paper", "validation"])

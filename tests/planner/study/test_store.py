@@ -10,13 +10,14 @@ from typing import Any
 import pyarrow as pa
 import pytest
 
+from cases.basis import KEPT
 from cases.errors import FileProblem
 from planner.study import store
 from planner.study.store import ABOUT, JOURNAL, ROWS, opened, read_rows
 from tests.helpers import one_line
 
 SCHEMA = pa.schema([("cell", pa.string()), ("noise_seed", pa.int64()), ("score", pa.float64())])
-MINE = {"name": "mine", "case": "hexapod", "case_hash": "0123"}
+MINE = {"name": "mine", "case": "hexapod", "case_hash": "0123", KEPT: {"nominal.mass_kg": 33.0}}
 
 
 def row(cell: str, seed: int = -1, score: float | None = 1.0) -> dict[str, Any]:
@@ -52,9 +53,10 @@ WRITER = """
 import os, signal, sys
 from pathlib import Path
 import pyarrow as pa
+from cases.basis import KEPT
 from planner.study.store import opened
 schema = pa.schema([("cell", pa.string()), ("noise_seed", pa.int64()), ("score", pa.float64())])
-with opened(Path(sys.argv[1]), schema, {"name": "mine", "case": "hexapod", "case_hash": "0123"}) as study:
+with opened(Path(sys.argv[1]), schema, ABOUT_IT) as study:
     for k in range(5):
         study.add([{"cell": str(k), "noise_seed": -1, "score": 1.0}])
     os.kill(os.getpid(), signal.SIGKILL)
@@ -62,7 +64,9 @@ with opened(Path(sys.argv[1]), schema, {"name": "mine", "case": "hexapod", "case
 
 
 def test_a_killed_study_keeps_every_row_and_goes_on(tmp_path: Path) -> None:
-    killed = subprocess.run([sys.executable, "-c", WRITER, str(tmp_path / "s")], timeout=300)
+    killed = subprocess.run(
+        [sys.executable, "-c", WRITER.replace("ABOUT_IT", repr(MINE)), str(tmp_path / "s")], timeout=300
+    )
     assert killed.returncode == -signal.SIGKILL
     with (tmp_path / "s" / JOURNAL).open("a") as journal:
         journal.write('[{"cell": "half')  # what a death in the middle of a line leaves
@@ -80,17 +84,30 @@ def test_a_death_between_parquet_and_journal_counts_rows_once(tmp_path: Path) ->
     assert held(tmp_path) == [("a", -1), ("a", 0)]
 
 
-@pytest.mark.parametrize(("key", "what"), [("name", "study"), ("case_hash", "case")])
-def test_studies_do_not_mix(key: str, what: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        ({"name": "other"}, "holds another study"),
+        ({KEPT: {"nominal.mass_kg": 34.0}}, "of case hexapod before nominal.mass_kg was 33, is 34"),
+    ],
+)
+def test_studies_do_not_mix(other: dict[str, Any], words: str, tmp_path: Path) -> None:
     with opened(tmp_path / "s", SCHEMA, MINE) as study:
         study.add([row("a")])
     with (
-        pytest.raises(FileProblem, match=f"holds a study of another {what}") as caught,
-        opened(tmp_path / "s", SCHEMA, MINE | {key: "other"}),
+        pytest.raises(FileProblem, match=words) as caught,
+        opened(tmp_path / "s", SCHEMA, MINE | other),
     ):
         pass
     assert one_line(caught.value).startswith(str(tmp_path / "s"))
     assert held(tmp_path / "s") == [("a", -1)]
+
+
+def test_a_study_goes_on_whatever_of_the_case_it_does_not_use_has_changed(tmp_path: Path) -> None:
+    for case_hash in ("0123", "4567"):
+        with opened(tmp_path / "s", SCHEMA, MINE | {"case_hash": case_hash}) as study:
+            study.add([row(case_hash)])
+    assert held(tmp_path / "s") == [("0123", -1), ("4567", -1)]
 
 
 def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
