@@ -92,7 +92,7 @@ def load_case(name: str) -> Case:
         hint = "write decimal points, not commas, and " if _decimal_comma(path) else ""
         raise CaseError(path, "", f"is not TOML: {error}; {hint}correct that line") from error
     try:
-        return Case.model_validate(data)
+        return Case.model_validate(data).found_at(lasting_name(name))
     except ValidationError as error:
         raise _explained(path, error) from error
 

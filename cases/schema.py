@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import accumulate
 from typing import Literal, NoReturn
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from cases.controller import Controller
 from cases.errors import CaseError
@@ -21,6 +21,7 @@ from cases.payloads import Payloads
 from cases.poses import Poses
 from cases.recording import RecordingFormat
 from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation, together
+from cases.shown import as_html
 from cases.units import MINUTE, MM
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
@@ -53,6 +54,31 @@ class Case(Part):
     nominal: RigidBody | None = None
     simulation: Simulation | None = None
     payloads: Payloads | None = None
+
+    _origin: str = PrivateAttr("")
+
+    @property
+    def origin(self) -> str:
+        """Name or file that finds the case again from any folder; empty where it was not loaded."""
+        return self._origin
+
+    def found_at(self, origin: str) -> "Case":
+        """The same case with another origin."""
+        case = self.model_copy()
+        case._origin = origin
+        return case
+
+    def __repr__(self) -> str:
+        """Two lines: what it is, and which parts it has."""
+        optional = ("machine", "workspace", "limits", "poses", "controller", "nominal", "simulation", "payloads")
+        there = [part for part in optional if getattr(self, part) is not None]
+        what = f"Case {self.name}: {self.title} (setup {self.setup}, hash {self.hash})"
+        return f"{what}\nhas {', '.join(there) or 'sensors only'}"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return as_html(repr(self))
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":

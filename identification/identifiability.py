@@ -4,7 +4,7 @@ Pearson correlation of the columns, QR decomposition of the scaled regressor wit
 singular values, and the combinations that stay identifiable where parameters are not.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -80,6 +80,22 @@ class Identifiability:
                 for g in self.groups
             ],
         }
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Any]) -> "Identifiability":
+        """From what `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
+        return cls(
+            names=tuple(str(name) for name in data["names"]),
+            correlation=np.array(data["correlation"], dtype=float),
+            r=np.array(data["r"], dtype=float),
+            zero=float(data["numerical_zero"]),
+            singular_values=np.array(data["singular_values"], dtype=float),
+            rank=int(data["rank"]),
+            groups=tuple(
+                Group(tuple(g["parameters"]), int(g["hidden"]), tuple(dict(c) for c in g["combinations"]))
+                for g in data["groups"]
+            ),
+        )
 
 
 def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:

@@ -5,7 +5,7 @@ with the CasADi models that the optimiser uses.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -108,6 +108,27 @@ class LimitReport:
             }
             for c in self.checks
         }
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Mapping[str, Any]]) -> "LimitReport":
+        """Of a motion, from what `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
+        return cls(tuple(_check(entry) for entry in data.values()))
+
+
+def _check(entry: Mapping[str, Any]) -> LimitCheck:
+    bounds = entry.get("bounds")
+    status = Status(entry["status"])
+    return LimitCheck(
+        name=str(entry["at"]),
+        worst=float(entry["worst"]),
+        limit=float(entry["limit"]),
+        unit=str(entry["unit"]),
+        ratio=float(entry["ratio"]),
+        time=float(entry["time_s"]),
+        status=status,
+        binding=status is not Status.STEPS,
+        bounds=None if bounds is None else (float(bounds[0]), float(bounds[1])),
+    )
 
 
 def prove(

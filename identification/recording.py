@@ -7,41 +7,148 @@ Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), strut
 `[recording]` maps file formats, other names, units and clocks. A run may come as several files with their own clocks.
 """
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pacsv
+from numpy.typing import NDArray
 
-from cases.recording_columns import STRUTS
+from cases.basis import KEPT, Artefact, recording_basis
+from cases.errors import RecordingError
+from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
+from cases.recording_columns import (
+    ACCELEROMETER,
+    BAR_FORCES,
+    CLOCK,
+    OVERRIDE,
+    ROTATION,
+    STRUT_VELOCITIES,
+    STRUTS,
+    TRIGGER,
+    WRENCH,
+)
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.assembly import force_columns
 from identification.formats.run import files_of, read_batches, read_recording, read_run
 from identification.formats.stream import Recording
 
-__all__ = ["Recording", "files_of", "force_columns", "read_batches", "read_recording", "read_run", "write_recording"]
+__all__ = [
+    "Recording", "about_case", "files_of", "force_columns", "load_recording", "read", "read_batches", "read_recording",
+    "read_run", "save_recording", "write_recording",
+]  # fmt: skip
+
+SCHEMA_VERSION = 1
+# 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
+_DECIMALS = {CLOCK: 9} | dict.fromkeys(STRUTS, 8) | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
+FINE = 12  # decimals of all else
+
+
+def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
+    """The recording in a file, in several files of one run, or in a folder of `hexcite run`.
+
+    Args:
+        paths: in any order.
+        case: says which columns to expect and how the files write them.
+
+    Raises:
+        RecordingError: anything that keeps the run from being used, with line, column, value and remedy.
+    """
+    places = [Path(paths)] if isinstance(paths, Path | str) else [Path(path) for path in paths]
+    recording = read_run(places, case)
+    return replace(recording, record=record_of(places[0])) if len(places) == 1 else recording
+
+
+def record_of(path: Path) -> Mapping[str, Any]:
+    """What recording.json in a folder says of its run; nothing where `path` is no such folder.
+
+    Raises:
+        FileProblem: recording.json is damaged.
+    """
+    file = path / "recording.json"
+    return read_json(file, "hexcite run") if path.is_dir() and file.is_file() else {}
+
+
+def load_recording(folder: Path) -> Recording:
+    """The recording of a folder, with the case that it names.
+
+    Raises:
+        RecordingError: it does not say which machine it is from, or cannot be used.
+        FileProblem: its case has changed since.
+    """
+    record = record_of(folder)
+    if not record:
+        raise RecordingError(f"{folder}: does not say which machine it is from; read it with its case")
+    named = Artefact(folder / "recording.json", record, "run the program again")
+    case = named.case()
+    named.require_unchanged(recording_basis(case), case, stale=False)
+    return read(folder, case)
+
+
+def about_case(case: Case) -> dict[str, Any]:
+    """What `recording.json` says of the case."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "case": case.name,
+        "case_file": case.origin,
+        "case_hash": case.hash,
+        KEPT: recording_basis(case),
+    }
+
+
+def save_recording(recording: Recording, folder: Path, overwrite: bool = False) -> None:
+    """Makes a folder with recording.csv and recording.json.
+
+    Raises:
+        RecordingError: the run has several clocks, or its case is not known.
+        FileProblem: the folder is somebody's, or cannot be written.
+    """
+    if recording.case is None:
+        raise RecordingError(f"{recording.source}: does not say which case it is of; read it with its case")
+    if recording.others:
+        raise RecordingError(f"{recording.source}: has several clocks, and one table has one; keep its files")
+    check_folder(folder, RUN, recording.paths, overwrite)
+    record = recording.record or about_case(recording.case) | {"source": recording.source}
+    with atomic_folder(folder, RUN, overwrite) as part:
+        write_recording(part / "recording.csv", recording, recording.case)
+        (part / "recording.json").write_text(json_text(dict(record)), encoding="utf-8")
 
 
 def write_recording(file: Path, recording: Recording, case: Case) -> None:
-    """Writes a recording of struts in our column names: as Parquet where the file's name says so, else as CSV.
+    """Writes one table in our column names: as Parquet where the file's name says so, else as CSV.
 
     Args:
         file: where; write into an atomic folder.
-        recording: with time, struts and trigger.
+        recording: with one clock.
         case: for the names of the forces.
     """
-    assert recording.t is not None
-    assert recording.struts is not None
-    assert recording.trigger is not None
-    table = {"t_s": np.round(recording.t, 9)}
-    # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
-    table |= {n: np.round(recording.struts[:, k] / MM, 8) for k, n in enumerate(STRUTS)}
-    table |= {n: np.round(recording.forces[:, k], 6) for k, n in enumerate(force_columns(case))}
-    table["trigger"] = recording.trigger.astype(np.int8)
+    table = {name: np.round(values, _DECIMALS.get(name, FINE)) for name, values in _columns(recording, case).items()}
+    if recording.trigger is not None:
+        table[TRIGGER] = recording.trigger.astype(np.int8)
     if file.suffix == ".parquet":
         import pyarrow.parquet as pq
 
         pq.write_table(pa.table(table), file)
     else:
         pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
+
+
+def _columns(recording: Recording, case: Case) -> dict[str, NDArray[np.float64]]:
+    """Numbers by the names of their columns, in the units that the names say."""
+    table = {} if recording.t is None else {CLOCK: recording.t}
+    groups = (
+        (STRUTS, recording.struts, MM),
+        (ROTATION, None if recording.rotations is None else recording.rotations.reshape(-1, 9), 1.0),
+        (STRUT_VELOCITIES, recording.strut_velocities, MM),
+        (force_columns(case), recording.forces, 1.0),
+        (ACCELEROMETER, recording.specific_forces, 1.0),
+        ((OVERRIDE,), None if recording.override is None else recording.override[:, None], 0.01),
+    )
+    for names, values, unit in groups:
+        if values is not None:
+            table |= {name: values[:, k] / unit for k, name in enumerate(names)}
+    return table

@@ -85,7 +85,16 @@ def load_result(path: Path) -> SavedResult:
         FileProblem: missing, damaged or of another version.
     """
     file = path / "result.json" if path.is_dir() else path
-    data = read_json(file, "hexcite identify")
+    return solution_of(read_json(file, "hexcite identify"), str(file))
+
+
+def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
+    """What `result.json` says of the parameters; errors as `load_result`.
+
+    Args:
+        data: its entries.
+        file: for messages.
+    """
     if data.get("schema_version") != SCHEMA_VERSION:
         raise FileProblem(
             f"{file}: schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}; identify again"
@@ -93,7 +102,7 @@ def load_result(path: Path) -> SavedResult:
     try:
         delay, felt = data["delay_s"], data.get("accelerometer")
         result = SavedResult(
-            source=str(file),
+            source=file,
             case_name=str(data["case"]),
             model=int(data["model"]),
             values=np.array(data["linear"]["values"], dtype=float),
@@ -153,21 +162,17 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     return Biases(str(path), result.values[offsets], covariance, result.accelerometer, remarks)
 
 
-def with_tare(
-    path: Path, result: SavedResult, case: Case, values: Array, covariance: Array, source: str
-) -> dict[str, Any]:
+def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array, source: str) -> dict[str, Any]:
     """What `result.json` holds with other linear values: physical parameters and deviations follow from them.
 
     Args:
-        path: the result that is changed.
-        result: the same, loaded.
+        result: that is changed.
         case: of the same machine.
         values: new u, shape (u,).
         covariance: of u, shape (u, u).
         source: the recording that they come from.
     """
-    file = path / "result.json" if path.is_dir() else path
-    data = read_json(file, "hexcite identify")
+    data = dict(result.about)
     form = physical_form(result.model_of(case))
     physical, spread = form.of(values, covariance)
     std = np.sqrt(np.diag(spread))

@@ -3,9 +3,9 @@
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from threading import Event
 from time import perf_counter
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,20 +13,17 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.limits import PROOF_RATE, LimitReport, prove
+from identification.limits import PROOF_RATE, prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField
 from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound, known_tight_bound
-from planner.controlled import Controlled, move_count, planned_for
+from planner.controlled import Controlled
 from planner.deviations import predicted_std_of, worst_std
-from planner.families.family import Family, box_middle
-from planner.families.fourier import FourierFamily
-from planner.families.manual import manual_motion, sequence_file
-from planner.families.ptp import PointToPointFamily
+from planner.families.family import Family
 from planner.families.shipped import shipped_start
-from planner.families.spline import SplineFamily
+from planner.found import Found, notes, weaknesses
 from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import ExpectedNoise, expected_noise, seen_through
@@ -34,13 +31,13 @@ from planner.plan import Plan
 from planner.pose_errors import PoseErrors, without_pose_errors
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
-from planner.search.choices import choices
 from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import FEWEST, Patience
 from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
 from planner.vibration import both_laws
+from planner.worth import Rival, Search, Tried, Worth
 
 Array = NDArray[np.float64]
 
@@ -49,64 +46,16 @@ KEPT = 3  # of several orders and periods, the best get more starts
 ROUND = max(2, min(8, os.cpu_count() or 1))  # starts at a time
 
 
-class Found(NamedTuple):
-    """What came of a search.
-
-    Args:
-        motion: the best, proven.
-        family: the name of its family.
-        settings: of the family.
-        limits: the proof.
-        starts: the best first.
-        failed: starts that led nowhere.
-        interrupted: whether Ctrl-C ended the search early.
-        rival: what another family found in seconds.
-        white: what one start reaches where errors of the pose do not count.
-    """
-
-    motion: Trajectory
-    family: str
-    settings: dict[str, Any]
-    limits: LimitReport
-    starts: tuple[Start, ...]
-    failed: tuple[Failed, ...]
-    interrupted: bool
-    rival: Start | None = None
-    white: Start | None = None
-
-
-def first_family(request: Request, case: Case) -> Family:
-    """The family from which the starts of a request are drawn."""
-    if request.family == "fourier":
-        middle, half = box_middle(case)
-        order, period = request.order, request.base_period
-        return FourierFamily.lasting(order, period, request.periods, middle, half, request.centred)
-    if request.family == "spline":
-        return SplineFamily.of(case, request.intervals, request.duration)
-    return PointToPointFamily.of(case, move_count(request, case), request.duration)
-
-
 def _rival(request: Request, case: Case) -> Task | None:
     """One start of another family that takes seconds, to compare with."""
     if request.starts == 1 or request.criterion != "D":  # one start was asked for, or what D does not measure
         return None
-    other = "ptp" if request.family == "fourier" else "fourier"
-    wanted = replace(
-        request,
-        family=other,
-        period=None,
-        order=5,
-        moves=None,
-        free_order=False,
-        free_period=False,
-        starts=1,
-        controller=None,
-    )
+    rival = request.family.rival
     try:
-        require_plannable(replace(wanted, targets=()), case)
+        require_plannable(replace(request, family=rival, targets=()), case)
     except HexciteError:  # too short for it, or too fast for the filter
         return None
-    family = first_family(wanted, case)
+    (family,) = rival.families(case, request.duration)
     return Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, shipped_start(family))
 
 
@@ -117,7 +66,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         InfeasiblePlan: every start failed; the message is that of the first.
         Interrupted: Ctrl-C before any start was done.
     """
-    own = planned_for(request, case)
+    own = request.family.controlled(case)
     patience = Patience.of(request, len(identification_model(case, request.model).names))
     results, rivals, interrupted = _explored(request, own, case, listener, run, patience.exploring())
     done = max((s.score for s in results if isinstance(s, Start) and s.refined), default=-np.inf)
@@ -136,7 +85,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         raise InfeasiblePlan(failed[0].reason)
     white = None
     if PoseField.of(case.sensors) is not None and not interrupted:
-        fresh, best_family = first_family(request, own.case), starts[0].family
+        fresh, best_family = request.family.families(own.case, request.duration)[0], starts[0].family
         fresh = fresh if fresh.settings == best_family.settings else best_family
         one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].seed, request.payload,
                    begin=shipped_start(fresh))  # fmt: skip
@@ -146,17 +95,9 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     unknowns, report, _ = keep_limits(own.case, winner, starts[0].unknowns, PROOF_RATE)
     motion = winner.motion(unknowns)
     report = own.reported(prove(motion, case)) if own.step_time else report
-    return Found(
-        motion,
-        winner.name,
-        {**winner.settings, **({} if own.controller is None else {"made_for": own.controller})},
-        report,
-        tuple(starts),
-        tuple(failed),
-        interrupted,
-        next(iter(rivals), None),
-        white,
-    )
+    settings = {**winner.settings, **({} if own.controller is None else {"made_for": own.controller})}
+    rival = next(iter(rivals), None)
+    return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, rival, white)
 
 
 def _explored(
@@ -167,7 +108,7 @@ def _explored(
     `own` holds the limits that the controller keeps. Of several orders and periods each is looked at once; the starts
     that follow go to the best of them.
     """
-    families = [first_family(choice, own.case) for choice in choices(request, case)]
+    families = request.family.families(own.case, request.duration)
     seeds, several = iter(seeds_of(request.seed, patience.most + len(families))), len(families) > 1
 
     def fresh(family: Family) -> Task:
@@ -182,7 +123,7 @@ def _explored(
     while True:
         found = run([*tasks, *([] if rival is None else [rival])], listener, patience)
         for result in found.results:
-            if isinstance(result, Start) and rival is not None and result.family.name != request.family:
+            if isinstance(result, Start) and rival is not None and result.family.name != request.family.name:
                 rivals.append(result)
             else:
                 results.append(result)
@@ -196,21 +137,18 @@ def _explored(
         tasks = [fresh(best[k % min(KEPT, len(best))]) for k in range(min(ROUND, patience.most - len(results)))]
 
 
-def _made_by_hand(request: Request, case: Case) -> Found:
-    file = request.sequence if request.sequence is not None else sequence_file(request.case_file)
-    motion = manual_motion(case, file)
+def _made_by_hand(request: Request, motion: Trajectory, file: Path, case: Case) -> Found:
     if not motion.duration <= LONGEST:
         raise InfeasiblePlan(f"{file}: takes {motion.duration:.0f} s, longer than {LONGEST:g} s; take steps out")
-    return Found(motion, "manual", {"sequence": str(file)}, prove(motion, case), (), (), False)
+    return Found(motion, {"sequence": str(file)}, prove(motion, case))
 
 
-def make(request: Request, case: Case, case_file: str, listener: Listener, run: Runner) -> Plan:
+def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     """Optimises, proves and rates an excitation.
 
     Args:
         request: what to plan.
         case: machine and limits.
-        case_file: name or file that finds the case again from any folder.
         listener: is told how the starts are getting on.
         run: runs the starts.
 
@@ -223,39 +161,39 @@ def make(request: Request, case: Case, case_file: str, listener: Listener, run: 
     """
     require_plannable(request, case)
     began = perf_counter()
-    found = _made_by_hand(request, case) if request.family == "manual" else search(request, case, listener, run)
+    fixed = request.family.motion(case)
+    found = search(request, case, listener, run) if fixed is None else _made_by_hand(request, *fixed, case)
     seconds = perf_counter() - began
     if not found.limits.kept:
         worst = found.limits.violations[0]
         raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)}")
     try:
-        return rated(request, case, case_file, found, seconds)
+        return rated(request, case, found, seconds)
     except IdentificationError as error:
         place = found.settings.get("sequence", f"no plan for model {request.model}")
         raise IdentificationError(f"{place}: {error}") from error
 
 
-def make_until_ctrl_c(request: Request, case: Case, case_file: str, listener: Listener) -> Plan:
+def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:
     """`make`, in the main thread; the first Ctrl-C keeps what a search has found, be it in its proof or its rating."""
-    if request.family == "manual":
-        return make(request, case, case_file, listener, run_here)
+    if not request.family.optimised:
+        return make(request, case, listener, run_here)
     pressed = Event()
     with first_ctrl_c_calls(pressed.set), workers() as run_all:
 
         def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
             return Outcome([], True) if pressed.is_set() else run_all(tasks, listener, patience)
 
-        plan = make(request, case, case_file, listener, run)
-    return replace(plan, interrupted=True) if pressed.is_set() else plan
+        plan = make(request, case, listener, run)
+    return plan.ended_early() if pressed.is_set() else plan
 
 
-def rated(request: Request, case: Case, case_file: str, found: Found, seconds: float) -> Plan:
+def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     """The plan of a motion that keeps all limits: what it is worth.
 
     Args:
         request: what was asked for.
         case: machine and limits.
-        case_file: name or file that finds the case again from any folder.
         found: the motion, and where it comes from.
         seconds: spent on it [s].
 
@@ -273,33 +211,51 @@ def rated(request: Request, case: Case, case_file: str, found: Found, seconds: f
     if noise.whitening is not None or errors is not None:
         weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
         chosen = singular_values(weighted, model.names)
-    return Plan(
-        case=case,
-        case_file=case_file,
-        request=request,
-        motion=found.motion,
-        family=found.family,
-        settings=found.settings,
-        starts=found.starts,
-        failed=found.failed,
-        interrupted=found.interrupted,
-        rival=found.rival,
-        score=CRITERIA[request.criterion].of(chosen),
-        logdet=CRITERIA["D"].of(mu),
-        condition=-CRITERIA["K"].of(mu),
-        bound=box_bound(case, model),
-        predicted_std={name: std for name, (std, _) in worst.items()},
-        worst_payload={name: payload for name, (_, payload) in worst.items()},
-        noise=noise,
-        noise_note=(
-            *_told(case, model, scaling, found.motion, noise, request.payload),
-            *_of_pose_errors(case, model, scaling, found, request, {n: s for n, (s, _) in worst.items()}),
-        ),
-        limits=found.limits,
-        solve_seconds=seconds,
-        tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
-        laws=both_laws(case, request.model, found.motion, request.payload),
+    laws = both_laws(case, request.model, found.motion, request.payload)
+    predicted = {name: std for name, (std, _) in worst.items()}
+    told = (
+        *_told(case, model, scaling, found.motion, noise, request.payload),
+        *_of_pose_errors(case, model, scaling, found, request, predicted),
     )
+    logdet, bound = CRITERIA["D"].of(mu), box_bound(case, model)
+    worth = Worth(
+        settings=found.settings,
+        search=_record(found, seconds, bound.efficiency(logdet), len(mu)),
+        score=CRITERIA[request.criterion].of(chosen),
+        logdet=logdet,
+        condition=-CRITERIA["K"].of(mu),
+        bound=bound,
+        tight=known_tight_bound(case, model) if _from_rest_to_rest(found.motion) else None,
+        noise=tuple(noise.std.tolist()),
+        shaken=noise.shaken,
+        weights=noise.weights,
+        weaknesses=weaknesses(found, case, len(mu)),
+        notes=(*notes(found, request, case, worst, laws), *told),
+        vibration=None if laws is None else laws.to_json(),
+    )
+    rate = case.recording.rate_Hz
+    return Plan(case, request, found.motion, found.limits, predicted, noise.sensors, rate, worth)
+
+
+def _record(found: Found, seconds: float, efficiency: float, parameters: int) -> Search:
+    """What a plan keeps of its search."""
+    starts = tuple(
+        Tried(
+            seed=s.seed,
+            refined=s.refined,
+            start_logdet=s.start_logdet if np.isfinite(s.start_logdet) else None,
+            logdet=s.logdet,
+            criterion_value=s.score,
+            solver=s.status,
+            converged=s.converged,
+            iterations=s.iterations,
+            seconds=s.seconds,
+        )
+        for s in found.starts
+    )
+    other = found.rival
+    rival = None if other is None else Rival(other.family.name, found.of_rival(parameters) * efficiency)
+    return Search(starts, found.failed, found.interrupted, seconds, rival)
 
 
 def _from_rest_to_rest(motion: Trajectory) -> bool:

@@ -1,7 +1,6 @@
 """The shortest motion whose predicted standard deviations meet given targets."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -46,7 +45,7 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
         duration = max(best.motion.duration * use(best) ** 2 * RESERVE, SHORTEST)
         if duration <= too_short:
             duration = (too_short + best.motion.duration) / 2
-        duration = request.allowed_duration(duration)
+        duration = request.family.allowed_duration(duration)
         if duration > WORTHWHILE * best.motion.duration or best.interrupted:
             break
         try:
@@ -55,11 +54,11 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
             too_short = duration
             continue
         except Interrupted:
-            return replace(best, interrupted=True)
+            return best.ended_early()
         if use(trial) <= 1.0:
             best = trial
         elif trial.interrupted:
-            return replace(best, interrupted=True)
+            return best.ended_early()
         else:
             too_short = duration
     return best
@@ -71,8 +70,8 @@ def _missed(request: Request, best: Plan, target: Target) -> BaseException:
     if best.interrupted:
         return Interrupted(f"the best found until then has {reached}, not {target.text}: nothing was written")
     needed = request.duration * target.share(best.predicted_std) ** 2 * RESERVE
-    longer = request.allowed_duration(float(np.ceil(needed)))
-    remedy = f"allow --duration {longer:g}{request.knots_for(longer)} or a wider target"
+    longer = request.family.allowed_duration(float(np.ceil(needed)))
+    remedy = f"allow --duration {longer:g}{request.family.options_for(longer)} or a wider target"
     if longer > LONGEST:
         remedy = f"even the longest motion, {LONGEST:g} s, would not do: set a wider target"
     return InfeasiblePlan(

@@ -13,10 +13,10 @@ from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
 from planner.deviations import predicted_std_at_poses, worst_std
+from planner.families.settings import FAMILIES
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.pose_errors import PoseErrors
 from planner.poses.regressors import pose_regressors, total_information
-from planner.request import FAMILIES
 from planner.search.problem import information_of, mean_information
 
 Array = NDArray[np.float64]

@@ -18,8 +18,8 @@ from postprocessors.program import (
     Block,
     Comment,
     Dwell,
+    NeutralProgram,
     PointToPoint,
-    Program,
     SplinePath,
     StrutPointToPoint,
     TimedPath,
@@ -33,7 +33,7 @@ SAME = 1e-8  # [m, rad] two poses are one, below the last decimal of any program
 APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: nobody needs that move to be fast
 
 
-def straight_in_struts(program: Program) -> Program:
+def straight_in_struts(program: NeutralProgram) -> NeutralProgram:
     """The program with its point-to-point moves straight in the struts.
 
     Raises:
@@ -47,7 +47,7 @@ def straight_in_struts(program: Program) -> Program:
     return replace(program, blocks=blocks)
 
 
-def moves_as_polynomials(program: Program) -> Program:
+def moves_as_polynomials(program: NeutralProgram) -> NeutralProgram:
     """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces."""
     blocks: list[Block] = []
     for together, group in groupby(program.blocks, lambda b: isinstance(b, PointToPoint)):
@@ -108,7 +108,9 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     return (timed_path(name, trajectory, block, speed),)
 
 
-def excitation_program(trajectory: Trajectory, case: Case, header: tuple[str, ...], speed: float = 1.0) -> Program:
+def excitation_program(
+    trajectory: Trajectory, case: Case, header: tuple[str, ...], speed: float = 1.0
+) -> NeutralProgram:
     """Home, approach, settle, the excitation between trigger on and off, settle, back home.
 
     Where the motion contains measurements, the trigger is on in these alone: moves between them only take the machine
@@ -151,4 +153,4 @@ def excitation_program(trajectory: Trajectory, case: Case, header: tuple[str, ..
     else:
         blocks += [Dwell(controller.settle_s), Trigger(True), *excitation, Trigger(False), Dwell(controller.settle_s)]
     straight("return", last, home)
-    return Program(header, tuple(blocks))
+    return NeutralProgram(header, tuple(blocks))

@@ -8,7 +8,7 @@ import numpy as np
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.program import Program
+from postprocessors.program import NeutralProgram
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.reading.words import Reading
 
@@ -17,7 +17,7 @@ def _in_time(reading: Reading, case: Case) -> Forecast:
     return Forecast()
 
 
-def _as_it_is(program: Program, case: Case) -> Program:
+def _as_it_is(program: NeutralProgram, case: Case) -> NeutralProgram:
     return program
 
 
@@ -36,13 +36,13 @@ class Language:
         same: raises ProgramError where a reading is not the program; None where blocks read back one by one.
     """
 
-    write: Callable[[Program, Case], bytes]
+    write: Callable[[NeutralProgram, Case], bytes]
     read: Callable[[bytes, str, Case], Reading]
     guarantees: Callable[[Reading, Case], Guarantees]
     tolerance: Callable[[Case], Array] = lambda case: np.zeros(6)
-    same: Callable[[Program, Reading, Case], None] | None = None
+    same: Callable[[NeutralProgram, Reading, Case], None] | None = None
     forecast: Callable[[Reading, Case], Forecast] = _in_time
-    prepare: Callable[[Program, Case], Program] = _as_it_is
+    prepare: Callable[[NeutralProgram, Case], NeutralProgram] = _as_it_is
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,8 @@ from postprocessors.program import (
     Block,
     Comment,
     Dwell,
+    NeutralProgram,
     PointToPoint,
-    Program,
     SplinePath,
     StrutPointToPoint,
     TimedPath,
@@ -119,7 +119,7 @@ def _timed(path: TimedPath) -> list[str]:
     return [*lines, "G94", "G61"]
 
 
-def write_linuxcnc(program: Program, case: Case) -> str:
+def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
     """The program's text, plain ASCII.
 
     Args:

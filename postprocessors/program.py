@@ -144,7 +144,7 @@ Block = Comment | ToHome | PointToPoint | StrutPointToPoint | Arc | TimedPath | 
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class NeutralProgram:
     """A program.
 
     Args:

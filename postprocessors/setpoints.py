@@ -22,8 +22,8 @@ from postprocessors.program import (
     Arc,
     Comment,
     Dwell,
+    NeutralProgram,
     PointToPoint,
-    Program,
     SplinePath,
     StrutPointToPoint,
     TimedPath,
@@ -56,7 +56,7 @@ class _Part:
     on: bool
 
 
-def _parts(program: Program, cycle: float) -> Iterator[_Part]:
+def _parts(program: NeutralProgram, cycle: float) -> Iterator[_Part]:
     moving: list[Trajectory] = []
     on = False
 
@@ -99,7 +99,7 @@ def _sampled(part: _Part, cycle: float) -> list[Array]:
     return values
 
 
-def _motion(program: Program, case: Case) -> tuple[Motion, Array]:
+def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
     """All rows, and whether the trigger is on in the cycle that each begins."""
     cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
     home = next(b.pose for b in program.blocks if isinstance(b, ToHome))
@@ -121,7 +121,7 @@ def _motion(program: Program, case: Case) -> tuple[Motion, Array]:
     return Motion(time, pose, rates, accelerations, np.zeros_like(pose)), states
 
 
-def _values(program: Program, case: Case) -> Array:
+def _values(program: NeutralProgram, case: Case) -> Array:
     """The table in the units of its columns."""
     motion, trigger = _motion(program, case)
     function = Hexapod.of(case).strut_motion.map(len(motion.t))
@@ -131,7 +131,7 @@ def _values(program: Program, case: Case) -> Array:
     return np.column_stack([motion.t, *poses, *struts, trigger])
 
 
-def _header(program: Program, case: Case) -> list[str]:
+def _header(program: NeutralProgram, case: Case) -> list[str]:
     cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle_ms
     lines = [
         f"format: {FORMAT}",
@@ -145,7 +145,7 @@ def _header(program: Program, case: Case) -> list[str]:
     return ["# " + line.encode("ascii", "replace").decode("ascii").replace("\n", " ") for line in lines]
 
 
-def write_csv(program: Program, case: Case) -> bytes:
+def write_csv(program: NeutralProgram, case: Case) -> bytes:
     """The table as CSV, plain ASCII.
 
     Args:
@@ -162,7 +162,7 @@ def write_csv(program: Program, case: Case) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def write_parquet(program: Program, case: Case) -> bytes:
+def write_parquet(program: NeutralProgram, case: Case) -> bytes:
     """The table as Parquet with all digits; header lines in the metadata. Otherwise as `write_csv`."""
     import pyarrow as pa
     from pyarrow import parquet
@@ -176,7 +176,7 @@ def write_parquet(program: Program, case: Case) -> bytes:
     return sink.getvalue()
 
 
-def require_same(program: Program, reading: Reading, case: Case) -> None:
+def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
     """Raises ProgramError unless the table, as read back, is the program's motion row by row."""
     cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
     read = [s for s in stretches(reading) if isinstance(s, Timed)]

@@ -21,8 +21,8 @@ from postprocessors.program import (
     Block,
     Comment,
     Dwell,
+    NeutralProgram,
     PointToPoint,
-    Program,
     SplinePath,
     StrutPointToPoint,
     TimedPath,
@@ -166,13 +166,13 @@ class _Writer:
         return [*lines, "COMPOF", "G94 G60"]
 
 
-def prepare_sinumerik(program: Program, case: Case) -> Program:
+def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
     """Point-to-point moves as the case wants them: at a feed, or as polynomials."""
     settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
     return moves_as_polynomials(program) if settings.moves == "poly" else program
 
 
-def write_sinumerik(program: Program, case: Case) -> bytes:
+def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:
     """The program's text, plain ASCII.
 
     Args:

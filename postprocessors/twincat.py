@@ -17,8 +17,8 @@ from postprocessors.program import (
     Block,
     Comment,
     Dwell,
+    NeutralProgram,
     PointToPoint,
-    Program,
     SplinePath,
     StrutPointToPoint,
     TimedPath,
@@ -114,7 +114,7 @@ class _Writer:
         return [*lines, after, "G94"]
 
 
-def write_twincat(program: Program, case: Case) -> bytes:
+def write_twincat(program: NeutralProgram, case: Case) -> bytes:
     """The program's text, plain ASCII.
 
     Args:

@@ -13,7 +13,7 @@ from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.strut_move import NoStrutMove
 from postprocessors.composing import excitation_program, straight_in_struts
 from postprocessors.dialects import Language
-from postprocessors.program import Arc, PointToPoint, Program, SplinePath, StrutPointToPoint, TimedPath
+from postprocessors.program import Arc, NeutralProgram, PointToPoint, SplinePath, StrutPointToPoint, TimedPath
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.words import Event, Reading
@@ -111,7 +111,7 @@ def _same_events(one: Reading, other: Reading) -> bool:
     return len(one.events) == len(other.events) and all(values(a) == values(b) for a, b in pairs)
 
 
-def _require_same(program: Program, reading: Reading, tolerance: Array) -> None:
+def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -> None:
     """The motion of the text is that of the program, block by block, point by point and instant by instant.
 
     Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].

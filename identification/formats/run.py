@@ -73,7 +73,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     return Recording(
         main.source, main.t, main.struts, main.rotations, main.forces, main.trigger, main.strut_velocities, main.poses,
         main.specific_forces, others, main.lines, override=main.override, missing=main.missing,
-        missing_in=main.missing_in,
+        missing_in=main.missing_in, case=case, paths=tuple(paths),
     )  # fmt: skip
 
 

@@ -1,11 +1,15 @@
 """A recorded run in SI units: streams of channels that share a clock, and the run that they make up."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.schema import Case
+from cases.shown import as_html
 from identification.formats.clock import lost_samples, uniform_step
 from identification.formats.table import Array, Lines
 
@@ -111,7 +115,7 @@ class Averaged(NamedTuple):
         }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Recording:
     """A run: the samples of the forces, with all channels of their clock, and streams of other clocks.
 
@@ -134,6 +138,9 @@ class Recording:
         override: of the feed, shape (n,); 1 is none.
         missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
         missing_in: the columns in which they are, as the file calls them.
+        case: that it is of; None where that is not known.
+        paths: of the files that it was read from.
+        record: what `recording.json` says of the run; empty where there is none.
     """
 
     source: str
@@ -152,6 +159,41 @@ class Recording:
     override: Array | None = None
     missing: Rows | None = None
     missing_in: tuple[str, ...] = ()
+    case: Case | None = None
+    paths: tuple[Path, ...] = ()
+    record: Mapping[str, Any] = field(default_factory=dict)
+
+    def save(self, folder: Path | str, overwrite: bool = False) -> None:
+        """Makes a folder with recording.csv and recording.json; numbers as in `identification.recording`."""
+        from identification.recording import save_recording
+
+        save_recording(self, Path(folder), overwrite)
+
+    @classmethod
+    def load(cls, folder: Path | str) -> "Recording":
+        """The recording of a folder; see `identification.recording.load_recording`."""
+        from identification.recording import load_recording
+
+        return load_recording(Path(folder))
+
+    def __repr__(self) -> str:
+        """A few lines: where it is from, how long, which channels."""
+        size = f"{len(self.forces)} samples"
+        if self.t is not None and len(self.t) > 1:
+            size += f" in {float(self.t[-1] - self.t[0]):.2f} s"
+        lines = [f"Recording {self.source}: {size}", f"channels: {', '.join(self.channels)}"]
+        lines += [f"with another clock: {', '.join(s.channels)} ({s.source})" for s in self.others]
+        if "controller" in self.record:
+            lines.append(f"executed on {self.record['controller']}; sensors and encoders are simulated")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return as_html(repr(self))
+
+    @property
+    def channels(self) -> dict[Channel, Any]:
+        """The arrays at the samples of the forces, by name."""
+        return _present(self)
 
     @property
     def step(self) -> float:

@@ -6,9 +6,10 @@ moments of a motion from rest to rest with limited jerk, see `planner.bounds.mom
 proof in `planner.bounds.tight_certificate`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from math import isfinite
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -20,7 +21,7 @@ from cases.basis import bound_hash
 from cases.errors import FileProblem, HexciteError
 from cases.files import json_text, read_json, write_text
 from cases.schema import Case
-from identification.model import Model
+from identification.model import Model, identification_model
 from identification.reference import reference_scaling
 from planner.bounds.design import Design, optimal_design
 from planner.bounds.features import box_features
@@ -72,7 +73,18 @@ class Bound:
 
     def to_json(self) -> dict[str, Any]:
         """What a plan says of its bound."""
-        return {"logdet": self.logdet, "dmax": self.dmax, "method": self.method, "certified": self.certified}
+        return asdict(self)
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Bound":
+        """From `plan.json`; earlier versions wrote fewer entries. Raises TypeError or KeyError where one is damaged.
+
+        Args:
+            data: its entry.
+            parameters: number u of the model.
+        """
+        absent = {"parameters": parameters, "design_logdet": data["logdet"], "proven_logdet": data["logdet"]}
+        return cls(**(absent | dict(data)))
 
     @property
     def label(self) -> str:
@@ -106,6 +118,42 @@ def box_bound(
     if known is not None and (known.certified or not renew):
         return known
     return _kept(file, compute_bound(case, model, time_limit, progress))
+
+
+def require_time(time_limit: float) -> None:
+    """Raises HexciteError where a time limit is none."""
+    if not (isfinite(time_limit) and time_limit > 0.0):
+        raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")
+
+
+def bound(
+    case: Case,
+    model: int = 9,
+    tight: bool = False,
+    *,
+    time_limit: float = TIME_LIMIT,
+    renew: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Bound:
+    """The most information that a motion inside the limits of a case has, with its certificate.
+
+    Args:
+        case: machine and limits.
+        model: number in Table 2.
+        tight: count on rest at both ends and limited jerk, which takes minutes; else on the motion box alone.
+        time_limit: processor time after which the answer is an estimate [s].
+        renew: compute a known bound again.
+        progress: told the state of things now and then.
+
+    Raises:
+        HexciteError: no duration, an unknown model, or a case without machine or limits.
+    """
+    require_time(time_limit)
+    case.need_machine("the information limit")
+    found = identification_model(case, model)
+    if tight:
+        return tight_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
+    return box_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
 
 
 def tight_bound(

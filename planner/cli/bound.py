@@ -26,49 +26,25 @@ def bound(
 
     No motion passes it: the answer comes with its certificate.
     """
-    answer = information_limit(case, model, tight, time_limit, renew, output, quiet=json, overwrite=overwrite)
-    if json:
-        print_json(answer)
-
-
-def information_limit(
-    case: str,
-    model_number: int,
-    tight: bool,
-    time_limit: float,
-    renew: bool,
-    output: Path | None,
-    quiet: bool,
-    overwrite: bool = False,
-) -> dict[str, Any]:
-    """Computes, prints unless `quiet`; returns the JSON answer."""
-    from math import isfinite
     from time import perf_counter
 
-    from cases.errors import HexciteError
     from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
-    from identification.model import identification_model
     from identification.noise.pose_field import PoseField
-    from planner.bounds.kept import box_bound, tight_bound
+    from planner.bounds.kept import bound as information_limit
+    from planner.bounds.kept import require_time
 
-    if not (isfinite(time_limit) and time_limit > 0.0):
-        raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")
+    require_time(time_limit)
     if output is not None:
         check_file(output, [".json"], overwrite=overwrite)
     loaded = load_case(case)
-    loaded.need_machine("the information limit")
-    model = identification_model(loaded, model_number)
     began = perf_counter()
-    with status_text(f"information limit of {loaded.name}, model {model_number}", quiet) as tell:
-        if tight:
-            found = tight_bound(loaded, model, time_limit=time_limit, renew=renew, progress=tell)
-        else:
-            found = box_bound(loaded, model, time_limit=time_limit, renew=True, progress=tell)
+    with status_text(f"information limit of {loaded.name}, model {model}", json) as tell:
+        found = information_limit(loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=tell)
     answer = {
         "case": loaded.name,
         "case_hash": loaded.hash,
-        "model": model_number,
+        "model": model,
         "over": "motions from rest to rest in the motion box" if tight else "motion box",
         "tight": tight,
         "weights": "equal",
@@ -82,9 +58,10 @@ def information_limit(
     }
     if output is not None:
         write_text(output, json_text(answer))
-    if not quiet:
+    if json:
+        print_json(answer)
+    else:
         _show(answer)
-    return answer
 
 
 def _show(answer: dict[str, Any]) -> None:

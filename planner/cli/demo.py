@@ -1,13 +1,14 @@
 """`hexcite demo`: the whole chain on one case, from its description to a report."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from planner.cli.console import Json, Overwrite, print_json, print_table
 
-ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
+if TYPE_CHECKING:
+    from identification.outcome import Result
 
 
 def demo(
@@ -26,71 +27,70 @@ def demo(
     json: Json = False,
 ) -> None:
     """Plan, program, prove, execute, identify and report, end to end."""
-    answer = run_demo(case, on, seed, starts, output, quiet=json, overwrite=overwrite)
-    if json:
-        print_json(answer)
-
-
-def run_demo(
-    case: str, on: str | None, seed: int, starts: int, output: Path | None, quiet: bool, overwrite: bool = False
-) -> dict[str, Any]:
-    """All steps; prints unless `quiet`; returns each step's JSON answer."""
     from cases.files import DEMO, check_folder, output_place, write_text
     from cases.loading import load_case
-    from identification.identify import identifiability
-    from identification.runs.residuals import residuals_of
-    from planner.cli.identified import make_result
-    from planner.cli.plan import make_plan
-    from planner.cli.post import check_program, make_program, show_check
-    from planner.cli.run import make_recording
-    from planner.comparison.truth import truth_rows
+    from planner.cli.identified import answer_of_result, show_result
+    from planner.cli.plan import answer_of_plan, show_plan
+    from planner.cli.post import answer_of_program, answer_of_proof, show_check, show_program
+    from planner.cli.run import answer_of_run, show_run
+    from planner.demo import ACCEPTED
+    from planner.demo import demo as whole_chain
+    from planner.plan import Plan
     from planner.reports.demo import demo_page
     from planner.reports.page import render
-    from planner.request import Request
-    from planner.runs.running import best_controller
-
-    def step(number: int, text: str) -> None:
-        if not quiet:
-            print(f"\n[{number}/6] {text}", flush=True)
+    from planner.reports.report import report
+    from planner.runs.running import Outcome, best_controller
+    from postprocessors.files import Program
 
     loaded = load_case(case)
-    loaded.need_simulation("the demo")
-    output = output_place(output, Path("hexcite-demo"), overwrite)
-    check_folder(output, DEMO, overwrite=overwrite)
-    step(1, "plan: the most informative moves inside the limits, with the time law of LinuxCNC")
-    plan = make_plan(Request(case, controller="linuxcnc", seed=seed, starts=starts), output / "plan", quiet, overwrite)
-    step(2, f"post: as a program for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name")
-    program = make_program(
-        output / "plan", "linuxcnc", 1.0, ACCEPTED, output / "excitation.ngc", quiet, overwrite=overwrite
-    )
-    step(3, "check: the text read back, independently of its writer")
-    check, reason = check_program(output / "excitation.ngc", case, None, quiet)
-    if not quiet:
-        show_check(check)
-    if reason is not None:
-        raise reason
-    controller, why = best_controller() if on is None else (on, "as asked")
-    step(4, f"run: on {controller} ({why})")
-    run, outcome = make_recording(
-        output / "excitation.ngc", case, controller, seed, output / "recording", quiet, overwrite=overwrite
-    )
-    step(5, "identify: model 9 from the recording alone")
-    result, estimate = make_result(output / "recording", None, 9, output / "result", quiet, overwrite=overwrite)
-    rows = truth_rows(loaded, estimate)
-    if not quiet:
-        _show_truth(rows)
-    step(6, "report")
-    answer = {"plan": plan, "post": program, "check": check, "run": run, "identify": result, "truth": rows}
-    report = output / "report.html"
-    found = identifiability(outcome.recording, loaded, estimate)
-    left = residuals_of(outcome.recording, loaded, estimate)
-    write_text(report, render(demo_page(loaded, answer, outcome, estimate, found, left)))
-    worst = max(abs(row["error"]) / row["std"] for row in rows)
-    summary = {"report": str(report), "controller": run["controller"], "worst_error_in_std": worst}
-    if not quiet:
-        print(f"largest error: {worst:.2f} reported standard deviations")
-        print(f"report written: {report}")
-    return summary | answer
+    place = output_place(output, Path("hexcite-demo"), overwrite)
+    check_folder(place, DEMO, overwrite=overwrite)
+    answer: dict[str, Any] = {}
+
+    def step(text: str) -> None:
+        if not json:
+            print(f"\n[{len(answer) + 1}/6] {text}", flush=True)
+
+    def done(value: "Plan | Program | Outcome | Result") -> None:
+        if isinstance(value, Plan):
+            answer["plan"] = answer_of_plan(value, place / "plan")
+            report(value, place / "plan" / "report.html")
+            if not json:
+                show_plan(answer["plan"], value)
+            step(f"post: for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name")
+        elif isinstance(value, Program):
+            answer["post"] = answer_of_program(value)
+            if not json:
+                show_program(answer["post"])
+            step("check: the text read back, independently of its writer")
+            answer["check"] = answer_of_proof(value)
+            if not json:
+                show_check(answer["check"])
+            step(f"run: on {on or best_controller()[0]} ({'as asked' if on else best_controller()[1]})")
+        elif isinstance(value, Outcome):
+            answer["run"] = answer_of_run(value, place / "recording")
+            if not json:
+                show_run(answer["run"], value)
+            step("identify: model 9 from the recording alone")
+        else:
+            answer["identify"] = answer_of_result(value, place / "result")
+            report(value, place / "result" / "report.html")
+            if not json:
+                show_result(answer["identify"])
+
+    step("plan: the most informative moves inside the limits, with the time law of LinuxCNC")
+    chain = whole_chain(loaded, place, on, seed=seed, starts=starts, done=done)
+    answer["truth"] = list(chain.truth)
+    if not json:
+        _show_truth(answer["truth"])
+    file = place / "report.html"
+    write_text(file, render(demo_page(chain, answer)))
+    summary = {"report": str(file), "controller": answer["run"]["controller"], "worst_error_in_std": chain.worst}
+    if json:
+        print_json(summary | answer)
+        return
+    print(f"largest error: {chain.worst:.2f} reported standard deviations")
+    print(f"report written: {file}")
 
 
 def _show_truth(rows: list[dict[str, Any]]) -> None:

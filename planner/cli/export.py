@@ -28,7 +28,7 @@ def export(
     from cases.errors import HexciteError
     from postprocessors.export.calibration import load_calibration
     from postprocessors.export.targets import TARGETS
-    from postprocessors.export.targets import export as write
+    from postprocessors.export.targets import export_calibration as write
 
     if to not in TARGETS:
         raise HexciteError(f"target {to!r} is unknown; choose {', '.join(TARGETS)}")

@@ -102,7 +102,7 @@ def tare(
     saved = load_result(parameters)
     remarks += saved.remarks(loaded, stale)
     found = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
-    content = with_tare(parameters, saved, loaded, found.values, found.covariance, str(recording))
+    content = with_tare(saved, loaded, found.values, found.covariance, str(recording))
     if remarks:
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
     with atomic_folder(folder, RESULT, overwrite) as part:

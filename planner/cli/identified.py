@@ -1,131 +1,26 @@
 """Identifies as a user wishes, saves the result and prints it for people."""
 
-from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cases.basis import KEPT, result_basis
-from cases.errors import IdentificationError
-from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
 from cases.schema import Case
-from identification.estimation.estimators import Method
 from identification.force import external_force
-from identification.hexapod import StrutsDoNotClose
-from identification.identifiability import Identifiability
-from identification.identify import default_model, identifiability
-from identification.identify import identify as estimate_parameters
-from identification.long.blocks import fits_blocks
-from identification.long.streaming import identify_long, in_blocks, is_long
-from identification.model import identification_model
-from identification.provenance import provenance
-from identification.recording import files_of, read_recording, read_run
-from identification.result import Estimate, Value
+from identification.outcome import Result
+from identification.recording import read_recording
+from identification.result import Value
 from identification.runs.rates import on_one_clock
-from identification.runs.residuals import residuals_of
 from identification.saved import load_result
-from planner.cli.console import print_table, status
-from planner.cli.wishes import Wish, method_of
+from planner.cli.console import print_table
 from planner.precision import std_text, value_text
-from planner.reports.identify import about_inputs, identify_page
-from planner.reports.page import render
-from planner.runs.fingerprints import plan_of_recording
-from planner.runs.recorded import UNSAID, Still, about_run, case_of, fitting_case, knows_poses, standing_of, with_feed
 
-NOT_COMPARED = (
-    "the run is too long to be compared with its program at once: a feed other than 100 % is told where the recording "
-    "has the override; --plan compares a run that fits into memory"
-)
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
 
 
-def make_result(
-    paths: Path | Sequence[Path],
-    case: str | None,
-    wish: int | Wish | None,
-    output: Path | None,
-    quiet: bool,
-    still: Still = UNSAID,
-    plan: Path | None = None,
-    overwrite: bool = False,
-    stale: bool = False,
-    plots: bool = False,
-) -> tuple[dict[str, Any], Estimate]:
-    """Identifies, saves, prints unless `quiet`; returns the JSON answer and the estimate.
-
-    Args:
-        paths: one recording, or the files of one run.
-        case: its name, or None where a recording folder knows.
-        wish: a model's number or all that can be asked.
-        output: folder to write.
-        quiet: print nothing.
-        still: what is said about standstills.
-        plan: that the run followed; a recording folder knows its program.
-        overwrite: replace an earlier result.
-        stale: go on although the recording's case has changed since.
-        plots: whether to write figures for papers too.
-    """
-    paths = [paths] if isinstance(paths, Path) else list(paths)
-    wish = wish if isinstance(wish, Wish) else Wish(wish)
-    loaded, remarks = case_of(paths[0], case, stale)
-    folder = output_place(output, Path(f"{paths[0].resolve().stem}-result"), overwrite)
-    check_folder(folder, RESULT, paths, overwrite)
-    with status("identifying", quiet):
-        standing = None
-        how = _for_blocks(paths, wish, loaded, plan)
-        if how is not None and not knows_poses(paths[0], still):
-            estimate, recording = identify_long(paths[0], loaded, wish.model, how, wish.terms)
-            if plan_of_recording(paths[0]) is not None:
-                estimate = replace(estimate, notes=(*estimate.notes, NOT_COMPARED))
-        else:
-            recording, standing = standing_of(on_one_clock(read_run(paths, loaded), loaded), loaded, paths[0], still)
-            number = default_model(recording) if wish.model is None else wish.model
-            how = method_of(wish, identification_model(loaded, number, wish.terms), loaded)
-            try:
-                estimate = estimate_parameters(recording, loaded, number, how, wish.terms, wish.conditioning)
-            except StrutsDoNotClose as error:
-                if other := fitting_case(error.lengths, loaded, case):
-                    raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
-                raise
-            estimate = with_feed(estimate, recording, loaded, paths[0], plan)
-        found = identifiability(recording, loaded, estimate)
-        if how is not None and how.biases is not None:
-            remarks = (*remarks, *how.biases.stale)
-        estimate = replace(estimate, warnings=(*estimate.warnings, *remarks))
-        content: dict[str, Any] = {KEPT: result_basis(loaded), **({"stale": list(remarks)} if remarks else {})}
-        content = (
-            estimate.to_json() | content | provenance(files_of(paths)) | about_run(paths[0], case, recording, estimate)
-        )
-        answer = {"result": str(folder), "report": str(folder / "report.html")} | content
-        if standing is not None:
-            content["standstills"] = answer["standstills"] = standing
-        answer["strongest_correlations"] = [{"pair": [a, b], "value": v} for a, b, v in found.strongest()]
-        with atomic_folder(folder, RESULT, overwrite) as part:
-            (part / "result.json").write_text(json_text(content), encoding="utf-8")
-            (part / "identifiability.json").write_text(json_text(found.to_json()), encoding="utf-8")
-            if plots:
-                _save_plots(estimate, found, part / "plots")
-            left = residuals_of(recording, loaded, estimate)
-            page = identify_page(loaded, estimate, found, left, about_inputs(paths[0], content))
-            (part / "report.html").write_text(render(page), encoding="utf-8")
-    if not quiet:
-        show_result(answer)
-    return answer, estimate
-
-
-def _save_plots(estimate: Estimate, found: Identifiability, folder: Path) -> None:
-    from planner.reports.plots import identifiability_figure, residual_figure, save_figure  # Matplotlib takes a second
-
-    save_figure(residual_figure(estimate), folder, "residuals")
-    save_figure(identifiability_figure(found), folder, "identifiability")
-
-
-def _for_blocks(paths: Sequence[Path], wish: Wish, case: Case, plan: Path | None) -> Method | None:
-    """The method for a run that is read in blocks; None for one that is read at once: shorter, or asked for more."""
-    if len(paths) > 1 or plan is not None or not is_long(paths[0]):
-        return None
-    how = method_of(wish, identification_model(case, 9 if wish.model is None else wish.model, wish.terms), case)
-    return how if in_blocks(how, wish.conditioning) and fits_blocks(paths[0], case) else None
+def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
+    """The JSON answer of a result that was written."""
+    answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record}
+    strongest = () if result.identifiability is None else result.identifiability.strongest()
+    return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
 
 
 def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from planner.cli.console import Json, Overwrite, Plots, Stale, print_json
+from planner.cli.console import Json, Overwrite, Plots, Stale, print_json, status
 
 
 def identify(
@@ -104,25 +104,41 @@ def identify(
     Standard deviations: `std` by (28), right where noise is white; `std_robust` allows for noise that is not. The
     larger of the two is what to report.
     """
+    from cases.files import RESULT, check_folder, output_place
     from identification.formats.blocks import require_file
     from identification.recording import files_of
     from planner.cli.conditioning import read_conditioning
-    from planner.cli.identified import make_result, verify_result
-    from planner.cli.wishes import Wish
+    from planner.cli.identified import answer_of_result, show_result, verify_result
+    from planner.cli.saving import save_with_page
+    from planner.cli.wishes import Typed, method_of
+    from planner.poses.expected import poses_of_plan
+    from planner.runs.followed import followed_plan
+    from planner.runs.identified import Wish, identified_file
     from planner.runs.recorded import Still, case_of
 
-    wanted = Wish(
-        model, estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()),
-        tuple(t.strip() for t in terms.split(",")) if terms else (), weights, biases,
-        read_conditioning(period, harmonics, accelerated, flexible), stale,
-    )  # fmt: skip
+    conditioning = read_conditioning(period, harmonics, accelerated, flexible)
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
-    still = Still(poses, standstills)
-    answer, _ = make_result(recordings, case, wanted, output, json, still, plan, overwrite, stale, plots)
+    loaded, changed = case_of(recordings[0], case, stale)
+    words = tuple(t.strip() for t in terms.split(",")) if terms else ()
+    typed = Typed(estimator, tuple(fix or ()), tuple(drop or ()), symmetric, tuple(prior or ()), weights, biases, stale)
+    wish = Wish(
+        model,
+        lambda model: method_of(typed, model, loaded),
+        words,
+        conditioning,
+        Still(None if poses is None else poses_of_plan(poses, loaded), standstills),
+        None if plan is None else followed_plan(plan, loaded),
+    )
+    folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
+    check_folder(folder, RESULT, recordings, overwrite)
+    with status("identifying", json):
+        result = identified_file(recordings, loaded, wish, changed)
+        save_with_page(result, RESULT, folder, overwrite, plots)
+    answer = answer_of_result(result, folder)
+    if not json:
+        show_result(answer)
     if verify is not None:
-        answer["verify"] = verify_result(
-            verify, case_of(recordings[0], case, stale)[0], Path(answer["result"]), quiet=json
-        )
+        answer["verify"] = verify_result(verify, loaded, folder, quiet=json)
     if json:
         print_json(answer)

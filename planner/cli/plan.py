@@ -20,8 +20,7 @@ from planner.cli.console import (
 )
 
 if TYPE_CHECKING:
-    from cases.schema import Case
-    from planner.request import Request
+    from planner.plan import Plan
 
 Out = Annotated[
     Path | None, typer.Option("-o", "--output", help="Folder to write; named after case and family by default.")
@@ -33,8 +32,9 @@ BELONGS = {
     "duration": MOVING, "starts": MOVING, "seconds": MOVING, "seed": MOVING, "target": MOVING,
     "order": ("fourier",), "period": ("fourier",), "centred": ("fourier",),
     "free_order": ("fourier",), "free_period": ("fourier",),
-    "moves": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
+    "moves": ("ptp",), "controller": ("ptp",), "knots": ("spline",), "sequence": ("manual",),
 }  # fmt: skip
+OPTIONS = {"controller": "for"}  # that are not called as their parameters are
 
 
 def plan(
@@ -96,27 +96,24 @@ def plan(
 
     Ctrl-C ends the search and keeps the best motion found so far; a second one gives up.
     """
-    from planner.request import FAMILIES, Request, read_payloads
+    from cases.files import PLAN, check_folder, output_place
+    from cases.loading import load_case
+    from planner.cli.saving import save_with_page
+    from planner.families.settings import family_class
+    from planner.interruption import first_ctrl_c_calls
+    from planner.library import planned
+    from planner.readiness import require_plannable
+    from planner.request import Request, read_payloads
 
-    if family in FAMILIES:
-        sources = {option: context.get_parameter_source(option) for option in BELONGS}
-        refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
+    kind, options = family_class(family), context.params
+    sources = {option: context.get_parameter_source(option) for option in BELONGS}
+    refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
     request = Request(
-        case,
-        family=family,
+        kind(**{option: options[option] for option, owners in BELONGS.items() if owners == (family,)}),
+        duration=duration,
         criterion=criterion,
         model=model,
-        duration=duration,
-        order=order,
-        period=period,
-        free_order=free_order,
-        free_period=free_period,
-        centred=centred,
-        moves=moves,
-        knots=knots,
-        controller=controller,
-        sequence=sequence,
         payload=most,
         payload_from=fewest,
         targets=tuple(target or ()),
@@ -124,9 +121,22 @@ def plan(
         seconds=seconds,
         seed=seed,
     )
-    answer = make_plan(request, output, quiet=json, overwrite=overwrite, plots=plots)
+    loaded, optimised = load_case(case), request.family.optimised
+    folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
+    check_folder(folder, PLAN, overwrite=overwrite)
+    require_plannable(request, loaded)
+    if not json:
+        what = f"{duration:g} s, criterion {criterion}, " if optimised else ""
+        print(f"Planning for {loaded.name}: {family}, {what}model {model}", flush=True)
+    with remarks("searching" if optimised else "timing", json) as remark:
+        found = planned(request, loaded, remark)
+    with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
+        save_with_page(found, PLAN, folder, overwrite, plots)
+    answer = answer_of_plan(found, folder)
     if json:
         print_json(answer)
+    else:
+        show_plan(answer, found)
 
 
 def refuse_foreign(given: Sequence[str], family: str) -> None:
@@ -138,61 +148,23 @@ def refuse_foreign(given: Sequence[str], family: str) -> None:
     from cases.errors import HexciteError
 
     for option in given:
+        name = OPTIONS.get(option, option.replace("_", "-"))
         if family not in BELONGS[option]:
             raise HexciteError(
-                f"--{option.replace('_', '-')} does nothing with --family {family}; leave it out, or choose --family "
+                f"--{name} does nothing with --family {family}; leave it out, or choose --family "
                 f"{', '.join(BELONGS[option])}"
             )
         if option.startswith("free_") and (fixed := option.removeprefix("free_")) in given:
             raise HexciteError(f"--{fixed} does nothing with --free-{fixed}; leave out one of them")
 
 
-def make_plan(
-    request: "Request", output: Path | None, quiet: bool, overwrite: bool = False, plots: bool = False
-) -> dict[str, Any]:
-    """Plans, saves, prints unless `quiet`; returns the JSON answer."""
-    from cases.files import PLAN, check_folder, output_place
-    from cases.loading import find_case, load_case
-    from planner import planning
-    from planner.cli.progress import Progress
-    from planner.interruption import first_ctrl_c_calls
-    from planner.plan import Plan, save_plan
-    from planner.readiness import require_plannable
-    from planner.search.parallel import Listener
-    from planner.shortest import shortest_plan
-
-    loaded = load_case(request.case_file)
-    folder = output_place(output, Path(f"{loaded.name}-{request.family}"), overwrite)
-    check_folder(folder, PLAN, overwrite=overwrite)
-    require_plannable(request, loaded)
-    case_file = request.case_file
-    if find_case(case_file).is_relative_to(Path.cwd()) or Path(case_file).exists():
-        case_file = str(find_case(case_file).resolve())  # found again from any folder
-    if not quiet:
-        print(
-            f"Planning for {loaded.name}: {request.family}, "
-            + ("" if request.family == "manual" else f"{request.duration:g} s, criterion {request.criterion}, ")
-            + f"model {request.model}",
-            flush=True,
-        )
-    with remarks("timing" if request.family == "manual" else "searching", quiet) as remark:
-        told = Progress(request, loaded, remark)
-        listener = Listener(told.done, told.news)
-
-        def make(wanted: "Request") -> Plan:
-            told.begin(wanted)
-            return planning.make_until_ctrl_c(wanted, loaded, case_file, listener)
-
-        result = shortest_plan(request, loaded, make) if request.targets else make(request)
-    with status("writing", quiet), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_plan(result, folder, overwrite, plots)
-    answer = {"plan": str(folder), "report": str(folder / "report.html")} | result.to_json()
-    if not quiet:
-        _show(answer, loaded)
-    return answer
+def answer_of_plan(plan: "Plan", folder: Path) -> dict[str, Any]:
+    """The JSON answer of a plan that was written."""
+    return {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
 
 
-def _show(answer: dict[str, Any], case: "Case") -> None:
+def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
+    """Prints a plan for people."""
     from cases.units import pose_words
     from planner.search.last_words import solver_text
 
@@ -235,7 +207,7 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
         noise += f", {by_pose['pose_error_N']:g} N over {by_pose['pose_error_length_mm']:g} mm that depend on the pose"
     noise += f", {answer['assumed_rate_Hz']:g} Hz, {_mounted(answer)}"
     print(f"predicted standard deviations ({noise}, weights {answer['weights']}):")
-    for line in _deviations(answer, case):
+    for line in plan.deviations():
         print(f"  {line}")
     first, last = (pose_words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
@@ -249,17 +221,3 @@ def _show(answer: dict[str, Any], case: "Case") -> None:
 def _mounted(answer: dict[str, Any]) -> str:
     first, last = answer["payload_from"], answer["payload"]
     return f"{last} payloads" if first == last else f"the largest with {first} to {last} payloads"
-
-
-def _deviations(answer: dict[str, Any], case: "Case") -> list[str]:
-    """Predicted standard deviations, a line for each unit."""
-    from identification.model import identification_model
-    from identification.parameters import physical_form
-    from planner.precision import std_text
-
-    lines: dict[str, list[str]] = {}
-    for p in physical_form(identification_model(case, answer["model"])).parameters:
-        scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
-        lines.setdefault(unit, []).append(f"{p.name} {std_text(answer['predicted_std'][p.name] * scale)}")
-    width = max(map(len, lines))
-    return [f"{unit:{width}}  {', '.join(values)}" for unit, values in lines.items()]

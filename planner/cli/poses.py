@@ -1,11 +1,14 @@
 """`hexcite poses`: chooses poses for quasi-static identification and writes a plan folder."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from planner.cli.console import Criterion, Json, Overwrite, Plots, print_json, print_table, progress, status
+
+if TYPE_CHECKING:
+    from planner.plan import Plan
 
 
 def poses(
@@ -36,48 +39,36 @@ def poses(
 
     They are visited in the fastest order.
     """
-    from planner.poses.request import PoseRequest
-
-    request = PoseRequest(case, criterion, count, method, model, candidates, seed, noise)
-    answer = make_poses(request, output, quiet=json, overwrite=overwrite, plots=plots)
-    if json:
-        print_json(answer)
-
-
-def make_poses(
-    request: Any, output: Path | None, quiet: bool, overwrite: bool = False, plots: bool = False
-) -> dict[str, Any]:
-    """Plans, saves, prints unless `quiet`; returns the JSON answer."""
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
-    from planner.poses.plan import plan_poses, save_pose_plan
+    from planner.cli.saving import save_with_page
+    from planner.poses.plan import poses_planned
+    from planner.poses.request import PoseRequest
 
-    found = find_case(request.case_file)
-    loaded = load_case(request.case_file)
+    request = PoseRequest(criterion, count, method, model, candidates, seed, noise)
+    loaded = load_case(case)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
-    check_folder(folder, PLAN, [found], overwrite)
-    case_file = request.case_file
-    if found.is_relative_to(Path.cwd()) or Path(case_file).exists():
-        case_file = str(found.resolve())  # found again from any folder
-    steps = loaded.poses.grid_size if request.candidates is None and loaded.poses else request.candidates or 1
-    with progress("choosing poses", steps, quiet) as counted:
-        plan = plan_poses(request, loaded, case_file, lambda left: counted(f"{left} poses"))
-    with status("writing", quiet):
-        save_pose_plan(plan, folder, overwrite, plots)
+    check_folder(folder, PLAN, [find_case(case)], overwrite)
+    steps = loaded.poses.grid_size if candidates is None and loaded.poses else candidates or 1
+    with progress("choosing poses", steps, json) as counted:
+        plan = poses_planned(request, loaded, lambda left: counted(f"{left} poses"))
+    with status("writing", json):
+        save_with_page(plan, PLAN, folder, overwrite, plots)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
-    if not quiet:
+    if json:
+        print_json(answer)
+    else:
         _show(answer, plan)
-    return answer
 
 
-def _show(answer: dict[str, Any], plan: Any) -> None:
+def _show(answer: dict[str, Any], plan: "Plan") -> None:
     from identification.model import identification_model
     from identification.parameters import physical_form
     from planner.poses.request import METHODS, Method
     from planner.precision import std_text
 
-    form = physical_form(identification_model(plan.case, plan.request.model))
+    form = physical_form(identification_model(plan.case, plan.model))
     rows = []
     for p in form.parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)

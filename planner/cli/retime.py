@@ -61,23 +61,18 @@ def make_retimed(
     from time import perf_counter
 
     from cases.errors import HexciteError
-    from cases.files import write_text
+    from cases.files import PLAN, write_text
     from cases.units import DEG, MM
     from identification.model import identification_model
     from identification.motion import sample
-    from planner.plan import SAMPLE_RATE, motion_csv, save_plan
-    from planner.retiming.plan import retimed_plan
-    from planner.retiming.retimed import Method, fitting_method, retimed
+    from planner.cli.saving import save_with_page
+    from planner.plan import SAMPLE_RATE, motion_csv
+    from planner.retiming.plan import method_of, retimed_plan
+    from planner.retiming.retimed import Method, retimed
 
-    if method is not None and method not in list(Method):
-        raise HexciteError(f"method {method!r} is unknown; choose {', '.join(Method)}")
     table = _checked(source, output, overwrite)
     given = _given(source, case, model, stale)
-    chosen = Method(method) if method is not None else fitting_method(given.motion)
-    if fastest and chosen is Method.RUCKIG:
-        raise HexciteError(
-            "--fastest belongs to --method ipopt or toppra; a controller's moves are as fast as its limits allow"
-        )
+    chosen = method_of(method, given.motion, fastest)
     if output is not None and not table and chosen is Method.TOPPRA:
         raise HexciteError(
             f"{output}: toppra's accelerations step, without limit of jerk, and make no plan; use --method ipopt, or "
@@ -92,8 +87,8 @@ def make_retimed(
             write_text(output, motion_csv(sample(found.motion, SAMPLE_RATE)))
         elif output is not None:
             told("writing")
-            made = retimed_plan(found, given.request, given.case, given.case_file, source, seconds, given.stale)
-            save_plan(made, output, overwrite)
+            made = retimed_plan(found, given.request, given.case, source, seconds, given.stale)
+            save_with_page(made, PLAN, output, overwrite, plots=False)
     answer = {
         "source": str(source),
         "method": str(found.method),
@@ -118,7 +113,6 @@ class _Given(NamedTuple):
 
     motion: "Trajectory"
     case: "Case"
-    case_file: str
     request: "Request"
     stale: tuple[str, ...] = ()
 
@@ -139,41 +133,27 @@ def _checked(source: Path, output: Path | None, overwrite: bool) -> bool:
 
 def _given(source: Path, case: str | None, model: int | None, stale: bool) -> _Given:
     from cases.errors import HexciteError
-    from cases.loading import find_case, load_case
+    from cases.loading import load_case
+    from planner.families.settings import Manual
+    from planner.plan import Plan
     from planner.request import Request
     from planner.retiming.motion_table import read_motion
-    from planner.saved_plan import load_plan
 
     if not source.exists():
         raise HexciteError(
             f"{source}: cannot be read (No such file or directory); name a plan folder, or a table of poses"
         )
     if source.is_dir():
-        saved = load_plan(source, None if case is None else load_case(case), stale)
-        data, case_file = saved.data, saved.case_file
-        if data["family"] == "poses":
+        plan = Plan.load(source, None if case is None else load_case(case), stale)
+        if len(plan.poses):
             raise HexciteError(f"{source}: is a plan of poses; its moves are as fast as the limits allow already")
-        number = int(data["model"]) if model is None else model
-        most, fewest = int(data["payload"]), int(data.get("payload_from", data["payload"]))
-        request = Request(
-            case_file,
-            family=data["family"],
-            criterion=data["criterion"],
-            model=number,
-            payload=most,
-            payload_from=fewest,
-        )
-        if case is None:
-            return _Given(saved.motion, saved.case, case_file, request, saved.stale)
-        motion, request = saved.motion, replace(request, case_file=case)
-    else:
-        if case is None:
-            raise HexciteError(f"{source}: a table does not know its machine; name it with --case")
-        request = Request(case, family="manual", model=9 if model is None else model)
-        motion = read_motion(source)
-    loaded, file = load_case(case), find_case(case)
-    lasting = case if not Path(case).exists() and not file.is_relative_to(Path.cwd()) else str(file.resolve())
-    return _Given(motion, loaded, lasting, request)
+        number = plan.model if model is None else model
+        request = replace(plan.of_motion[0], model=number, targets=())
+        return _Given(plan.motion, plan.case, request, plan.stale)
+    if case is None:
+        raise HexciteError(f"{source}: a table does not know its machine; name it with --case")
+    request = Request(Manual(), model=9 if model is None else model)
+    return _Given(read_motion(source), load_case(case), request)
 
 
 def _rating(rating: "Rating") -> dict[str, Any]:

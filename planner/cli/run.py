@@ -11,6 +11,11 @@ from planner.cli.console import Json, Overwrite, print_json, status
 if TYPE_CHECKING:
     from planner.runs.running import Outcome
 
+ANSWERED = (
+    "controller", "samples", "planned_s", "path_error_mm", "d_efficiency", "d_efficiency_planned",
+    "peak_acceleration_of_limit", "peaks_of_limit", "remark", "payload", "disturbances",
+)  # fmt: skip
+
 
 def run(
     program: Annotated[Path, typer.Argument(help="Program file.")],
@@ -32,79 +37,54 @@ def run(
 
     Sensors and encoders are simulated for the motion that the controller executed.
     """
-    answer, _ = make_recording(program, case, on, seed, output, json, payload, disturbed, overwrite)
-    if json:
-        print_json(answer)
-
-
-def make_recording(
-    program: Path,
-    case: str,
-    on: str,
-    seed: int,
-    output: Path | None,
-    quiet: bool,
-    payload: int = 0,
-    disturbed: bool = False,
-    overwrite: bool = False,
-) -> tuple[dict[str, Any], Any]:
-    """Runs, saves, prints unless `quiet`; returns the JSON answer and the outcome."""
-    from cases.errors import HexciteError
     from cases.files import RUN, check_folder, output_place
     from cases.loading import find_case, load_case
     from identification.loaded import circumstances
-    from planner.runs.fingerprints import written_for_another
-    from planner.runs.running import execute, require_controller, save_recording
+    from planner.runs.running import execute, read_to_run, require_controller, require_seed
 
-    if seed < 0:
-        raise HexciteError(f"seed {seed} is negative; choose 0 or more")
+    require_seed(seed)
     require_controller(on)
-    case_file = str(find_case(case).resolve()) if Path(case).exists() else case
     folder = output_place(output, Path(f"{program.stem}-recording"), overwrite)
-    check_folder(folder, RUN, [program, *([Path(case_file)] if Path(case_file).exists() else [])], overwrite)
+    check_folder(folder, RUN, [program, find_case(case)], overwrite)
     loaded = load_case(case)
     around = circumstances(loaded, payload, disturbed)
-    with status(f"running {program.name} on {on}", quiet):
-        outcome = execute(program, loaded, on, seed, around)
-        about = save_recording(folder, outcome, program, loaded, case_file, seed, overwrite)
-    other = written_for_another(program.read_bytes(), loaded)
-    remark = "; ".join(text for text in (other and f"the program was {other}", about["remark"]) if text)
-    answer = {
-        "recording": str(folder),
-        "controller": about["controller"],
-        "samples": about["samples"],
-        "duration_s": about["executed_s"],
-        "planned_s": about["planned_s"],
-        "path_error_mm": about["path_error_mm"],
-        "d_efficiency": about["d_efficiency"],
-        "d_efficiency_planned": about["d_efficiency_planned"],
-        "peak_acceleration_of_limit": about["peak_acceleration_of_limit"],
-        "peaks_of_limit": about["peaks_of_limit"],
-        "remark": remark,
-        "payload": about["payload"],
-        "disturbances": about["disturbances"],
-        "poses": len(about["poses_m_rad"]),
-        "simulated": True,
-    }
-    if not quiet:
-        mounted = f", {payload} weights of {around.load:.4g} kg mounted" if payload else ""
-        disturbances = ", with the case's disturbances" if disturbed else ""
-        print(f"executed on {answer['controller']}; sensors and encoders simulated{mounted}{disturbances}")
-        if answer["poses"]:
-            print(
-                f"{answer['poses']} poses measured in {answer['duration_s']:.2f} s ({answer['planned_s']:.2f} s "
-                f"planned), home to home; stood within {answer['path_error_mm']:.4f} mm of them"
-            )
-        else:
-            print(_rated(answer))
-        peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in answer["peaks_of_limit"].items())
-        print(f"reached of the limits in the whole run: {peaks}")
-        for sentence in _exceeded(answer["peaks_of_limit"], outcome):
-            print(sentence)
-        if answer["remark"]:
-            print(answer["remark"])
-        print(f"recording written: {folder} ({answer['samples']} samples)")
-    return answer, outcome
+    with status(f"running {program.name} on {on}", json):
+        outcome = execute(read_to_run(program, loaded), loaded, on, seed, around)
+        outcome.recording.save(folder, overwrite)
+    answer = answer_of_run(outcome, folder)
+    if json:
+        print_json(answer)
+    else:
+        show_run(answer, outcome)
+
+
+def answer_of_run(outcome: "Outcome", folder: Path) -> dict[str, Any]:
+    """The JSON answer of a run that was written."""
+    about = outcome.recording.record
+    answer = {"recording": str(folder), "duration_s": about["executed_s"]} | {key: about[key] for key in ANSWERED}
+    return answer | {"poses": len(about["poses_m_rad"]), "simulated": True}
+
+
+def show_run(answer: dict[str, Any], outcome: "Outcome") -> None:
+    """Prints a run for people."""
+    around = outcome.around
+    mounted = f", {len(around.weights)} weights of {around.load:.4g} kg mounted" if around.weights else ""
+    disturbances = ", with the case's disturbances" if around.disturbances is not None else ""
+    print(f"executed on {answer['controller']}; sensors and encoders simulated{mounted}{disturbances}")
+    if answer["poses"]:
+        print(
+            f"{answer['poses']} poses measured in {answer['duration_s']:.2f} s ({answer['planned_s']:.2f} s "
+            f"planned), home to home; stood within {answer['path_error_mm']:.4f} mm of them"
+        )
+    else:
+        print(_rated(answer))
+    peaks = ", ".join(f"{name} {_of_limit(share)}" for name, share in answer["peaks_of_limit"].items())
+    print(f"reached of the limits in the whole run: {peaks}")
+    for sentence in _exceeded(answer["peaks_of_limit"], outcome):
+        print(sentence)
+    if answer["remark"]:
+        print(answer["remark"])
+    print(f"recording written: {answer['recording']} ({answer['samples']} samples)")
 
 
 def _of_limit(share: float) -> str:

@@ -39,7 +39,7 @@ def run(
 
     from cases.errors import HexciteError
     from cases.files import read_json, write_text
-    from cases.loading import lasting_name, load_case
+    from cases.loading import load_case
     from planner.interruption import Interrupted
     from planner.study.cluster import local_client, remote_client, require_dask
     from planner.study.rows import DONE, PLANNED, schema
@@ -57,10 +57,9 @@ def run(
     if workers is not None and not 1 <= workers <= 1000:
         raise HexciteError(f"{workers} workers; choose 1 to 1000, by default one a core")
     require_dask()
-    case_file = lasting_name(case)
     folder = output if output is not None else Path(f"{loaded.name}-{wanted.name}-study")
-    cells = cells_of(wanted, loaded, case_file)
-    check_study(folder, about_study(wanted, loaded, case_file, len(cells)))
+    cells = cells_of(wanted, loaded)
+    check_study(folder, about_study(wanted, loaded, len(cells)))
     left = len(missing(cells, wanted, folder, retry))
     began, busy = time.perf_counter(), 0.0
     threads = workers or os.cpu_count() or 1
@@ -79,7 +78,7 @@ def run(
                     busy += outcome.seconds
                     count(outcome.reason)
 
-                computed = run_study(client, wanted, loaded, case_file, folder, done, retry)
+                computed = run_study(client, wanted, loaded, folder, done, retry)
         except Interrupted:
             raise Interrupted(f"what is done is kept in {folder}, the same command goes on") from None
     seconds = time.perf_counter() - began

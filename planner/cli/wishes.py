@@ -9,42 +9,35 @@ from identification.estimation.priors import Prior
 from identification.estimation.selection import symmetric_platform
 from identification.model import Model
 from identification.parameters import physical_form
-from identification.runs.conditioning import USUAL, Conditioning
 from identification.saved import biases_of
 from planner.cli.quantities import read_uncertain, read_values
 
 
-class Wish(NamedTuple):
+class Typed(NamedTuple):
     """What a user asks of an identification, as typed.
 
     Args:
-        model: number in Table 2; None: what the run can carry.
         estimator: its name.
         fix: known values.
         drop: names to leave out.
         symmetric: whether the platform is symmetric.
         prior: uncertain values.
-        terms: error terms instead of the model's.
         weights: instead of the case's.
         biases: result whose offsets are taken.
-        conditioning: what is to be done to a moving run beforehand.
-        stale: go on although the case has changed since the biases were identified.
+        stale: go on although the machine has changed since these were identified.
     """
 
-    model: int | None = None
     estimator: str = "gauss-markov"
     fix: tuple[str, ...] = ()
     drop: tuple[str, ...] = ()
     symmetric: bool = False
     prior: tuple[str, ...] = ()
-    terms: tuple[str, ...] = ()
     weights: str | None = None
     biases: Path | None = None
-    conditioning: Conditioning = USUAL
     stale: bool = False
 
 
-def method_of(wish: Wish, model: Model, case: Case) -> Method:
+def method_of(wish: Typed, model: Model, case: Case) -> Method:
     """The method that a user asks for.
 
     Raises:

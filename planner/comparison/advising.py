@@ -14,6 +14,7 @@ from planner.comparison.entries import Entry, Level
 
 SAME_PATH = 2e-3  # [m] a run that strays less from a plan, and the plan from it, is a run of that plan
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
+ONE_NOISE = 1.0001  # ratio of noises that are one
 SAME_LOAD = 1e-3  # [kg] of the weights mounted
 NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one is as good
 
@@ -54,6 +55,34 @@ def _follows(run: Entry, plan: Entry) -> bool:
         return False
     there, back = cKDTree(plan.path).query(run.path)[0], cKDTree(run.path).query(plan.path)[0]
     return bool(max(there.max(), back.max()) < SAME_PATH * 5 and np.mean(there) < SAME_PATH)
+
+
+def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
+    """What keeps figures from being compared, and what the evaluations of runs and results warned of."""
+    warnings = []
+    if len({e.model for e in entries}) > 1:
+        warnings.append("models differ: criteria of different models do not compare, standard deviations do")
+    if len({e.case.hash for e in entries}) > 1:
+        warnings.append("cases differ: the machines are not the same, or the case was changed between")
+    noises = [(e.noise, e) for e in entries if e.noise is not None]
+    if noises and max(n for n, _ in noises) > ONE_NOISE * min(n for n, _ in noises):
+        told = _listed((f"{noise:.3g} N", e) for noise, e in noises)
+        warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {told}")
+    if len({round(e.load, 3) for e in entries if e.load is not None}) > 1:
+        told = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
+        warnings.append(f"different weights are mounted, with which errors of the machine grow: {told}")
+    if len({e.machine for e in entries if e.machine is not None}) > 1:
+        told = _listed((e.machine, e) for e in entries if e.machine is not None)
+        warnings.append(f"not the same was measured, so that residuals do not compare: {told}")
+    return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
+
+
+def _listed(told: Iterable[tuple[str, Entry]]) -> str:
+    """Values with the names of the entries that have them."""
+    having: dict[str, list[str]] = {}
+    for value, entry in told:
+        having.setdefault(value, []).append(entry.name)
+    return "; ".join(f"{value} ({', '.join(names)})" for value, names in having.items())
 
 
 class Recommendation(NamedTuple):

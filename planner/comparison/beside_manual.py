@@ -34,15 +34,17 @@ class Beside(NamedTuple):
 
 def beside_manual(plan: Plan) -> Beside | str:
     """The hand-made motion of the plan's case with the plan's model, noise and payload; or why there is none."""
+    if not plan.of_motion[0].family.optimised:
+        return "it is the motion itself"
     try:
         case = plan.case
-        model = identification_model(case, plan.request.model)
-        motion = manual_motion(case, sequence_file(plan.case_file))
+        model = identification_model(case, plan.model)
+        motion = manual_motion(case, sequence_file(case))
         scaling = reference_scaling(case, model)
         information = mean_information(model, scaling, motion)
         if np.linalg.matrix_rank(information) < len(scaling):
             return "the hand-made motion of this case does not determine all parameters of the model"
-        worst = worst_std(case, model, scaling, motion, plan.request.payloads)
+        worst = worst_std(case, model, scaling, motion, plan.payloads)
         return Beside(
             motion.duration, {name: std for name, (std, _) in worst.items()}, case.sensors.pose_error_N is None
         )

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import IntEnum
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,15 +13,14 @@ from numpy.typing import NDArray
 from cases.basis import Artefact, recording_basis
 from cases.errors import FileProblem, IdentificationError
 from cases.files import another_kind, read_json
-from cases.loading import load_case
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
 from identification.findings.plausibility import scan
 from identification.hexapod import Hexapod
 from identification.identify import default_model
 from identification.model import Model, identification_model
-from identification.motion import Joined, Measurement, sample
-from identification.recording import Recording, files_of, read_recording
+from identification.motion import sample
+from identification.recording import Recording, files_of, read
 from identification.reference import reference_scaling
 from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
@@ -29,11 +28,11 @@ from identification.runs.rates import on_one_clock
 from identification.saved import load_result
 from planner.deviations import predicted_std
 from planner.noise import expected_noise
+from planner.plan import Plan
+from planner.plan_folder import fingerprint, load_plan
 from planner.pose_errors import PoseErrors
 from planner.poses.regressors import pose_regressors
-from planner.runs.fingerprints import plan_hash
 from planner.runs.recorded import standing_of
-from planner.saved_plan import load_plan
 from planner.search.problem import mean_information
 from planner.vibration import Vibration, vibration
 
@@ -125,12 +124,12 @@ class Entry:
         }
 
 
-def read_entry(path: Path, case: str | None = None, stale: bool = False) -> Entry:
+def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Entry:
     """Reads a plan, recording or result folder.
 
     Args:
         path: the folder.
-        case: name or file of the case, instead of the one that the folder names.
+        case: instead of the one that the folder names.
         stale: read it although its case has changed since; a warning says so.
 
     Raises:
@@ -150,32 +149,33 @@ def read_entry(path: Path, case: str | None = None, stale: bool = False) -> Entr
     raise FileProblem(f"{path}: {other or 'holds no plan, run or result'}; {wanted}")
 
 
-def _plan(path: Path, case: str | None, stale: bool) -> Entry:
-    saved = load_plan(path, None if case is None else load_case(case), stale)
-    model = identification_model(saved.case, int(saved.data["model"]))
+def _plan(path: Path, case: Case | None, stale: bool) -> Entry:
+    return entry_of_plan(load_plan(path, case, stale), str(path))
+
+
+def entry_of_plan(saved: Plan, name: str) -> Entry:
+    """A plan as it is compared, under a name."""
+    model = identification_model(saved.case, saved.model)
     scaling = reference_scaling(saved.case, model)
-    rate, assumed = saved.case.recording.rate_Hz, float(saved.data.get("assumed_rate_Hz", 1000.0))
-    if saved.data["family"] == "poses" and isinstance(saved.motion, Joined):
-        poses = np.array([p.pose for p in saved.motion.parts if isinstance(p, Measurement)])
+    rate, assumed, poses = saved.case.recording.rate_Hz, saved.assumed_rate, saved.poses
+    if len(poses):
         matrix = (pose_regressors(model, poses) * scaling).reshape(-1, len(scaling))
         information, samples, vibrating = matrix.T @ matrix / len(poses), len(poses), None
     else:
-        vibrating = vibration(
-            saved.case, model.number, saved.motion, int(saved.data.get("payload", 0)), saved.motion.duration
-        )
+        vibrating = vibration(saved.case, model.number, saved.motion, saved.payloads[-1], saved.duration)
         information = mean_information(model, scaling, saved.motion)
         samples = round(saved.motion.duration * rate)
-    units, noise, weights = _units(model), float(saved.data["assumed_noise_N"]), int(saved.data.get("payload", 0))
-    if saved.data["family"] == "poses":  # there it is that of averages
-        noise *= float(np.sqrt(max(float(saved.data["settings"]["average_s"]) * assumed, 1.0)))
+    units, noise, weights = _units(model), saved.assumed_noise, saved.payloads[-1]
+    if len(poses):  # there it is that of averages
+        noise *= float(np.sqrt(max(float(saved.worth.settings["average_s"]) * assumed, 1.0)))
     payloads = saved.case.payloads
     load = sum(w.mass_kg for w in payloads.weights[:weights]) if payloads is not None else 0.0
     scale = float(np.sqrt(assumed / rate))  # the case may have learnt its rate since
-    told = {n: Told(None, scale * float(s), units[n]) for n, s in saved.data["predicted_std"].items()}
+    told = {n: Told(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
-        str(path), Level.PLANNED, saved.case, model.number, str(saved.data["family"]), saved.motion.duration, samples,
+        name, Level.PLANNED, saved.case, model.number, saved.family, saved.duration, samples,
         _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
-        plan_hash(path), noise, float(load), warnings=saved.stale, vibration=vibrating,
+        fingerprint(saved), noise, float(load), warnings=saved.stale, vibration=vibrating,
     )  # fmt: skip
 
 
@@ -190,14 +190,14 @@ def _criteria(information: Array, model: Model) -> dict[str, float]:
     return {letter: c.of(mu) for letter, c in CRITERIA.items()} | {"condition": float(mu[0] / mu[-1])}
 
 
-def _run(path: Path, case_name: str | None, stale: bool) -> Entry:
+def _run(path: Path, given: Case | None, stale: bool) -> Entry:
     file = path / "recording.json"
     about = read_json(file, "hexcite run")
     named = Artefact(file, about, "run the program again")
-    case = named.case(case_name)
-    stale_in = () if case_name is not None else named.require_unchanged(recording_basis(case), case, stale)
-    recorded = on_one_clock(read_recording(path, case), case)
-    recording, _ = standing_of(recorded, case, path)
+    case = named.case() if given is None else given
+    stale_in = () if given is not None else named.require_unchanged(recording_basis(case), case, stale)
+    recorded = replace(on_one_clock(read(path, case), case), record=about)
+    recording, _ = standing_of(recorded, case)
     model = identification_model(case, default_model(recording))
     scaling = reference_scaling(case, model)
     matrices, struts, samples = _matrices(recording, case, model)
@@ -264,11 +264,11 @@ def _fingerprints(path: Path) -> frozenset[str]:
     return frozenset(found)
 
 
-def _result(path: Path, case_name: str | None, stale: bool) -> Entry:
+def _result(path: Path, given: Case | None, stale: bool) -> Entry:
     saved = load_result(path)
     file = path / "result.json"
     data = read_json(file, "hexcite identify")
-    case = saved.artefact.case(case_name)
+    case = saved.artefact.case() if given is None else given
     stale_in = saved.remarks(case, stale)
     model = identification_model(case, saved.model)
     samples, s0 = int(data["samples"]), float(data["s0"])

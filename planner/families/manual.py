@@ -27,13 +27,13 @@ STILL = 1e-9  # [m, rad] closer poses are the same
 Build = Callable[[float], Trajectory]
 
 
-def sequence_file(case_file: str) -> Path:
+def sequence_file(case: Case) -> Path:
     """The sequence that comes with a case.
 
     Raises:
         HexciteError: there is none.
     """
-    file = find_case(case_file).parent / "manual.toml"
+    file = find_case(case.origin).parent / "manual.toml"
     if not file.is_file():
         raise HexciteError(f"{file}: is missing; describe the sequence there or name one with --sequence")
     return file

@@ -1,7 +1,9 @@
 """Which poses to plan: settings as a user states them, refused before any work where they cannot be met."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any, ClassVar
 
 from cases.errors import HexciteError
 from planner.poses.criteria import POSE_CRITERIA
@@ -36,7 +38,6 @@ class PoseRequest:
     """What to plan.
 
     Args:
-        case_file: name or file of the case.
         criterion: letter of Table 4.
         count: poses; None: 30, or with `forward` until the criterion saturates.
         method: one of METHODS.
@@ -46,7 +47,6 @@ class PoseRequest:
         noise: standard deviation of an averaged force [N]; None: the sensors' noise, averaged as white noise.
     """
 
-    case_file: str
     criterion: str = "D"
     count: int | None = None
     method: str = Method.REFINE
@@ -54,6 +54,23 @@ class PoseRequest:
     candidates: int | None = None
     seed: int = 0
     noise: float | None = None
+
+    name: ClassVar[str] = "poses"
+    """In place of a family."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Entries of `plan.json` that say what was asked for, beside criterion and model."""
+        asked = {"count": self.count, "candidates": self.candidates, "noise": self.noise}
+        return {"method": str(self.method), "seed": self.seed, "asked": asked}
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Any]) -> "PoseRequest":
+        """From `plan.json`; raises KeyError, TypeError, ValueError or HexciteError where an entry is damaged."""
+        seed = data["seed"] if "seed" in data else data["settings"]["seed"]
+        return cls(
+            str(data["criterion"]), method=str(data["method"]), model=int(data["model"]), seed=int(seed),
+            **data.get("asked", {}),
+        )  # fmt: skip
 
     def __post_init__(self) -> None:
         if self.criterion not in POSE_CRITERIA:

@@ -1,19 +1,17 @@
 """The page of a comparison: parameters side by side (Table 6), what controllers made of plans, and what to prefer."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from identification.provenance import provenance
-from planner.comparison.advising import Recommendation
+from planner.comparison.advising import Recommendation, warnings_of
 from planner.comparison.entries import Entry, Level, Told
 from planner.precision import std_text, value_text
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Item, Note, Page, Plot, Section, Table
 from planner.reports.ratios import Series, ratio_figure
-
-SAME_NOISE = 1.0001  # ratio of noises that are one
 
 
 def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
@@ -138,34 +136,6 @@ def compare_page(groups: Sequence[Sequence[Entry]], advice: Recommendation) -> P
         warnings=warnings_of(entries),
         sections=tuple(sections),
     )
-
-
-def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
-    """What keeps figures from being compared, and what the evaluations of runs and results warned of."""
-    warnings = []
-    if len({e.model for e in entries}) > 1:
-        warnings.append("models differ: criteria of different models do not compare, standard deviations do")
-    if len({e.case.hash for e in entries}) > 1:
-        warnings.append("cases differ: the machines are not the same, or the case was changed between")
-    noises = [(e.noise, e) for e in entries if e.noise is not None]
-    if noises and max(n for n, _ in noises) > SAME_NOISE * min(n for n, _ in noises):
-        told = _listed((f"{noise:.3g} N", e) for noise, e in noises)
-        warnings.append(f"predictions assume different noise of a force sample, and differ for that too: {told}")
-    if len({round(e.load, 3) for e in entries if e.load is not None}) > 1:
-        told = _listed((f"{e.load:.4g} kg", e) for e in entries if e.load is not None)
-        warnings.append(f"different weights are mounted, with which errors of the machine grow: {told}")
-    if len({e.machine for e in entries if e.machine is not None}) > 1:
-        told = _listed((e.machine, e) for e in entries if e.machine is not None)
-        warnings.append(f"not the same was measured, so that residuals do not compare: {told}")
-    return (*warnings, *(f"{e.name}: {warning}" for e in entries for warning in e.warnings))
-
-
-def _listed(told: Iterable[tuple[str, Entry]]) -> str:
-    """Values with the names of the entries that have them."""
-    having: dict[str, list[str]] = {}
-    for value, entry in told:
-        having.setdefault(value, []).append(entry.name)
-    return "; ".join(f"{value} ({', '.join(names)})" for value, names in having.items())
 
 
 def _scaling_note() -> Note:

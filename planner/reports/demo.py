@@ -5,15 +5,13 @@ from typing import Any
 import numpy as np
 
 from cases.schema import Case
-from identification.identifiability import Identifiability
 from identification.motion import sample
-from identification.result import Estimate
-from identification.runs.residuals import Residuals
 from identification.trajectories.path import instants
+from planner.demo import Demo
 from planner.precision import std_text, value_text
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, errors_plot, limits_plot, motion_plots
-from planner.reports.identify import identifiability_items, noise_tile, residual_items, run_inputs
+from planner.reports.identify import delay_words, identifiability_items, noise_tile, residual_items, run_inputs
 from planner.reports.machine import moving_machine
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, thinned
 from planner.reports.plan import starts_items
@@ -24,30 +22,22 @@ DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks
 
 
-def demo_page(
-    case: Case,
-    answer: dict[str, Any],
-    outcome: Outcome,
-    estimate: Estimate,
-    found: Identifiability,
-    residuals: Residuals,
-) -> Page:
+def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
     """The page of a demo.
 
     Args:
-        case: what it ran on.
+        chain: what came of it.
         answer: JSON answers of the steps: plan, post, check, run, identify, truth.
-        outcome: the run.
-        estimate: the result.
-        found: what the run determines.
-        residuals: of the recorded forces.
     """
+    case, outcome, result = chain.plan.case, chain.outcome, chain.result
+    assert result.identifiability is not None
+    assert result.residuals is not None
     run, plan = answer["run"], answer["plan"]
     source = case.need_simulation("the demo").source
     return Page(
         title=case.title,
         lead=f"Planned, programmed, proven, executed on {run['controller']} and identified with model "
-        f"{estimate.model}. Sensors and encoders are simulated, with the imperfections that the case states "
+        f"{result.record['model']}. Sensors and encoders are simulated, with the imperfections that the case states "
         f"({source}).",
         inputs=(
             ("case", f"{case.name} (hash {case.hash})"),
@@ -55,17 +45,17 @@ def demo_page(
             *run_inputs(run),
             *answer["identify"]["versions"].items(),
         ),
-        warnings=estimate.warnings,
+        warnings=result.warnings,
         sections=(
-            Section("What came out", (_headline(answer, estimate), *_truth(answer["truth"], estimate))),
+            Section("What came out", (_headline(answer, chain), *_truth(chain))),
             Section(
                 "The machine along the plan", (moving_machine(case, outcome.planned, "Drag to turn, wheel to zoom."),)
             ),
             Section("The planned motion and its limits", _motion(case, outcome)),
             Section("Proof of the program's text", _proof(answer)),
             Section("What the controller made of it", _executed(answer, outcome)),
-            Section("Forces and residuals", residual_items(case, residuals)),
-            Section("What the run determines", identifiability_items(found)),
+            Section("Forces and residuals", residual_items(case, result.residuals)),
+            Section("What the run determines", identifiability_items(result.identifiability)),
             Section("How the plan was found", starts_items(plan)),
         ),
     )
@@ -76,10 +66,9 @@ def settings_text(settings: dict[str, Any]) -> str:
     return ", ".join(f"{key} {value}" for key, value in settings.items() if not isinstance(value, list | dict))
 
 
-def _headline(answer: dict[str, Any], estimate: Estimate) -> Tiles:
-    run, plan = answer["run"], answer["plan"]
-    worst = max(abs(r["error"]) / r["std"] for r in answer["truth"])
-    m, z = estimate.physical["m"].std_robust, estimate.physical["zC"].std_robust
+def _headline(answer: dict[str, Any], chain: Demo) -> Tiles:
+    run, plan, known = answer["run"], answer["plan"], chain.result.parameters
+    m, z = known["m"].std_robust, known["zC"].std_robust
     return Tiles(
         (
             Tile(f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
@@ -90,18 +79,18 @@ def _headline(answer: dict[str, Any], estimate: Estimate) -> Tiles:
             ),
             Tile(f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
             Tile(f"{z * 1e6:.3g} µm", "robust standard deviation of the centre of gravity, z"),
-            Tile(f"{worst:.2f}", "largest error in reported standard deviations"),
-            noise_tile(estimate),
+            Tile(f"{chain.worst:.2f}", "largest error in reported standard deviations"),
+            noise_tile(chain.result),
         )
     )
 
 
-def _truth(rows: list[dict[str, Any]], estimate: Estimate) -> tuple[Item, ...]:
+def _truth(chain: Demo) -> tuple[Item, ...]:
+    rows = list(chain.truth)
     inside = sum(abs(row["error"]) <= 1.96 * row["std"] for row in rows)
     words = f"{inside} of {len(rows)} truths lie in the 95 % interval of their estimate."
-    if estimate.delay is not None:
-        lag, std = estimate.delay.value * 1e3, estimate.delay.std * 1e3
-        words += f" Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
+    if (delay := delay_words(chain.result)) is not None:
+        words += f" {delay}"
     columns = ("parameter", "truth", "estimate", "std", "error", "error / std", "unit")
     return (errors_plot(rows), Note(words), Table(columns, tuple(map(truth_cells, rows))))
 

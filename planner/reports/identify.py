@@ -1,13 +1,12 @@
 """The page of an identification: parameters with error bars, what determines them, and what the model leaves."""
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 from cases.schema import Case
 from identification.identifiability import Identifiability
+from identification.outcome import TOLD_OF_RUNS, Result
 from identification.recording import force_columns
-from identification.result import Estimate
 from identification.runs.residuals import Residuals
 from planner.precision import std_text, value_text, with_deviation
 from planner.reports.figures import (
@@ -19,84 +18,79 @@ from planner.reports.figures import (
     spectrum_plot,
 )
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
-from planner.runs.about import about_recording
 
 PARAMETER_COLUMNS = ("parameter", "value", "std (28)", "std robust", "95 % from", "to", "unit")
 
 
-def identify_page(
-    case: Case, estimate: Estimate, found: Identifiability, residuals: Residuals, inputs: Sequence[tuple[str, str]]
-) -> Page:
-    """The page of `hexcite identify`.
-
-    Args:
-        case: of the recording.
-        estimate: the result.
-        found: what the run determines.
-        residuals: of the recorded forces.
-        inputs: where the recording came from, names and values.
-    """
-    what = "averaged standstills" if residuals.step is None else "samples"
+def identify_page(result: Result) -> Page:
+    """The page of a result; residuals are shown where it was not loaded from a folder."""
+    case, record, residuals = result.case, result.record, result.residuals
+    what = "averaged standstills" if record["delay_s"] is None else "samples"
+    source = record["recording"]
+    sections = [Section("Parameters with error bars", (_headline(result), *parameter_items(result)))]
+    if result.identifiability is not None:
+        sections.append(Section("What the run determines", identifiability_items(result.identifiability)))
+    if residuals is not None:
+        sections.append(Section("Forces and residuals", residual_items(case, residuals)))
     return Page(
         title=f"Identification: {case.title}",
-        lead=f"Model {estimate.model} identified from {estimate.samples} {what} of {estimate.source}.",
-        inputs=(("case", f"{case.name} (hash {case.hash})"), ("recording", estimate.source), *inputs),
-        warnings=estimate.warnings,
-        sections=(
-            Section("Parameters with error bars", (_headline(estimate), *parameter_items(estimate))),
-            Section("What the run determines", identifiability_items(found)),
-            Section("Forces and residuals", residual_items(case, residuals)),
-        ),
+        lead=f"Model {record['model']} identified from {record['samples']} {what} of {source}.",
+        inputs=(("case", f"{case.name} (hash {case.hash})"), ("recording", source), *about_inputs(result)),
+        warnings=result.warnings,
+        sections=tuple(sections),
     )
 
 
-def _headline(estimate: Estimate) -> Tiles:
+def _headline(result: Result) -> Tiles:
     body = (("m", 1.0, "kg", "mass, with its standard deviation"), ("zC", 1e3, "mm", "centre of gravity, z"))
+    known = result.parameters
     tiles = [
-        Tile(_with_error(estimate, name, scale, unit), text)
+        Tile(f"{with_deviation(known[name].value * scale, known[name].reported * scale)} {unit}", text)
         for name, scale, unit, text in body
-        if name in estimate.physical  # a frame that does not move tells offsets alone
+        if name in known  # a frame that does not move tells offsets alone
     ]
-    tiles += [
-        noise_tile(estimate),
-        Tile(f"{estimate.condition:.3g}", f"condition of the scaled regressor, rank {estimate.rank}"),
-    ]
+    condition, rank = result.record["condition"], result.record["rank"]
+    tiles += [noise_tile(result), Tile(f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
     return Tiles(tuple(tiles))
 
 
-def noise_tile(estimate: Estimate) -> Tile:
+def noise_tile(result: Result) -> Tile:
     """s0, and what it is; a filter keeps from it what the recorded forces have above the pass band."""
-    recorded = f"recorded forces less the model: {estimate.s0_N:.3g} N rms"
-    if estimate.weights != "equal":
-        return Tile(f"{estimate.s0:.3g}", f"s0, 1 where the weights are right ({recorded})")
-    filtered = "" if estimate.delay is None else ", the filter's stop band included"
-    return Tile(f"{estimate.s0:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
+    record = result.record
+    recorded = f"recorded forces less the model: {record['s0_N']:.3g} N rms"
+    if record["weights"] != "equal":
+        return Tile(f"{record['s0']:.3g}", f"s0, 1 where the weights are right ({recorded})")
+    filtered = "" if record["delay_s"] is None else ", the filter's stop band included"
+    return Tile(f"{record['s0']:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
 
 
-def _with_error(estimate: Estimate, name: str, scale: float, unit: str) -> str:
-    value = estimate.physical[name]
-    return f"{with_deviation(value.value * scale, value.reported * scale)} {unit}"
-
-
-def parameter_items(estimate: Estimate) -> tuple[Item, ...]:
+def parameter_items(result: Result) -> tuple[Item, ...]:
     """Figure and table of the parameters."""
-    rows = []
-    for name, p in estimate.physical.items():
+    rows, freedom = [], float(result.record["degrees_of_freedom"])
+    for name, p in result.parameters.items():
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
-        low, high = p.interval(estimate.freedom)
+        low, high = p.interval(freedom)
         widest = p.reported * scale
         value, *ends = (value_text(v * scale, widest) for v in (p.value, low, high))
         rows.append((name, value, std_text(p.std * scale), std_text(p.std_robust * scale), *ends, unit))
     items: list[Item] = [
-        parameters_plot({name: value._asdict() for name, value in estimate.physical.items()}),
+        parameters_plot(result.record["parameters"]),
         Table(PARAMETER_COLUMNS, tuple(rows)),
         Note("std (28) takes the noise as white; std robust allows for residuals that are correlated in time."),
     ]
-    if estimate.delay is not None:
-        lag, std = estimate.delay.value * 1e3, estimate.delay.std * 1e3
-        items.append(Note(f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."))
-    items += [Note(note) for note in estimate.notes]
+    if (words := delay_words(result)) is not None:
+        items.append(Note(words))
+    items += [Note(note) for note in result.notes]
     return tuple(items)
+
+
+def delay_words(result: Result) -> str | None:
+    """By how much forces lag the motion; None where that was not estimated."""
+    delay = result.record["delay_s"]
+    if delay is None:
+        return None
+    lag, std = delay["value"] * 1e3, delay["std"] * 1e3
+    return f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
 
 
 def identifiability_items(found: Identifiability) -> tuple[Item, ...]:
@@ -123,26 +117,23 @@ def residual_items(case: Case, residuals: Residuals) -> tuple[Item, ...]:
     return (*plots, Table(("channel", *(words for words, _ in columns), "unit"), rows))
 
 
-def about_inputs(recording: Path, provenance: dict[str, Any]) -> tuple[tuple[str, str], ...]:
-    """Where a run came from, for the page's inputs.
-
-    Args:
-        recording: file, or folder of `hexcite run`.
-        provenance: `inputs` and `versions` of a result.
-    """
-    words = [(i["file"], f"SHA-256 {i['sha256']}") for i in provenance["inputs"]]
-    words += provenance["versions"].items()
-    about = about_recording(recording)
-    if not about:
+def about_inputs(result: Result) -> tuple[tuple[str, str], ...]:
+    """Where a run came from, for the page's inputs."""
+    words = [(i["file"], f"SHA-256 {i['sha256']}") for i in result.record["inputs"]]
+    words += result.record["versions"].items()
+    run = result.record.get("run")
+    if not run:
         return (("origin", "recorded on a machine: nothing says that it was simulated"), *words)
-    return (*run_inputs(about), *words)
+    return (*run_inputs(run), *words)
 
 
-def run_inputs(about: dict[str, Any]) -> tuple[tuple[str, str], ...]:
+def run_inputs(about: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     """What `recording.json`, or the answer of a run, says about it."""
-    keys = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
     simulated = "sensors and encoders are simulated" if about.get("simulated") else "recorded on a machine"
-    return (("origin", simulated), *((key, _in_words(about[key])) for key in keys if about.get(key) is not None))
+    return (
+        ("origin", simulated),
+        *((key, _in_words(about[key])) for key in TOLD_OF_RUNS if about.get(key) is not None),
+    )
 
 
 def _in_words(value: Any) -> str:

@@ -41,10 +41,10 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         plan: the chosen motion.
         manual: the hand-made motion of the same case, or why there is none.
     """
-    case, request = plan.case, plan.request
+    case, (request, worth) = plan.case, plan.of_motion
     model = identification_model(case, request.model)
     motion = sample(plan.motion, DRAWN_RATE)
-    settings = {k: v for k, v in plan.settings.items() if not isinstance(v, list | dict)}
+    settings = {k: v for k, v in worth.settings.items() if not isinstance(v, list | dict)}
     inputs = [
         ("case", f"{case.name} (hash {case.hash})"),
         ("family", plan.family),
@@ -56,7 +56,7 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         ("seed", str(request.seed)),
         *provenance([])["versions"].items(),
     ]
-    made = "made by hand" if plan.family == "manual" else f"optimised for criterion {request.criterion}"
+    made = "made by hand" if not request.family.optimised else f"optimised for criterion {request.criterion}"
     if (method := settings.get("retimed_with")) is not None:
         made += f", re-timed with {method}"
     return Page(
@@ -79,10 +79,11 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
 
 
 def _warnings(plan: Plan) -> tuple[str, ...]:
-    words = list(plan.notes)
-    if plan.interrupted:
+    worth = plan.of_motion[1]
+    words = list(worth.notes)
+    if worth.search.interrupted:
         words.insert(0, "The search was stopped by Ctrl-C: this is the best of what was found until then.")
-    if not plan.bound.certified:
+    if not worth.bound.certified:
         words.append("The bound behind the D-efficiency is an estimate: time ran out before its proof.")
     return tuple(words)
 
@@ -97,17 +98,18 @@ def _ends(plan: Plan) -> str:
 
 
 def _headline(plan: Plan) -> Tiles:
-    kind = "certified" if plan.bound.certified else "an estimate"
+    worth = plan.of_motion[1]
+    kind = "certified" if worth.bound.certified else "an estimate"
     tiles = [
         Tile(f"{plan.motion.duration:.2f} s", "duration, from rest to rest"),
-        Tile(f"{plan.d_efficiency:.3f}", f"D-efficiency against the box bound ({kind})"),
-        Tile(f"{plan.condition:.3g}", "condition in reference scaling"),
+        Tile(f"{worth.d_efficiency:.3f}", f"D-efficiency against the box bound ({kind})"),
+        Tile(f"{worth.condition:.3g}", "condition in reference scaling"),
         Tile(f"{plan.limits.worst_ratio * 100:.1f} %", "most that is used of any limit"),
     ]
-    if plan.d_efficiency_tight is not None and plan.tight is not None:
-        kind = "certified" if plan.tight.certified else "an estimate"
+    if worth.d_efficiency_tight is not None and worth.tight is not None:
+        kind = "certified" if worth.tight.certified else "an estimate"
         tight = Tile(
-            f"{plan.d_efficiency_tight:.3f}",
+            f"{worth.d_efficiency_tight:.3f}",
             f"D-efficiency against motions of limited jerk from rest to rest ({kind})",
         )
         tiles.insert(2, tight)
@@ -116,14 +118,15 @@ def _headline(plan: Plan) -> Tiles:
 
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
-    shaken = " and noise of the accelerations as the case states it" if plan.noise.shaken else ""
+    worth = plan.of_motion[1]
+    shaken = " and noise of the accelerations as the case states it" if worth.shaken else ""
     if (field := PoseField.of(plan.case.sensors)) is not None:
         shaken += f" and errors of {field.words} that depend on the pose"
-    noise, rate = f"{plan.noise.sensors:g} N{shaken}", plan.case.recording.rate_Hz
-    note = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {plan.noise.weights}."
+    noise, rate = f"{plan.assumed_noise:g} N{shaken}", plan.case.recording.rate_Hz
+    note = f"Predicted for white force noise of {noise} at {rate:g} Hz, weights {worth.weights}."
     columns = ["parameter", "predicted std"]
     other = None
-    if plan.family != "manual":
+    if plan.of_motion[0].family.optimised:
         if isinstance(manual, Beside):
             other = manual.at_equal_time(plan.motion.duration)
             columns += ["hand-made, equal time" if manual.averaging else "hand-made", "times smaller"]

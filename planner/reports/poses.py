@@ -4,7 +4,9 @@ from identification.identifiability import Identifiability
 from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.provenance import provenance
-from planner.poses.plan import PosePlan
+from planner.plan import Plan
+from planner.poses.plan import candidates_of
+from planner.poses.request import PoseRequest
 from planner.precision import std_text
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY
@@ -13,7 +15,7 @@ from planner.reports.machine import posing_machine
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain
 
 
-def poses_page(plan: PosePlan, found: Identifiability) -> Page:
+def poses_page(plan: Plan, found: Identifiability) -> Page:
     """The page of `hexcite poses`.
 
     Args:
@@ -28,7 +30,9 @@ def poses_page(plan: PosePlan, found: Identifiability) -> Page:
         Tile(f"{about['efficiency']:.3f}", "D-efficiency of the best design over the candidates (lower bound)"),
         Tile(f"{about['condition']:.3g}", "condition in reference scaling"),
     )
-    words = f"chosen by {about['method']}, criterion {about['criterion']}, for model {about['model']}: {plan.remark}."
+    words = (
+        f"chosen by {about['method']}, criterion {about['criterion']}, for model {about['model']}: {about['remark']}."
+    )
     inputs = [("case", f"{case.name} (hash {case.hash})"), *((k, str(v)) for k, v in settings.items())]
     return Page(
         title=f"Poses: {case.title}",
@@ -44,19 +48,22 @@ def poses_page(plan: PosePlan, found: Identifiability) -> Page:
     )
 
 
-def _deviations(plan: PosePlan) -> tuple[Item, ...]:
+def _deviations(plan: Plan) -> tuple[Item, ...]:
     rows = []
     for p in physical_form(identification_model(plan.case, plan.request.model)).parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
         rows.append((p.name, std_text(plan.predicted_std[p.name] * scale), unit))
-    note = Note(f"Predicted for averaged forces that scatter by {plan.noise:.3g} N, independently from pose to pose.")
+    note = Note(
+        f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N, independently from pose to pose."
+    )
     return (Table(("parameter", "predicted std", "unit"), tuple(rows)), note)
 
 
-def _places(plan: PosePlan) -> Plot:
+def _places(plan: Plan) -> Plot:
+    assert isinstance(plan.request, PoseRequest)
     figure = Chart()
     for poses, name, size, colour in (
-        (plan.candidates.poses, "candidates", 5, GREY),
+        (candidates_of(plan.request, plan.case).poses, "candidates", 5, GREY),
         (plan.poses, "chosen", 10, COLOURS[1]),
     ):
         marker = {"size": size, "color": colour}

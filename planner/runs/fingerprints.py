@@ -3,27 +3,20 @@
 That of the plan goes on into the recording.
 """
 
-import hashlib
 import re
-from pathlib import Path
 
 from cases.basis import motion_hash
 from cases.schema import Case
-from planner.runs.about import about_recording
+from planner.plan import Plan
+from planner.plan_folder import DIGITS, fingerprint
 
-DIGITS = 16
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)
 _OF_THE_CASE = re.compile(rb"case (\w+), hash ([0-9a-f]{%d}), controller settings ([0-9a-f]{%d})" % (DIGITS, DIGITS))
 
 
-def plan_hash(folder: Path) -> str:
-    """Fingerprint of a plan: the first 16 digits of the SHA-256 of its plan.json, wherever the folder is."""
-    return hashlib.sha256((folder / "plan.json").read_bytes()).hexdigest()[:DIGITS]
-
-
-def plan_line(folder: Path) -> str:
+def plan_line(plan: Plan) -> str:
     """What a program says of its plan."""
-    return f"plan hash {plan_hash(folder)}"
+    return f"plan hash {fingerprint(plan)}"
 
 
 def plan_of_program(content: bytes) -> str | None:
@@ -53,13 +46,3 @@ def written_for_another(content: bytes, case: Case) -> str | None:
             f"{case.controller_hash}): signs and words may mean something else"
         )
     return None
-
-
-def plan_of_recording(path: Path) -> str | None:
-    """The fingerprint in a folder of `hexcite run`; None where nothing tells.
-
-    Raises:
-        FileProblem: recording.json is damaged.
-    """
-    found = about_recording(path).get("plan_hash")
-    return None if found is None else str(found)

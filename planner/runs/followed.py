@@ -1,15 +1,15 @@
 """What a recorded run should have done: the plan or the program that it followed."""
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Joined, Standstill, Trajectory
-from planner.runs.about import about_recording
-from planner.saved_plan import load_plan
-from postprocessors.files import ProgramFile, read_program
+from planner.plan_folder import load_plan
+from postprocessors.files import Program, read_program
 from postprocessors.proving.measured import measures_at_poses
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
@@ -35,7 +35,7 @@ def followed_plan(path: Path, case: Case) -> Followed:
     """
     if path.is_dir():
         saved = load_plan(path, case)
-        if saved.data["family"] == "poses":
+        if len(saved.poses):
             raise HexciteError(f"{path}: is a plan of poses, which has no feed to compare; name it with --poses")
         return Followed(str(path), saved.motion)
     read = read_program(path, case)
@@ -44,22 +44,21 @@ def followed_plan(path: Path, case: Case) -> Followed:
     return Followed(str(path), planned_excitation(read, case))
 
 
-def followed_by_recording(path: Path, case: Case) -> Followed | None:
-    """The excitation of the program that a recording folder names; None where it is gone, changed, or of poses."""
-    about = about_recording(path)
-    program = Path(str(about.get("program", "")))
-    if about.get("poses_m_rad") or not program.is_file():
+def followed_by_record(record: Mapping[str, Any], case: Case) -> Followed | None:
+    """The excitation of the program that `recording.json` names; None where it is gone, changed, or of poses."""
+    program = Path(str(record.get("program", "")))
+    if record.get("poses_m_rad") or not program.is_file():
         return None
     try:
         read = read_program(program, case)
-        if hashlib.sha256(read.content).hexdigest()[:16] != about.get("program_hash"):
+        if hashlib.sha256(read.content).hexdigest()[:16] != record.get("program_hash"):
             return None
         return Followed(program.name, planned_excitation(read, case))
     except (ProgramError, OSError):  # another program stands there now
         return None
 
 
-def planned_excitation(read: ProgramFile, case: Case) -> Trajectory:
+def planned_excitation(read: Program, case: Case) -> Trajectory:
     """The motion that the program asks for while its trigger is on.
 
     Raises:

@@ -12,13 +12,13 @@ from identification.trajectories.strut_move import StrutMove
 from planner.bounds.kept import box_bound
 from planner.runs.followed import planned_excitation
 from planner.search.problem import mean_information
-from postprocessors.files import ProgramFile
+from postprocessors.files import Program
 from postprocessors.proving.measured import measures_at_poses
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Untimed, stretches
 
 
-def changed_motion(read: ProgramFile, case: Case, model_number: int) -> dict[str, Any]:
+def changed_motion(read: Program, case: Case, model_number: int) -> dict[str, Any]:
     """Figures of a program whose point-to-point moves are straight in the struts.
 
     Args:

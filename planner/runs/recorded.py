@@ -1,5 +1,6 @@
 """What stands beside a recording: its case, the poses it was to stand at, the motion it was to follow."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,19 +11,18 @@ from numpy.typing import NDArray
 from cases.basis import Artefact, recording_basis
 from cases.errors import HexciteError, RecordingError
 from cases.files import another_kind
-from cases.loading import CASE_FILE, built_in_cases, find_case, lasting_name, load_case
+from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
 from identification.findings.feed import about_feed, against_plan
 from identification.hexapod import Hexapod
 from identification.identify import placed
 from identification.recording import Recording
+from identification.recording import record_of as about_recording
 from identification.result import Estimate
 from identification.runs.standing import average, find_standstills, match, stands_only
 from identification.saved import load_result
-from planner.poses.expected import poses_of_plan, poses_of_recording
-from planner.runs.about import about_recording
-from planner.runs.fingerprints import plan_of_recording
-from planner.runs.followed import Followed, followed_by_recording, followed_plan
+from planner.poses.expected import poses_of_record
+from planner.runs.followed import Followed, followed_by_record
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 Array = NDArray[np.float64]
@@ -33,11 +33,11 @@ class Still(NamedTuple):
     """What a user says about standstills in a run that was recorded with a clock.
 
     Args:
-        plan: of poses, whose standstills the run holds.
+        poses: whose standstills the run holds, shape (n, 6) [m, rad].
         asked: average standstills without knowing the poses.
     """
 
-    plan: Path | None = None
+    poses: Array | None = None
     asked: bool = False
 
 
@@ -99,49 +99,31 @@ def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
     return None
 
 
-def about_run(path: Path, case: str | None, recording: Recording, estimate: Estimate) -> dict[str, Any]:
-    """What a result says of its run: the file of the case, the plan that it followed, the time that it took.
-
-    Args:
-        path: of the recording.
-        case: as it was named; None where the recording's folder says.
-        recording: as it was identified.
-        estimate: of it.
-    """
-    about = about_recording(path)
-    taken = about.get("executed_s")
-    if taken is None and recording.t is not None:
-        taken = estimate.samples * float(np.median(np.diff(recording.t)))  # stamps of a host jitter
-    name = str(about.get("case_file")) if case is None else lasting_name(case)
-    return {"case_file": name, "plan_hash": plan_of_recording(path), "measuring_s": taken}
-
-
-def with_feed(estimate: Estimate, recording: Recording, case: Case, path: Path, plan: Path | None) -> Estimate:
+def with_feed(estimate: Estimate, recording: Recording, case: Case, named: Followed | None) -> Estimate:
     """The estimate with a warning where the run went at another feed than its plan or program.
 
     Args:
         estimate: of the recording.
         recording: the run.
         case: its case.
-        path: where it was read.
-        plan: that it followed, as the user says; else what the folder of `hexcite run` says counts.
+        named: what it followed, as the user says; else what a run of hexcite says of its program counts.
 
     Raises:
         HexciteError: a plan that was named and cannot be compared, or is not of this run.
     """
-    followed = followed_plan(plan, case) if plan is not None else followed_by_recording(path, case)
-    if followed is None or (plan is None and (recording.t is None or recording.struts is None)):
+    followed = named if named is not None else followed_by_record(recording.record, case)
+    if followed is None or (named is None and (recording.t is None or recording.struts is None)):
         return estimate
     cut = () if recording.t is None else shorter_than_planned(recording, followed)
     estimate = replace(estimate, warnings=(*estimate.warnings, *cut))
     try:
         stretches = against_plan(recording, case, followed.motion, followed.name)
     except RecordingError as error:
-        if plan is not None and not cut:
+        if named is not None and not cut:
             raise RecordingError(placed(recording.source, error)) from error
         return estimate if cut else replace(estimate, warnings=(*estimate.warnings, str(error)))
     sentences, entries = about_feed(recording, stretches, f"comparison with {followed.name}")
-    if plan is not None and not stretches:
+    if named is not None and not stretches:
         entries = {"feed": {"found_by": f"comparison with {followed.name}", "stretches": []}}
     return replace(estimate, warnings=(*estimate.warnings, *sentences), told={**estimate.told, **entries})
 
@@ -161,25 +143,23 @@ def shorter_than_planned(recording: Recording, followed: Followed) -> tuple[str,
     )
 
 
-def knows_poses(path: Path, still: Still) -> bool:
-    """Whether a run is said to stand at poses, by its folder or by the user."""
-    return still.asked or still.plan is not None or poses_of_recording(path) is not None
+def knows_poses(recording: Mapping[str, Any], still: Still) -> bool:
+    """Whether a run is said to stand at poses, by what `recording.json` says or by the user."""
+    return still.asked or still.poses is not None or poses_of_record(recording) is not None
 
 
-def standing_of(
-    recording: Recording, case: Case, path: Path, still: Still = UNSAID
-) -> tuple[Recording, dict[str, Any] | None]:
+def standing_of(recording: Recording, case: Case, still: Still = UNSAID) -> tuple[Recording, dict[str, Any] | None]:
     """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
 
-    A folder of hexcite run knows the poses of its program; `still` names others, or says that there are standstills.
+    A run of hexcite knows the poses of its program; `still` names others, or says that there are standstills.
 
     Raises:
         StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
         RecordingError: no standstills, though there should be some.
     """
-    expected = poses_of_plan(still.plan, case) if still.plan is not None else poses_of_recording(path)
+    expected = still.poses if still.poses is not None else poses_of_record(recording.record)
     if recording.t is None:
-        if still.plan is None and not still.asked:
+        if still.poses is None and not still.asked:
             return recording, None
         raise RecordingError(f"{recording.source}: its rows are averaged already; leave --poses and --standstills out")
     if expected is None and not still.asked and not stands_only(recording):

@@ -1,23 +1,21 @@
 """Runs a program on a controller, simulates the sensors for what was really executed, and rates the run."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.basis import KEPT, recording_basis
 from cases.errors import ExecutionError, HexciteError, ProgramError
-from cases.files import RUN, atomic_folder, json_text
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.loaded import UNDISTURBED, Circumstances
+from identification.loaded import UNDISTURBED, Circumstances, circumstances
 from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.peaks import executed_peaks
-from identification.recording import Recording, write_recording
+from identification.recording import Recording, about_case
 from identification.reference import reference_scaling
 from identification.simulate import TRUE_MODEL, simulate_recording
 from identification.trajectories.executed import StrutExecution
@@ -32,10 +30,9 @@ from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
 from postprocessors.execute.linuxcnc.punctuality import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.files import ProgramFile, read_program
+from postprocessors.files import Program, read_program
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.measured import measured_poses, measures_at_poses
-from postprocessors.proving.proof import prove_program
 from postprocessors.proving.stretches import Stretch, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
@@ -109,11 +106,17 @@ def require_controller(on: str) -> None:
         raise ExecutionError(missing)
 
 
-def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> Outcome:
+def require_seed(seed: int) -> None:
+    """Raises HexciteError where a seed is negative."""
+    if seed < 0:
+        raise HexciteError(f"seed {seed} is negative; choose 0 or more")
+
+
+def execute(program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> Outcome:
     """Proves a program, runs it and simulates the recording.
 
     Args:
-        program: its file.
+        program: as it was read or written.
         case: with a simulated machine.
         on: `virtual` or `linuxcnc`.
         seed: of the sensors' noise.
@@ -123,26 +126,47 @@ def execute(program: Path, case: Case, on: str, seed: int, around: Circumstances
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
     case.need_simulation("a run")
-    read, parts, run = carried_out(program, case, on)
+    parts, run = carried_out(program, case, on)
     at_poses = measures_at_poses(parts)
-    planned = way_of(parts, case, read.guarantees) if at_poses else planned_excitation(read, case)
-    recording = simulate_recording(case, run.execution, run.trigger, seed, around=around)
-    fingerprint, followed = hashlib.sha256(read.content).hexdigest()[:16], plan_of_program(read.content)
+    planned = way_of(parts, case, program.guarantees) if at_poses else planned_excitation(program, case)
     if at_poses:
         poses = measured_poses(parts)
-        went = stood(run, poses, program)
+        went = stood(run, poses, program.path)
         rating = Rating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
-        return Outcome(run, recording, rating, planned, fingerprint, read.guarantees, around, poses, followed)
-    rating = _rating(case, planned, run)
-    none = np.zeros((0, 6))
-    return Outcome(run, recording, rating, planned, fingerprint, read.guarantees, around, none, followed)
+    else:
+        poses, rating = np.zeros((0, 6)), _rating(case, planned, run)
+    outcome = Outcome(
+        run=run,
+        recording=simulate_recording(case, run.execution, run.trigger, seed, around=around),
+        rating=rating,
+        planned=planned,
+        program_hash=hashlib.sha256(program.content).hexdigest()[:16],
+        guarantees=program.guarantees,
+        around=around,
+        poses=poses,
+        plan_hash=plan_of_program(program.content),
+    )
+    record = _record(outcome, program, case, seed)
+    return replace(outcome, recording=replace(outcome.recording, case=case, record=record))
 
 
-def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[Stretch, ...], ExecutedRun]:
-    """Proves a program and runs it: as read, its stretches, and what the controller did.
+def read_to_run(file: Path, case: Case) -> Program:
+    """Reads a program; where it cannot be read because it is for another state of the case, that is said too.
+
+    Raises:
+        ProgramError: it cannot be read or understood.
+    """
+    try:
+        return read_program(file, case)
+    except ProgramError as error:
+        raise _of_another(error, file.read_bytes() if file.is_file() else b"", case) from error
+
+
+def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, ...], ExecutedRun]:
+    """Proves a program and runs it: its stretches, and what the controller did.
 
     Args:
-        program: its file.
+        program: as it was read or written.
         case: the machine.
         on: `virtual` or `linuxcnc`.
 
@@ -151,23 +175,27 @@ def carried_out(program: Path, case: Case, on: str) -> tuple[ProgramFile, tuple[
     """
     require_controller(on)
     try:
-        read = read_program(program, case)
-        prove_program(read.reading, case, read.guarantees).require()
+        program.proof.require()
     except ProgramError as error:
-        if program.is_file() and (other := written_for_another(program.read_bytes(), case)):
-            raise ProgramError(program, error.line, error.column, f"is {other}; {error.problem}") from error
-        raise
-    parts = stretches(read.reading)
+        raise _of_another(error, program.content, case) from error
+    parts = stretches(program.reading)
     if on == "virtual":
-        run = run_virtual(read.reading, case, read.guarantees)
+        run = run_virtual(program.reading, case, program.guarantees)
     else:
-        run = _on_linuxcnc(read, case, measures_at_poses(parts))
+        run = _on_linuxcnc(program, case, measures_at_poses(parts))
     if not len(run.trigger):
-        raise ExecutionError(f"{program}: the trigger never came on while {run.controller} ran it; report this")
-    return read, parts, run
+        raise ExecutionError(f"{program.path}: the trigger never came on while {run.controller} ran it; report this")
+    return parts, run
 
 
-def _on_linuxcnc(read: ProgramFile, case: Case, at_poses: bool) -> ExecutedRun:
+def _of_another(error: ProgramError, content: bytes, case: Case) -> ProgramError:
+    other = written_for_another(content, case)
+    return (
+        error if other is None else ProgramError(error.file, error.line, error.column, f"is {other}; {error.problem}")
+    )
+
+
+def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if read.dialect.name != "linuxcnc":
         raise ExecutionError(f"{read.path}: is no LinuxCNC program ({read.dialect.name}); run it with --on virtual")
     headroom = acceleration_headroom(read.reading, case)
@@ -212,19 +240,43 @@ def _efficiency(bound: Bound, information: np.ndarray) -> float:
     return bound.efficiency(float(logdet)) if sign > 0 else 0.0
 
 
-def save_recording(
-    folder: Path, outcome: Outcome, program: Path, case: Case, case_file: str, seed: int, overwrite: bool = False
-) -> dict[str, Any]:
-    """Writes a recording folder; returns what `recording.json` holds."""
+def run(
+    program: Program | Path | str,
+    case: Case,
+    on: str = "virtual",
+    *,
+    seed: int = 0,
+    payload: int = 0,
+    disturbed: bool = False,
+) -> Recording:
+    """The recording of a program's run: sensors and encoders are simulated for what the controller really executed.
+
+    Args:
+        program: as `write` or `read_program` returned it, or its file.
+        case: with a simulated machine.
+        on: controller: virtual or linuxcnc.
+        seed: of the sensors' noise.
+        payload: number of the case's weights that are mounted.
+        disturbed: whether the case's disturbances are on: vibration, ripple, errors that depend on the pose.
+
+    Raises:
+        HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
+    """
+    require_seed(seed)
+    require_controller(on)
+    around = circumstances(case, payload, disturbed)
+    read = program if isinstance(program, Program) else read_to_run(Path(program), case)
+    return execute(read, case, on, seed, around).recording
+
+
+def _record(outcome: "Outcome", program: Program, case: Case, seed: int) -> dict[str, Any]:
+    """What `recording.json` says of a run."""
     rating, disturbances = outcome.rating, outcome.around.disturbances
-    about = {
-        "schema_version": 1,
-        "case": case.name,
-        "case_file": case_file,
-        "case_hash": case.hash,
-        KEPT: recording_basis(case),
+    other = written_for_another(program.content, case)
+    return {
+        **about_case(case),
         "controller_hash": case.controller_hash,
-        "program": str(program.resolve()),
+        "program": str(program.path.resolve()),
         "program_hash": outcome.program_hash,
         "plan_hash": outcome.plan_hash,
         "controller": outcome.run.controller,
@@ -233,7 +285,7 @@ def save_recording(
         "simulated_parts": "sensors and encoders; the motion is what the controller executed",
         "simulation_source": case.need_simulation("a recording").source,
         "payload": {"weights": len(outcome.around.weights), "mass_kg": outcome.around.load},
-        "disturbances": None if disturbances is None else disturbances.model_dump(),
+        "disturbances": None if disturbances is None else disturbances.model_dump(mode="json"),
         "seed": seed,
         "samples": len(outcome.recording.forces),
         "trigger_windows_s": outcome.run.trigger.tolist(),
@@ -245,10 +297,6 @@ def save_recording(
         "peak_acceleration_of_limit": rating.peak_acceleration,
         "peaks_of_limit": rating.peaks,
         "poses_m_rad": outcome.poses.tolist(),
-        "remark": outcome.run.remark,
+        "remark": "; ".join(text for text in (other and f"the program was {other}", outcome.run.remark) if text),
         "units": "SI with the unit in each column name",
     }
-    with atomic_folder(folder, RUN, overwrite) as part:
-        write_recording(part / "recording.csv", outcome.recording, case)
-        (part / "recording.json").write_text(json_text(about), encoding="utf-8")
-    return about

@@ -1,15 +1,21 @@
 """Runs starts in parallel processes, tells how they are getting on, and stops them on Ctrl-C without losing them."""
 
 import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context, parent_process
+from multiprocessing import parent_process
+from multiprocessing.context import SpawnContext, SpawnProcess
+from multiprocessing.process import BaseProcess
 from threading import Thread
+from types import ModuleType
 from typing import Any, NamedTuple
+
+from threadpoolctl import threadpool_limits
 
 from planner.interruption import ctrl_c_waits, first_ctrl_c_calls
 from planner.search.patience import Patience
@@ -40,6 +46,9 @@ class Listener:
     news: Callable[[News], None]
 
 
+SILENT = Listener(lambda result: None, lambda news: None)
+
+
 class Outcome(NamedTuple):
     """Results of a round of starts, and whether Ctrl-C ended it early."""
 
@@ -55,6 +64,7 @@ def _begin(stop: Any, news: Any) -> None:
     """Gives a worker process its ends of the event and of the queue."""
     global _stop, _news
     _stop, _news = stop, news
+    threadpool_limits(limits=1, user_api="blas")  # there is a process for each core
     Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -97,6 +107,31 @@ def run_here(tasks: Sequence[Task], listener: Listener, patience: Patience) -> O
     return Outcome(results, False)
 
 
+def cores() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Process(SpawnProcess):
+    """A process that does not run its parent's script again, which has no guard in a notebook or a script of ten lines.
+
+    Spawned, not forked: MUMPS and threads of a parent do not survive a fork.
+    """
+
+    @staticmethod
+    def _Popen(process_obj: BaseProcess) -> Any:
+        main = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")  # without a file, which a new process would run
+        try:
+            return SpawnProcess._Popen(process_obj)
+        finally:
+            sys.modules["__main__"] = main
+
+
+class _Context(SpawnContext):
+    Process = _Process
+
+
 @contextmanager
 def workers() -> Iterator[Runner]:
     """Processes, one a core, that run rounds of starts until the context is left.
@@ -104,10 +139,9 @@ def workers() -> Iterator[Runner]:
     The first Ctrl-C lets running starts end with what they have reached and drops those that wait; so does the end of
     the time.
     """
-    # Spawned, not forked: MUMPS and threads of a parent do not survive a fork.
-    context = get_context("spawn")
+    context = _Context()
     stop, news = context.Event(), context.SimpleQueue()
-    pool = ProcessPoolExecutor(os.cpu_count() or 1, mp_context=context, initializer=_begin, initargs=(stop, news))
+    pool = ProcessPoolExecutor(cores(), mp_context=context, initializer=_begin, initargs=(stop, news))
 
     def run(tasks: Sequence[Task], listener: Listener, patience: Patience) -> Outcome:
         pressed = False

@@ -48,10 +48,10 @@ class Patience:
         now = time.monotonic()
         most = request.starts or (MOST if request.seconds is None else ENDLESS)
         until = exploring = None
+        refined = request.family.refinements(request.criterion)
         if request.seconds is not None:
-            share = 1.0 if request.family == "ptp" else EXPLORING
+            share = EXPLORING if refined else 1.0
             until, exploring = now + request.seconds, now + share * request.seconds
-        refined = 4 if request.family == "fourier" and request.criterion != "D" else 2
         counts = request.starts is None and request.seconds is None
         return cls(request.criterion, parameters, most, until, exploring, counts, refined)
 

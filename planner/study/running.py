@@ -26,7 +26,7 @@ class Cell:
     settings: dict[str, Any]
 
 
-def cells_of(spec: Spec, case: Case, case_file: str) -> list[Cell]:
+def cells_of(spec: Spec, case: Case) -> list[Cell]:
     """Every cell of a study.
 
     Raises:
@@ -34,7 +34,7 @@ def cells_of(spec: Spec, case: Case, case_file: str) -> list[Cell]:
     """
     ours, found = version("hexcite"), []
     for settings in settings_of(spec):
-        request_of(settings, case_file)
+        request_of(settings)
         found.append(Cell(cell_key(settings, spec.execute, case, ours), settings))
     return found
 
@@ -70,7 +70,7 @@ def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) ->
     return found
 
 
-def about_study(spec: Spec, case: Case, case_file: str, cells: int) -> dict[str, Any]:
+def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
     """What study.json holds."""
     return {
         "schema_version": 1,
@@ -78,7 +78,7 @@ def about_study(spec: Spec, case: Case, case_file: str, cells: int) -> dict[str,
         "case": case.name,
         "case_hash": case.hash,
         KEPT: study_basis(case),
-        "case_file": case_file,
+        "case_file": case.origin,
         "version": version("hexcite"),
         "cells": cells,
         "spec": spec.model_dump(mode="json"),
@@ -89,7 +89,6 @@ def run_study(
     client: "Client",
     spec: Spec,
     case: Case,
-    case_file: str,
     folder: Path,
     done: Callable[[Outcome], None],
     retry: bool = False,
@@ -100,7 +99,6 @@ def run_study(
         client: of the cluster.
         spec: the study.
         case: machine and limits.
-        case_file: name or file of the case.
         folder: of the study; continued where it holds rows.
         done: told of each cell.
         retry: whether to try cells again that failed.
@@ -111,16 +109,16 @@ def run_study(
     Raises:
         HexciteError: the folder is another study's, or the cluster is gone; what is done is kept.
     """
-    cells = cells_of(spec, case, case_file)
+    cells = cells_of(spec, case)
     count = 0
-    with opened(folder, schema(), about_study(spec, case, case_file, len(cells))) as store:
+    with opened(folder, schema(), about_study(spec, case, len(cells))) as store:
         work_left = missing(cells, spec, folder, retry)
         known = {cell.key: cell for cell, _ in work_left}
 
         def tasks() -> Iterator[tuple[str, Job]]:
             for cell, seeds in work_left:
                 disturbed = spec.execute is not None and spec.execute.disturbed
-                yield cell.key, Job(case, request_of(cell.settings, case_file), seeds, disturbed)
+                yield cell.key, Job(case, request_of(cell.settings), seeds, disturbed)
 
         for outcome in run_tasks(client, work, tasks(), spec.cells.time_limit_s):
             store.add(_rows(known[outcome.key], outcome, case))

@@ -16,6 +16,7 @@ from cases.basis import study_hash
 from cases.errors import FileProblem, HexciteError
 from cases.parts import Part, Positive
 from cases.schema import Case
+from planner.families.settings import family_class
 from planner.request import Request
 
 MOST_CELLS = 1_000_000
@@ -163,14 +164,16 @@ def _combination(columns: list[tuple[Any, ...]], place: int) -> tuple[Any, ...]:
     return tuple(reversed(values))
 
 
-def request_of(settings: dict[str, Any], case_file: str) -> Request:
+def request_of(settings: dict[str, Any]) -> Request:
     """What a cell plans, from one start.
 
     Raises:
         HexciteError: settings that cannot be planned.
     """
     ours = {{"duration_s": "duration", "period_s": "period"}.get(k, k): v for k, v in settings.items()}
-    return Request(case_file, starts=1, **ours)
+    kind = family_class(ours.pop("family"))
+    own = {name: ours.pop(name) for name in ("order", "period", "moves", "knots") if name in ours}
+    return Request(kind(**own), starts=1, **ours)
 
 
 def cell_key(settings: dict[str, Any], execute: Execution | None, case: Case, version: str) -> str:

@@ -1,10 +1,8 @@
 """What a worker does for one cell: one start of the optimisation, and on request the run and its identifications."""
 
 import math
-import tempfile
 import time
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,14 +39,14 @@ def work(job: Job) -> list[dict[str, Any]]:
     A plan or run that is refused is a row with its reason: that is a finding, not an accident.
     """
     try:
-        row, motion = _plan(job)
+        row, plan = _plan(job)
     except HexciteError as error:
         return [{"noise_seed": PLANNED, "status": FAILED, "reason": str(error), "seconds": 0.0}]
     if not job.noise_seeds:
         return [row]
     began = time.perf_counter()
     try:
-        return [row, *_runs(job, motion, began)]
+        return [row, *_runs(job, plan, began)]
     except HexciteError as error:
         seconds = (time.perf_counter() - began) / len(job.noise_seeds)
         failure = {"status": FAILED, "reason": str(error), "seconds": seconds}
@@ -61,38 +59,34 @@ def _plan(job: Job) -> tuple[dict[str, Any], Any]:
 
     began = time.perf_counter()
     silent = Listener(lambda start: None, lambda news: None)
-    plan = make(job.request, job.case, job.request.case_file, silent, run_here)
+    plan = make(job.request, job.case, silent, run_here)
+    worth = plan.of_motion[1]
     row = {
         "noise_seed": PLANNED,
         "status": DONE,
         "seconds": time.perf_counter() - began,
-        "converged": bool(plan.starts) and plan.starts[0].converged,
-        "iterations": sum(start.iterations for start in plan.starts),
-        "score": plan.score if math.isfinite(plan.score) else None,
-        "logdet": plan.logdet,
-        "d_efficiency": plan.d_efficiency,
+        "converged": bool(worth.search.starts) and worth.search.starts[0].converged,
+        "iterations": sum(start.iterations for start in worth.search.starts),
+        "score": worth.score if math.isfinite(worth.score) else None,
+        "logdet": worth.logdet,
+        "d_efficiency": worth.d_efficiency,
     }
-    return row, plan.motion
+    return row, plan
 
 
-def _runs(job: Job, motion: Any, began: float) -> list[dict[str, Any]]:
+def _runs(job: Job, plan: Any, began: float) -> list[dict[str, Any]]:
     from identification.identify import identify
     from identification.loaded import circumstances
     from identification.simulate import simulate_recording
     from planner.comparison.truth import truth_rows
     from planner.runs.running import execute
-    from postprocessors.dialects import dialect
+    from planner.runs.writing import write
     from postprocessors.proving.guarantees import KINETIC
-    from postprocessors.writing import proven_program
 
     around = circumstances(job.case, job.request.payload, job.disturbed)
     truth_case = _loaded_case(job.case, around)
     # Nothing moves but numbers: limits that this controller would leave to nobody are reported by `post`, not here.
-    written = proven_program(motion, job.case, dialect("linuxcnc").load(), "study.ngc", ("study",), 1.0, KINETIC)
-    with tempfile.TemporaryDirectory(prefix="hexcite-study-") as folder:
-        program = Path(folder) / "study.ngc"
-        program.write_bytes(written.content)
-        run = execute(program, job.case, "virtual", job.noise_seeds[0], around).run
+    run = execute(write(plan, accept=KINETIC), job.case, "virtual", job.noise_seeds[0], around).run
     rows = []
     for seed in job.noise_seeds:
         recording = simulate_recording(job.case, run.execution, run.trigger, seed, around=around)

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import FileProblem
-from cases.files import read_json
+from cases.files import json_text
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.model import Model
+from identification.outcome import Result
 from identification.parameters import physical_form
 from identification.result import Value
 from identification.saved import SavedResult, load_result
@@ -86,10 +87,17 @@ def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool
     """
     result = load_result(path)
     case = result.artefact.case(case_name)
-    model = result.model_of(case)
     remarks = result.remarks(case, stale)
-    file = Path(result.source)
-    data = read_json(file, "hexcite identify")
+    return _calibration(result, case, Path(result.source).read_bytes(), force, remarks)
+
+
+def calibration_of(result: Result, force: bool = False) -> Calibration:
+    """A result for export; errors as `load_calibration`."""
+    return _calibration(result.solution, result.case, json_text(dict(result.record)).encode(), force, ())
+
+
+def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, remarks: tuple[str, ...]) -> Calibration:
+    model, file, data = result.model_of(case), result.source, result.about
     try:
         names, warnings = list(data["linear"]["names"]), tuple(str(w) for w in data["warnings"])
         recording, samples, s0 = str(data["recording"]), int(data["samples"]), float(data["s0"])
@@ -123,6 +131,6 @@ def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool
         recording=recording,
         samples=samples,
         s0=s0,
-        result_hash=hashlib.sha256(file.read_bytes()).hexdigest()[:16],
+        result_hash=hashlib.sha256(content).hexdigest()[:16],
         warnings=(*warnings, *remarks),
     )

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from cases.errors import FileProblem, HexciteError
 from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder, output_place
+from identification.outcome import Result
 from postprocessors.export.building import build_component, build_object
 from postprocessors.export.c99 import c_sources
-from postprocessors.export.calibration import Calibration
+from postprocessors.export.calibration import Calibration, calibration_of
 from postprocessors.export.document import json_document
 from postprocessors.export.isg import isg_load
 from postprocessors.export.linuxcnc_component import linuxcnc_component
@@ -46,6 +47,36 @@ TARGETS = ("c", *SINGLE_FILES)
 
 
 def export(
+    result: Result,
+    target: str,
+    output: Path | str | None = None,
+    *,
+    force: bool = False,
+    build: bool = False,
+    overwrite: bool = False,
+) -> list[Path]:
+    """Writes the calibrated model for a controller.
+
+    Args:
+        result: identified parameters.
+        target: one of `TARGETS`.
+        output: file, or folder for `c`; by default named after the case, in the current folder.
+        force: in spite of warnings, which are written into the file.
+        build: compile it too; what does not compile is not written.
+        overwrite: replace what an earlier export wrote.
+
+    Returns:
+        The files, the one that matters first.
+
+    Raises:
+        HexciteError: the target is unknown, cannot carry the model, cannot be compiled or cannot be written.
+        FileProblem: the result carries warnings and `force` is not set.
+    """
+    place = None if output is None else Path(output)
+    return export_calibration(calibration_of(result, force), target, place, build, overwrite)
+
+
+def export_calibration(
     calibration: Calibration, target: str, output: Path | None, build: bool, overwrite: bool = False
 ) -> list[Path]:
     """Writes a calibration for a target.

@@ -10,6 +10,7 @@ from identification.motion import Trajectory
 from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound
 from planner.cli.console import print_table
+from planner.families.settings import family_class
 from planner.planning import search
 from planner.request import Request
 from planner.search.parallel import Listener, workers
@@ -42,7 +43,7 @@ def criteria_table() -> None:
     for family, settings in LOOKED_AT:
         values = {}
         for letter in sorted(CRITERIA, key=lambda letter: letter != "D"):
-            request = Request("hexapod", family=family, criterion=letter, model=MODEL, **settings)
+            request = Request(family_class(family)(**settings), criterion=letter, model=MODEL)
             with workers() as run:
                 found = search(request, case, SILENT, run)
             values[letter] = criteria_of(case, found.motion)

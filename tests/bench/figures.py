@@ -19,6 +19,7 @@ from identification.simulate import simulate_recording
 from planner.cli.console import print_table
 from planner.runs.running import execute
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing
+from postprocessors.files import read_program
 from tests.bench.anytime import anytime
 from tests.bench.conditioning import conditioning_rows
 from tests.bench.coverage import coverage, idealised
@@ -75,7 +76,7 @@ def demos(folder: Path) -> list[list[str]]:
 def identification(folder: Path) -> list[list[str]]:
     """Identification of 20 000 samples, and coverage of the intervals."""
     case = load_case("hexapod")
-    outcome = execute(folder / "virtual" / "excitation.ngc", case, "virtual", 0)
+    outcome = execute(read_program(folder / "virtual" / "excitation.ngc", case), case, "virtual", 0)
     run = outcome.run
     recording = simulate_recording(case, run.execution, run.trigger, 0)
     repeats = 20_000 // len(recording.forces) + 1

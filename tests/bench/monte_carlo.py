@@ -6,6 +6,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.motion import Trajectory
 from planner.cli.console import print_table
+from planner.families.settings import Fourier
 from planner.planning import search
 from planner.request import Request
 from planner.search.parallel import Listener, workers
@@ -18,7 +19,7 @@ VIBRATION = (1.0, 0.05, 1.0)  # [N, m/s^2, rad/s^2] of the machine, felt by the 
 def monte_carlo_table() -> None:
     """Prints both for a planned Fourier motion of 3 s."""
     case = load_case("hexapod")
-    request = Request("hexapod", family="fourier", duration=3.0, starts=2)
+    request = Request(Fourier(), duration=3.0, starts=2)
     with workers() as run:
         motion = search(request, case, Listener(lambda start: None, lambda news: None), run).motion
     white = monte_carlo(case, motion, 500, 1.0, 0.0)

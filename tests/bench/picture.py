@@ -15,7 +15,7 @@ from cases.loading import load_case
 from identification.motion import sample
 from identification.recording import read_recording
 from planner.comparison.truth import truth_rows
-from planner.saved_plan import load_plan
+from planner.plan_folder import load_plan
 
 BLUE, RED, GREY = "#0072b2", "#d55e00", "#627d98"
 

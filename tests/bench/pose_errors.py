@@ -22,7 +22,7 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import body_parameters, physical_form
 from planner.cli.console import print_table
-from planner.saved_plan import load_plan
+from planner.plan_folder import load_plan
 
 Command = Callable[..., tuple[float, str]]
 

@@ -9,7 +9,7 @@ from cases.loading import load_case
 from identification.model import identification_model
 from planner.cli.console import print_table
 from planner.poses.criteria import POSE_CRITERIA
-from planner.poses.plan import plan_poses
+from planner.poses.plan import poses_planned
 from planner.poses.regressors import candidate_scaling, pose_regressors
 from planner.poses.removal import reduce_best, reduce_smallest_change
 from planner.poses.request import PoseRequest
@@ -55,7 +55,7 @@ def pose_figures() -> list[list[str]]:
     tracemalloc.stop()
     rows.append(["  memory of 20 000 (traced at 2000, times ten)", f"{10 * peak + many.nbytes / 1e9:.2f} GB", "2 GB"])
     for method in ("backward", "exchange", "refine"):
-        plan = plan_poses(PoseRequest("hexapod", method=method), case, "hexapod")
+        plan = poses_planned(PoseRequest(method=method), case)
         rows += [
             [f"30 poses by {method}: D-efficiency over the pose space", f"{plan.efficiency_space:.4f}", "0.95"],
             ["  lower bound over the candidates", f"{plan.efficiency:.4f}", ""],

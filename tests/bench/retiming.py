@@ -7,6 +7,7 @@ from identification.model import identification_model
 from identification.motion import Trajectory
 from planner.cli.console import print_table
 from planner.families.manual import manual_motion, sequence_file
+from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.planning import search
 from planner.request import Request
 from planner.retiming.retimed import Method, retimed
@@ -19,13 +20,11 @@ MOVES = ("ruckig", "ipopt", "toppra")
 
 def motions(case: Case) -> dict[str, tuple[Trajectory, tuple[str, ...]]]:
     """A motion of each family, and the methods that it can be re-timed with."""
-    fourier = search(Request("hexapod", family="fourier", criterion="N", starts=2), case, SILENT, run_here).motion
-    ptp = search(Request("hexapod", family="ptp", moves=12, duration=4.0, starts=1), case, SILENT, run_here).motion
-    spline = search(
-        Request("hexapod", family="spline", knots=40, duration=4.0, starts=1), case, SILENT, run_here
-    ).motion
+    fourier = search(Request(Fourier(), criterion="N", starts=2), case, SILENT, run_here).motion
+    ptp = search(Request(PointToPoint(moves=12), duration=4.0, starts=1), case, SILENT, run_here).motion
+    spline = search(Request(Spline(knots=40), duration=4.0, starts=1), case, SILENT, run_here).motion
     return {
-        "manual, 23 s": (manual_motion(case, sequence_file("hexapod")), MOVES),
+        "manual, 23 s": (manual_motion(case, sequence_file(case)), MOVES),
         "fourier, order 5, for N": (fourier, SPLINE),
         "ptp, 12 moves": (ptp, MOVES),
         "spline, 40 knots": (spline, SPLINE),

@@ -8,6 +8,7 @@ from cases.loading import load_case
 from identification.identify import identify
 from planner.runs.running import carried_out
 from planner.validation.experiment import METHODS, Excitation
+from postprocessors.files import read_program
 
 MACHINES = 12  # of so many a scatter is uncertain by a fifth, of twenty parameters the extremes by more
 METHODS_SHOWN = ("D9M", "D9N", "ptp", "spline")
@@ -35,7 +36,7 @@ def _estimates(program: Path, method: str) -> np.ndarray:
     case = load_case("hexapod")
     found = case.need_simulation("the scatter").disturbances
     assert found is not None
-    _, _, run = carried_out(program, case, "virtual")
+    _, run = carried_out(read_program(program, case), case, "virtual")
     rows = []
     for k in range(MACHINES):
         machine = found.model_copy(update={"pose_error_seed": 100 + k})

@@ -22,9 +22,8 @@ from cases.files import write_text
 from cases.loading import load_case
 from identification.model import identification_model
 from planner.bounds.kept import box_bound
+from planner.families.settings import family_class
 from planner.families.shipped import FILE, shipped_start
-from planner.planning import first_family
-from planner.request import Request
 from planner.search.solving import Start, Step, Task, run_start
 
 DIGITS = 5
@@ -37,7 +36,7 @@ def search(family_name: str, seconds: float) -> None:
     case = load_case("hexapod")
     model = identification_model(case, 9)
     bound = box_bound(case, model)
-    family = first_family(Request("hexapod", family=family_name), case)
+    (family,) = family_class(family_name)().families(case, 12.0)
     until = time.monotonic() + seconds
     task = Task(case, 9, family, "D", 0, begin=shipped_start(family))
     while time.monotonic() < until:

@@ -35,10 +35,10 @@ def _overhead() -> list[list[str]]:
     with tempfile.TemporaryDirectory() as folder, local_client(None, 2.0) as client:
         threads = sum(client.nthreads().values())
         warm = Spec(schema_version=1, name="warm", grid=Grid(order=[2], duration_s=[3.0], seed=list(range(threads))))
-        run_study(client, warm, case, "hexapod", Path(folder) / "warm", lambda outcome: None)
+        run_study(client, warm, case, Path(folder) / "warm", lambda outcome: None)
         busy: list[float] = []
         began = time.perf_counter()
-        run_study(client, spec, case, "hexapod", Path(folder) / "study", lambda outcome: busy.append(outcome.seconds))
+        run_study(client, spec, case, Path(folder) / "study", lambda outcome: busy.append(outcome.seconds))
         seconds = time.perf_counter() - began
         began = time.perf_counter()
         count = sum(1 for _ in run_tasks(client, operator.neg, ((str(k), k) for k in range(TASKS)), 60.0))
@@ -77,12 +77,12 @@ def _many_rows() -> list[list[str]]:
             )
             for k in range(ROWS)
         ]  # fmt: skip
-        with opened(folder, schema(), about_study(spec, case, "hexapod", ROWS)) as store:
+        with opened(folder, schema(), about_study(spec, case, ROWS)) as store:
             for part in range(0, ROWS, 5000):
                 store.add(rows[part : part + 5000])
         began = time.perf_counter()
         table: pa.Table = read_rows(folder, schema())
-        page = render(study_page(about_study(spec, case, "hexapod", ROWS), table))
+        page = render(study_page(about_study(spec, case, ROWS), table))
         seconds = time.perf_counter() - began
     assert len(table) == ROWS
     return [[f"{ROWS} rows read and drawn ({len(page) / 1e6:.1f} MB page)", f"{seconds:.1f} s", "10 s or less"]]

@@ -13,6 +13,7 @@ from cases.leftovers import leftovers
 from cases.loading import built_in_cases, load_case
 from cases.needs import NEEDS, readiness
 from cases.schema import Case
+from planner.families.settings import Fourier
 from planner.readiness import require_plannable
 from planner.request import Request
 from tests.planner.command_line import call, refused
@@ -62,7 +63,7 @@ def test_what_each_command_misses_is_said_before_it_is_tried() -> None:
     assert missing["plan"] == ("nominal",)
     assert missing["bound"] == ()
     with pytest.raises(CaseError, match="nominal: is missing"):
-        require_plannable(Request("mine", family="fourier"), case)
+        require_plannable(Request(Fourier()), case)
 
 
 def test_a_dialects_table_is_needed_for_that_dialect_only() -> None:

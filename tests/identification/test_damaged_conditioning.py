@@ -1,5 +1,6 @@
 """Damaged files of runs that are to be conditioned: an answer or one line, whatever is asked."""
 
+import random
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -17,9 +18,9 @@ from identification.motion import Motion
 from identification.recording import Recording, read_recording, write_recording
 from identification.runs.conditioning import Accelerated, Conditioning, Periodic
 from identification.runs.rates import on_one_clock
+from tests.bench.reliability.recordings import stained
 from tests.helpers import answer
 from tests.identification.repeating import LEAD, Repeating, recorded
-from tests.identification.test_damaged_runs import damaged
 
 CASE = load_case("hexapod")
 RUN = Repeating(0.5, 2.0)
@@ -57,12 +58,10 @@ def test_the_undamaged_run_follows_its_plan(folder: Path) -> None:
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
-@given(seed=st.integers(0, 2**32), times=st.integers(1, 3), asked=st.sampled_from(ASKED))
-def test_a_damaged_run_ends_in_an_answer_or_in_one_line(
-    seed: int, times: int, asked: Conditioning, folder: Path
-) -> None:
+@given(seed=st.integers(0, 2**32), asked=st.sampled_from(ASKED))
+def test_a_damaged_run_ends_in_an_answer_or_in_one_line(seed: int, asked: Conditioning, folder: Path) -> None:
     file = folder / "damaged.csv"
-    file.write_bytes(damaged(text(folder), seed, times))
+    file.write_bytes(stained(text(folder), random.Random(seed)))
 
     def evaluated() -> Recording:
         recording = on_one_clock(read_recording(file, CASE), CASE)

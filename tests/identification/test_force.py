@@ -89,7 +89,7 @@ def test_a_tare_moves_the_offsets_by_the_drift_and_nothing_else(saved: SavedResu
 
 def test_a_tared_result_is_a_result(saved: SavedResult, tmp_path: Path) -> None:
     found = tare(standing(shift=2.5), CASE, saved)
-    content = with_tare(Path(saved.source), saved, CASE, found.values, found.covariance, "still.csv")
+    content = with_tare(saved, CASE, found.values, found.covariance, "still.csv")
     (tmp_path / "result.json").write_text(json_text(content))
     again = load_result(tmp_path)
     np.testing.assert_allclose(again.values, found.values)

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from cases.loading import built_in_cases
-from planner.saved_plan import SavedPlan, load_plan
+from planner.plan import Plan
+from planner.plan_folder import load_plan
 from tests.planner.browser import browser
 from tests.planner.command_line import ACCEPT, hexcite
 
@@ -61,7 +62,7 @@ def planned(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict
 
 
 @pytest.fixture(scope="session")
-def saved_plan(planned: dict[str, Any]) -> SavedPlan:
+def saved_plan(planned: dict[str, Any]) -> Plan:
     """The plan as other commands load it."""
     return load_plan(Path(planned["plan"]))
 

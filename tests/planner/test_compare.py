@@ -13,8 +13,9 @@ from playwright.sync_api import Browser
 from cases.schema import Case
 from planner.comparison.advising import groups, recommend
 from planner.comparison.entries import Entry, Level, Told, read_entry
+from planner.plan_folder import fingerprint_of
 from planner.reports.compare import _coloured, warnings_of
-from planner.runs.fingerprints import plan_hash, plan_of_program
+from planner.runs.fingerprints import plan_of_program
 from postprocessors.dialects import DIALECTS
 from tests.planner.browser import opened
 from tests.planner.command_line import ACCEPT, call, refused
@@ -87,7 +88,12 @@ def test_a_run_knows_its_plan_by_hash_wherever_the_folders_are(chain: Chain, sha
     moved = [shutil.copytree(shared / n, tmp_path / f"moved-{n}") for n in ("plan", "recording", "result")]
     entries = [read_entry(path) for path in (twin, *moved)]
     plan, run, result = (Path(entry.name).name for entry in entries[1:])
-    assert entries[2].plan == entries[1].plan == plan_hash(shared / "plan") != entries[0].plan
+    assert (
+        entries[2].plan
+        == entries[1].plan
+        == fingerprint_of((shared / "plan" / "plan.json").read_bytes())
+        != entries[0].plan
+    )
     found = [[Path(e.name).name for e in g] for g in groups(entries)]
     assert found == [["a-twin"], [plan, run, result]]
     without_run = [[Path(e.name).name for e in g] for g in groups([entries[0], entries[1], entries[3]])]
@@ -98,7 +104,7 @@ def test_a_run_knows_its_plan_by_hash_wherever_the_folders_are(chain: Chain, sha
 def test_programs_of_every_dialect_carry_the_plans_hash(dialect: str, chain: Chain, shared: Path, tmp_path: Path):
     file = tmp_path / ("p" + DIALECTS[dialect].suffix)
     call("post", shared / "plan", "--dialect", dialect, "-o", file, *ACCEPT)
-    assert plan_of_program(file.read_bytes()) == plan_hash(shared / "plan")
+    assert plan_of_program(file.read_bytes()) == fingerprint_of((shared / "plan" / "plan.json").read_bytes())
 
 
 def test_criteria_of_a_plan_are_those_that_it_was_chosen_by(chain: Chain, shared: Path):

@@ -16,10 +16,10 @@ from identification.limits import Status, prove
 from identification.motion import Joined
 from identification.trajectories.polynomial import polynomials_of
 from identification.trajectories.profile import StraightMove, has_steps
-from planner.controlled import controlled, move_count, planned_for
+from planner.controlled import controlled
 from planner.families.saved import motion_entries, motion_of_entries
-from planner.request import Request
-from planner.saved_plan import load_plan
+from planner.families.settings import PointToPoint, Spline
+from planner.plan_folder import load_plan
 from tests.planner.command_line import call, hexcite, refused
 from tests.postprocessors.changed_case import changed
 
@@ -65,19 +65,19 @@ def test_twincat_without_a_slope_has_steps(hexapod_case: Case):
 def test_the_case_says_for_whom_to_plan(hexapod_case: Case):
     wishes = hexapod_case.controller.model_copy(update={"plan_for": "linuxcnc"})
     case = hexapod_case.model_copy(update={"controller": wishes})
-    assert not planned_for(Request("hexapod"), case).case.limits.motion.limits_jerk
-    assert planned_for(Request("hexapod", controller="sinumerik"), case).case.limits.motion.limits_jerk
-    assert planned_for(Request("hexapod", family="spline"), case).case.limits.motion.limits_jerk
-    assert planned_for(Request("hexapod"), hexapod_case).controller is None
+    assert not PointToPoint().controlled(case).case.limits.motion.limits_jerk
+    assert PointToPoint(controller="sinumerik").controlled(case).case.limits.motion.limits_jerk
+    assert Spline().controlled(case).case.limits.motion.limits_jerk
+    assert PointToPoint().controlled(hexapod_case).controller is None
 
 
 def test_shorter_moves_are_more_moves(hexapod_case: Case):
     """At 6 m/s^2 it takes 0.1 s to 0.6 m/s, at 10 rad/s^2 0.105 s to 60 deg/s, and as long to rest again."""
     own = controlled(hexapod_case, "linuxcnc").case
-    assert move_count(Request("hexapod"), own) == round(12.0 / (2 * math.radians(60) / 10.0))
-    assert move_count(Request("hexapod"), hexapod_case) == 40
-    assert move_count(Request("hexapod", moves=20), own) == 20
-    assert move_count(Request("hexapod", duration=60.0), own) == 64
+    assert PointToPoint().count(own, 12.0) == round(12.0 / (2 * math.radians(60) / 10.0))
+    assert PointToPoint().count(hexapod_case, 12.0) == 40
+    assert PointToPoint(moves=20).count(own, 12.0) == 20
+    assert PointToPoint().count(own, 60.0) == 64
 
 
 def test_the_proof_sees_steps_of_acceleration(hexapod_case: Case):

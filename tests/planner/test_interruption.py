@@ -9,6 +9,7 @@ import pytest
 
 from cases.schema import Case
 from planner import planning
+from planner.families.settings import family_class
 from planner.interruption import Interrupted, ctrl_c_raises
 from planner.plan import Plan
 from planner.request import Request
@@ -25,6 +26,9 @@ class Found:
 
     interrupted: bool = False
 
+    def ended_early(self) -> "Found":
+        return Found(True)
+
 
 def ctrl_c() -> None:
     signal.raise_signal(signal.SIGINT)
@@ -34,7 +38,7 @@ def planned(make: Callable, family: str, case: Case, monkeypatch: pytest.MonkeyP
     """What comes of a plan that is made by a stand-in, as under the command line."""
     monkeypatch.setattr(planning, "make", make)
     with ctrl_c_raises():
-        return planning.make_until_ctrl_c(Request("hexapod", family=family), case, "hexapod", SILENT)
+        return planning.make_until_ctrl_c(Request(family_class(family)()), case, SILENT)
 
 
 def test_ctrl_c_after_the_search_loses_nothing(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
@@ -50,7 +54,7 @@ def test_ctrl_c_after_the_search_loses_nothing(hexapod_case: Case, monkeypatch: 
 def test_ctrl_c_before_a_search_keeps_it_from_beginning(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
     told: list[Outcome] = []
 
-    def make(request: Request, case: Case, file: str, listener: Listener, run: Callable) -> Found:
+    def make(request: Request, case: Case, listener: Listener, run: Callable) -> Found:
         ctrl_c()
         told.append(run([object()], listener, Patience.of(request, 20)))  # no task: it would fail
         return Found()

@@ -14,6 +14,7 @@ from identification.limits import prove
 from identification.motion import Standstill
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
+from planner.families.settings import Fourier, PointToPoint
 from planner.infeasible import remedy
 from planner.readiness import require_plannable
 from planner.request import Request
@@ -66,7 +67,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         ),
         (("--family", "spline", "--duration", "1"), ("too short for a spline", "2 s")),
         (("--for", "fanuc"), ("controller 'fanuc' is unknown", "choose linuxcnc, virtual, sinumerik")),
-        (("--for", "linuxcnc", "--family", "spline"), ("--for linuxcnc", "spline", "leave out --for", "--family ptp")),
+        (("--for", "linuxcnc", "--family", "spline"), ("--for does nothing", "spline", "leave it out", "--family ptp")),
         (("--for", "linuxcnc", "--duration", "0.04"), ("too short for 8 moves: 2 phases of 3", "at least 0.048 s")),
         (("--family", "manual", "--duration", "8"), ("--duration does nothing with --family manual", "leave it out")),
         (("--family", "manual", "--starts", "3"), ("--starts does nothing", "fourier, ptp, spline")),
@@ -135,7 +136,7 @@ def test_limits_that_forbid_even_to_stand_are_named_before_planning_begins(
 def test_a_box_around_the_start_is_to_be_made_smaller(hexapod_case: Case):
     case = changed(hexapod_case, workspace__keep_out=[BEHIND_HOME])
     with pytest.raises(InfeasiblePlan, match=r"distance from vice \(origin\) .* workspace.keep_out smaller") as caught:
-        require_plannable(Request("hexapod"), case)
+        require_plannable(Request(), case)
     one_line(caught.value)
 
 
@@ -159,15 +160,15 @@ def test_moves_need_their_controller_cycles(hexapod_case: Case):
         r"12 s is too short for 40 moves: 4 phases of 3 .* of 50 ms take 0.6 s; choose at least 24 s, or --moves 20 or"
     )
     with pytest.raises(HexciteError, match=words) as caught:
-        require_plannable(Request("hexapod", family="ptp"), case)
+        require_plannable(Request(PointToPoint()), case)
     one_line(caught.value)
-    require_plannable(Request("hexapod", family="ptp", moves=40, duration=24.0), case)
-    require_plannable(Request("hexapod", family="ptp", moves=20), case)
+    require_plannable(Request(PointToPoint(moves=40), duration=24.0), case)
+    require_plannable(Request(PointToPoint(moves=20)), case)
 
 
 def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
     """At 100 m/s^3 it takes 0.03 s to 3 m/s^2, at 200 rad/s^3 0.025 s to 5 rad/s^2; a move rises and falls twice."""
-    request = Request("hexapod", family="ptp", moves=40, duration=4.0)
+    request = Request(PointToPoint(moves=40), duration=4.0)
     require_plannable(request, hexapod_case)
     softer = changed(
         hexapod_case, limits__motion__jerk_m_s3=[50.0] * 3, limits__motion__angular_jerk_rad_s3=[100.0] * 3
@@ -180,10 +181,10 @@ def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
 
 
 def test_what_no_filter_holds_back_may_have_any_period(hexapod_case: Case):
-    require_plannable(Request("hexapod", family="fourier", period=0.25, duration=0.25), hexapod_case)
+    require_plannable(Request(Fourier(period=0.25), duration=0.25), hexapod_case)
     case = changed(hexapod_case, recording__filter_cutoff_Hz=10.0)
     with pytest.raises(HexciteError, match=r"order 5 reaches 20 Hz, the evaluation hears up to 5 Hz"):
-        require_plannable(Request("hexapod", family="fourier", period=0.25, duration=0.25), case)
+        require_plannable(Request(Fourier(period=0.25), duration=0.25), case)
 
 
 def test_a_motion_is_drawn_back_out_of_a_small_box_close_to_its_middle(hexapod_case: Case):

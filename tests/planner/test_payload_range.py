@@ -10,21 +10,21 @@ from identification.reference import reference_scaling
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import expected_noise
+from planner.plan_folder import load_plan
 from planner.request import Request, read_payloads
-from planner.saved_plan import load_plan
 from tests.planner.command_line import call, refused
 from tests.planner.monte_carlo import vibrating
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)
 SCALING = reference_scaling(CASE, MODEL)
-MOTION = manual_motion(CASE, sequence_file("hexapod"))
+MOTION = manual_motion(CASE, sequence_file(CASE))
 
 
 @pytest.mark.parametrize(("text", "found"), [("2", (2, None)), ("0-5", (5, 0)), (" 1-1 ", (1, 1))])
 def test_a_number_or_a_range_is_read(text: str, found: tuple[int, int | None]):
     assert read_payloads(text) == found
-    request = Request("hexapod", payload=found[0], payload_from=found[1])
+    request = Request(payload=found[0], payload_from=found[1])
     assert list(request.payloads)[-1] == found[0]
 
 
@@ -47,7 +47,7 @@ def test_a_plan_for_a_range_says_which_load_is_the_worst_and_is_believed(cache: 
     assert (answer["payload_from"], answer["payload"]) == (0, 5)
     (note,) = [n for n in answer["notes"] if "largest with 0 to 5 payloads" in n]
     assert "with 0 those of m, xC" in note
-    assert load_plan(tmp_path / "plan").data["predicted_std"] == answer["predicted_std"]
+    assert load_plan(tmp_path / "plan").predicted_std == answer["predicted_std"]
     text = (tmp_path / "plan" / "plan.json").read_text(encoding="utf-8")
     (tmp_path / "plan" / "plan.json").write_text(text.replace('"payload_from": 0', '"payload_from": 5'))
     assert "predicted_std" in refused("post", tmp_path / "plan", "-o", tmp_path / "run.ngc")

@@ -14,9 +14,10 @@ from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.fourier_motion import FourierMotion
+from planner.families.settings import Spline
+from planner.found import Found, notes
 from planner.plan import Plan
 from planner.request import Request
-from planner.saved_plan import SavedPlan
 from planner.search.inside import MARGIN, keep_limits
 from planner.search.problem import build_problem, mean_information
 from tests.postprocessors.independent import strut_lengths
@@ -25,7 +26,7 @@ INSTANTS = 10 * DENSITY * 5  # instants of a period: ten times the optimiser's g
 
 
 @pytest.fixture(scope="module")
-def motion(saved_plan: SavedPlan) -> FourierMotion:
+def motion(saved_plan: Plan) -> FourierMotion:
     return saved_plan.motion
 
 
@@ -69,7 +70,7 @@ def test_it_rests_at_both_ends(motion: FourierMotion):
     assert np.allclose(*ends.pose, atol=1e-12)
 
 
-def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan: SavedPlan, hexapod_case: Case):
+def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan: Plan, hexapod_case: Case):
     model = identification_model(hexapod_case, 9)
     scaling = reference_scaling(hexapod_case, model)
     half = np.ptp(hexapod_case.limits.motion.pose, axis=0) / 2
@@ -81,7 +82,7 @@ def test_it_carries_more_information_than_any_of_many_random_motions(saved_plan:
         unknowns = keep_limits(hexapod_case, family, random / 0.8, 500.0).unknowns
         information = mean_information(model, scaling, family.motion(unknowns), 200.0)
         best = max(best, float(np.linalg.slogdet(information)[1]))
-    assert saved_plan.data["logdet"] > best + 10.0  # 20 parameters: better by a factor of 1.6 each, on average
+    assert saved_plan.worth.logdet > best + 10.0  # 20 parameters: better by a factor of 1.6 each, on average
 
 
 def test_its_figures_follow_from_its_motion(planned: dict[str, Any], motion: FourierMotion, hexapod_case: Case):
@@ -127,7 +128,7 @@ def test_every_limit_is_proven(planned: dict[str, Any]):
 
 
 @pytest.mark.parametrize(
-    ("used", "notes"),
+    ("used", "wanted"),
     [
         (5, []),
         (4, ["the highest harmonic is negligible: --order 4 would do"]),
@@ -135,11 +136,13 @@ def test_every_limit_is_proven(planned: dict[str, Any]):
         (1, ["the 4 highest harmonics are negligible: --order 2 would do"]),  # 1 would need a run-in
     ],
 )
-def test_a_series_whose_highest_harmonics_do_next_to_nothing_says_which_order_would_do(used: int, notes: list[str]):
+def test_a_series_whose_highest_harmonics_do_next_to_nothing_says_which_order_would_do(
+    used: int, wanted: list[str], hexapod_case: Case
+):
     share = np.where(np.arange(1, 6) <= used, 1.0, 0.01)[:, None] * np.full(6, 0.1)
     found = SimpleNamespace(
         motion=FourierMotion(np.zeros(6), share, 0.5 * share, 3.0, 4), starts=(), family="fourier",
-        settings={"order": 5}, noise_note=(), laws=None, request=Request("hexapod"), limits=LimitReport(()),
+        settings={"order": 5}, noise_note=(), laws=None, request=Request(), limits=LimitReport(()),
     )  # fmt: skip
     assert vars(Plan)["notes"].fget(found) == notes
 
@@ -149,11 +152,8 @@ def test_a_spline_whose_knots_keep_it_from_full_acceleration_says_how_many_would
     knots: int, advice: int, hexapod_case: Case
 ):
     """At 200 rad/s^3 it takes 0.1 s from -10 to 10 rad/s^2, at 100 m/s^3 0.12 s from -6 to 6 m/s^2."""
-    found = SimpleNamespace(
-        motion=SimpleNamespace(duration=12.0), starts=(), family="spline", settings={"knots": knots}, noise_note=(),
-        laws=None, request=Request("hexapod", family="spline"), limits=LimitReport(()), case=hexapod_case,
-    )  # fmt: skip
-    notes = vars(Plan)["notes"].fget(found)
-    assert [f"{knots} knots, not the machine" in n and "--knots 120 carries more" in n for n in notes] == [
+    found = Found(SimpleNamespace(duration=12.0), {"knots": knots}, LimitReport(()))
+    words = notes(found, Request(Spline()), hexapod_case, {})
+    assert [f"{knots} knots, not the machine" in n and "--knots 120 carries more" in n for n in words] == [
         True
     ] * advice

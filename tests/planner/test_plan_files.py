@@ -8,24 +8,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.saved_plan import SavedPlan
+from planner.plan import Plan
 from tests.planner.command_line import ACCEPT, call, refused
 from tests.planner.json_answer import one_json_object
 
 
 @pytest.fixture
-def copy(saved_plan: SavedPlan, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(saved_plan.folder, tmp_path / "plan"))
+def copy(saved_plan: Plan, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(saved_plan.saved.folder, tmp_path / "plan"))
 
 
-def test_plan_json_is_the_answer_of_the_command(saved_plan: SavedPlan, planned: dict[str, Any]):
-    content = one_json_object((saved_plan.folder / "plan.json").read_text(encoding="utf-8"))
-    paths = {"plan": str(saved_plan.folder), "report": str(saved_plan.folder / "report.html")}
+def test_plan_json_is_the_answer_of_the_command(saved_plan: Plan, planned: dict[str, Any]):
+    content = one_json_object((saved_plan.saved.folder / "plan.json").read_text(encoding="utf-8"))
+    paths = {"plan": str(saved_plan.saved.folder), "report": str(saved_plan.saved.folder / "report.html")}
     assert paths | content == planned
 
 
-def test_motion_csv_is_the_motion_in_millimetres_and_degrees_a_thousand_times_a_second(saved_plan: SavedPlan):
-    file = saved_plan.folder / "motion.csv"
+def test_motion_csv_is_the_motion_in_millimetres_and_degrees_a_thousand_times_a_second(saved_plan: Plan):
+    file = saved_plan.saved.folder / "motion.csv"
     assert file.read_text().splitlines()[0] == (
         "t_s,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,v_x_mm_s,v_y_mm_s,v_z_mm_s,v_a_deg_s,v_b_deg_s,v_c_deg_s,"
         "acc_x_mm_s2,acc_y_mm_s2,acc_z_mm_s2,acc_a_deg_s2,acc_b_deg_s2,acc_c_deg_s2"
@@ -41,8 +41,8 @@ def test_motion_csv_is_the_motion_in_millimetres_and_degrees_a_thousand_times_a_
     assert table[:, 16:] == pytest.approx(np.degrees(motion.accelerations[:, 3:]), abs=1e-3)
 
 
-def test_the_plot_is_a_picture_with_all_limits(saved_plan: SavedPlan):
-    picture = (saved_plan.folder / "plots" / "trajectory.svg").read_text(encoding="utf-8")
+def test_the_plot_is_a_picture_with_all_limits(saved_plan: Plan):
+    picture = (saved_plan.saved.folder / "plots" / "trajectory.svg").read_text(encoding="utf-8")
     assert "<svg" in picture
     assert picture.rstrip().endswith("</svg>")
 
@@ -144,9 +144,9 @@ def test_figures_that_somebody_typed_into_a_plan_are_not_believed(path: tuple[st
     assert not (copy.parent / "p.ngc").exists()
 
 
-def test_the_last_digits_of_another_computer_are_no_change(saved_plan: SavedPlan, copy: Path):
+def test_the_last_digits_of_another_computer_are_no_change(saved_plan: Plan, copy: Path):
     for key in ("logdet", "condition", "d_efficiency"):
-        rewrite(copy, key, to=saved_plan.data[key] * (1.0 + 1e-6))
+        rewrite(copy, key, to=saved_plan.to_json()[key] * (1.0 + 1e-6))
     call("post", copy, *ACCEPT, "-o", copy.parent / "p.ngc", "--json").json()
 
 

@@ -9,9 +9,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from cases.loading import load_case
-from identification.model import identification_model
 from planner.comparison.beside_manual import Beside, beside_manual
-from planner.noise import expected_noise
 from planner.precision import std_text
 from planner.request import Request
 from tests.planner.browser import opened
@@ -37,8 +35,7 @@ def test_a_plan_has_its_page(width: int, scheme: str, planned: dict[str, Any], b
 
 def test_its_deviations_are_the_plans_and_the_hand_made_motions(planned: dict[str, Any], browser: Browser, cache: Path):
     case = load_case("hexapod")
-    noise = expected_noise(case, identification_model(case, 9), 0)
-    plan = SimpleNamespace(case=case, case_file="hexapod", request=Request("hexapod"), noise=noise)
+    plan = SimpleNamespace(case=case, of_motion=(Request(), None), model=9, payloads=range(1))
     manual = beside_manual(plan)
     assert isinstance(manual, Beside)
     other = manual.at_equal_time(planned["duration_s"])
@@ -61,7 +58,7 @@ def test_twice_the_time_is_worth_the_root_of_two():
 
 
 def test_a_case_without_a_hand_made_motion_says_so(hexapod_file: Path):
-    plan = SimpleNamespace(case=load_case("hexapod"), case_file=str(hexapod_file), request=Request("hexapod"))
+    plan = SimpleNamespace(case=load_case(str(hexapod_file)), of_motion=(Request(), None), model=9, payloads=range(1))
     words = beside_manual(plan)
     assert isinstance(words, str)
     assert "no hand-made motion" in words

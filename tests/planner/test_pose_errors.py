@@ -162,7 +162,7 @@ def test_a_case_that_states_none_is_rated_as_before():
 def test_predictions_are_the_scatter_over_machines_that_err_otherwise(name: str):
     """Machines err by a smoother field over the poses; the stated one over the struts is what identify makes of it."""
     case = erring(SIZE, LENGTH)
-    motion = manual_motion(CASE, sequence_file("hexapod"))
+    motion = manual_motion(CASE, sequence_file(CASE))
     if name != "manual":
         family = FAMILIES[name]
         motion = family.motion(

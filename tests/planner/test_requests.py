@@ -1,21 +1,33 @@
 """What cannot be planned is refused before anything is computed, with the value and a remedy."""
 
 import re
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.errors import HexciteError
-from planner.request import USUAL_PERIOD, Request
+from cases.schema import Case
+from planner.families.settings import USUAL_PERIOD, Fourier, PointToPoint, family_class
+from planner.request import Request
 from tests.helpers import one_line
+
+
+def requested(family: str, settings: dict[str, Any]) -> Request:
+    own = {name: settings[name] for name in ("order", "period", "moves", "knots") if name in settings}
+    return Request(family_class(family)(**own), **{k: v for k, v in settings.items() if k not in own})
+
+
+def test_an_unknown_family_is_named_with_those_that_are_known():
+    with pytest.raises(HexciteError, match="family 'chirp' is unknown; choose manual, fourier, ptp, spline"):
+        family_class("chirp")
 
 
 @pytest.mark.parametrize(
     ("setting", "value", "words"),
     [
         ("criterion", "E", "criterion 'E' is unknown; choose A, D, K, N"),
-        ("family", "chirp", "family 'chirp' is unknown; choose manual, fourier, ptp, spline"),
         ("order", 0, "order 0 is outside 1 to 7"),
         ("order", 50, "order 50 is outside 1 to 7"),
         ("period", 0.0, "period 0 s is not positive; choose about 2 s"),
@@ -38,14 +50,14 @@ from tests.helpers import one_line
 )
 def test_a_setting_outside_its_range_is_named_with_its_value(setting: str, value: object, words: str):
     with pytest.raises(HexciteError, match=re.escape(words)) as caught:
-        Request("hexapod", **{"family": "fourier", setting: value})
+        requested("fourier", {setting: value})
     one_line(caught.value)
 
 
 def test_order_1_needs_two_periods_for_it_is_led_in_and_out_of_over_one():
-    Request("hexapod", family="fourier", order=1, period=3.0, duration=6.0)
+    Request(Fourier(order=1, period=3.0), duration=6.0)
     with pytest.raises(HexciteError, match=r"order 1 needs two periods.*--duration 6 or more"):
-        Request("hexapod", family="fourier", order=1, period=3.0, duration=3.0)
+        Request(Fourier(order=1, period=3.0), duration=3.0)
 
 
 @pytest.mark.parametrize(
@@ -55,24 +67,25 @@ def test_the_duration_is_a_whole_number_of_stated_periods(duration: float, chose
     with pytest.raises(
         HexciteError, match=f"{duration:g} s is not a whole number of periods of 3 s; {chosen}"
     ) as caught:
-        Request("hexapod", family="fourier", period=3.0, duration=duration)
+        Request(Fourier(period=3.0), duration=duration)
     one_line(caught.value)
 
 
 @given(duration=st.floats(0.1, 600.0), order=st.integers(1, 7))
 def test_a_period_that_is_not_stated_fits_any_duration(duration: float, order: int):
-    request = Request("hexapod", family="fourier", order=order, duration=duration)
-    assert request.periods * request.base_period == pytest.approx(duration, rel=1e-12)
-    assert request.periods == 1 + (order == 1) or abs(request.base_period / USUAL_PERIOD - 1.0) <= 1 / 4
-    assert (
-        Request("hexapod", family="fourier", order=order, duration=duration, period=request.base_period).periods
-        == request.periods
-    )
+    family = Fourier(order=order)
+    Request(family, duration)
+    periods, period = family.periods(duration), family.base_period(duration)
+    assert periods * period == pytest.approx(duration, rel=1e-12)
+    assert periods == 1 + (order == 1) or abs(period / USUAL_PERIOD - 1.0) <= 1 / 4
+    stated = Fourier(order=order, period=period)
+    Request(stated, duration)
+    assert stated.periods(duration) == periods
 
 
 def test_a_whole_number_of_periods_may_be_a_rounded_one():
-    Request("hexapod", family="fourier", period=0.1, duration=0.3)  # 0.3 / 0.1 is 2.9999999999999996
-    Request("hexapod", family="fourier", period=0.7, duration=4.9)
+    Request(Fourier(period=0.1), duration=0.3)  # 0.3 / 0.1 is 2.9999999999999996
+    Request(Fourier(period=0.7), duration=4.9)
 
 
 @pytest.mark.parametrize(
@@ -86,13 +99,13 @@ def test_a_whole_number_of_periods_may_be_a_rounded_one():
 )
 def test_moves_and_their_duration_must_fit(settings: dict[str, float], words: str):
     with pytest.raises(HexciteError, match=re.escape(words)) as caught:
-        Request("hexapod", family="ptp", **settings)
+        requested("ptp", settings)
     one_line(caught.value)
 
 
 @pytest.mark.parametrize(("duration", "moves"), [(2.4, 8), (6.0, 20), (12.0, 40), (60.0, 64)])
-def test_moves_that_are_not_stated_fit_the_duration(duration: float, moves: int):
-    assert Request("hexapod", family="ptp", duration=duration).move_count == moves
+def test_moves_that_are_not_stated_fit_the_duration(duration: float, moves: int, hexapod_case: Case):
+    assert PointToPoint().count(hexapod_case, duration) == moves
 
 
 @pytest.mark.parametrize(
@@ -107,5 +120,5 @@ def test_moves_that_are_not_stated_fit_the_duration(duration: float, moves: int)
 )
 def test_a_spline_and_its_duration_must_fit(settings: dict[str, float], words: str):
     with pytest.raises(HexciteError, match=re.escape(words)) as caught:
-        Request("hexapod", family="spline", **settings)
+        requested("spline", settings)
     one_line(caught.value)

@@ -1,7 +1,5 @@
 """Where heavy payloads bring the sensors close to their range, the motion is shaped by that and not merely shrunk."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -17,8 +15,9 @@ from identification.reference import reference_scaling
 from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
+from planner.families.settings import PointToPoint
 from planner.families.spline import SplineFamily
-from planner.plan import Plan
+from planner.found import Found, notes
 from planner.request import Request
 from planner.search.problem import build_problem
 from planner.search.solving import Start, Task, run_start
@@ -101,9 +100,6 @@ def test_shares_grow_with_what_is_mounted(weak: Case):
 
 def test_the_plan_says_which_load_bound_it():
     check = LimitCheck("sensor force (sensor 3, 5 payloads)", 800.0, 800.0, "N", 0.999, 1.0, Status.PROVEN)
-    found = SimpleNamespace(
-        motion=None, starts=(), family="ptp", settings={}, request=Request("hexapod", family="ptp"), noise_note=(),
-        limits=LimitReport((check,)), laws=None,
-    )  # fmt: skip
-    (note,) = vars(Plan)["notes"].fget(found)
+    found = Found(None, {}, LimitReport((check,)))
+    (note,) = notes(found, Request(PointToPoint()), None, {})
     assert note.startswith("sensor force (sensor 3, 5 payloads) shapes the motion")

@@ -9,8 +9,10 @@ import pytest
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limits import LimitReport
+from planner.families.settings import Fourier, Manual, PointToPoint, Spline, family_class
+from planner.found import Found as Searched
+from planner.found import notes
 from planner.interruption import Interrupted
-from planner.plan import Plan
 from planner.request import Request
 from planner.shortest import shortest_plan
 from planner.target import parse_targets
@@ -24,6 +26,9 @@ class Found:
     request: Request
     predicted_std: dict[str, float]
     interrupted: bool = False
+
+    def ended_early(self) -> "Found":
+        return replace(self, interrupted=True)
 
     @property
     def motion(self) -> SimpleNamespace:
@@ -49,23 +54,23 @@ def planner_with(rate: float, stopped: int = 0, failing: int = 0, by: type[BaseE
 
 def test_the_shortest_duration_that_meets_the_target_is_found_in_few_plans(hexapod_case: Case):
     make, asked = planner_with(0.1)
-    plan = shortest_plan(Request("hexapod", family="ptp", targets=("m=0.05kg", "zC=1mm")), hexapod_case, make)
+    plan = shortest_plan(Request(PointToPoint(), targets=("m=0.05kg", "zC=1mm")), hexapod_case, make)
     assert 4.0 <= plan.motion.duration < 4.2  # 0.1 / sqrt(4) = 0.05
     assert len(asked) <= 3
-    assert plan.request.move_count == 14  # as many a second as in 12 s
+    assert plan.request.family.count(hexapod_case, plan.request.duration) == 14  # as many a second as in 12 s
 
 
 def test_a_fourier_motion_lasts_whole_periods_where_one_is_stated(hexapod_case: Case):
     make, _ = planner_with(0.1)
-    request = Request("hexapod", family="fourier", targets=("m=0.05kg",))
-    assert shortest_plan(replace(request, period=3.0), hexapod_case, make).motion.duration == 6.0
+    request = Request(Fourier(), targets=("m=0.05kg",))
+    assert shortest_plan(replace(request, family=Fourier(period=3.0)), hexapod_case, make).motion.duration == 6.0
     assert 4.0 <= shortest_plan(request, hexapod_case, make).motion.duration < 4.2
 
 
 def test_a_target_out_of_reach_says_what_is_reached_and_how_long_would_do(hexapod_case: Case):
     make, asked = planner_with(0.1)
     with pytest.raises(InfeasiblePlan) as caught:
-        shortest_plan(Request("hexapod", family="spline", targets=("m=10g",)), hexapod_case, make)
+        shortest_plan(Request(Spline(), targets=("m=10g",)), hexapod_case, make)
     message = one_line(caught.value)
     assert "target m=10g is out of reach in 12 s: the best found has 28.9 g; allow --duration 104" in message
     assert asked == [12.0]
@@ -73,21 +78,19 @@ def test_a_target_out_of_reach_says_what_is_reached_and_how_long_would_do(hexapo
 
 def test_the_duration_that_would_do_is_one_that_the_family_can_have(hexapod_case: Case):
     with pytest.raises(InfeasiblePlan, match=r"allow --duration 105 or a wider target"):  # 35 periods of 3 s
-        shortest_plan(
-            Request("hexapod", family="fourier", period=3.0, targets=("m=10g",)), hexapod_case, planner_with(0.1)[0]
-        )
+        shortest_plan(Request(Fourier(period=3.0), targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
 
 
 def test_a_target_that_no_motion_can_meet_is_called_so(hexapod_case: Case):
     with pytest.raises(InfeasiblePlan) as caught:
-        shortest_plan(Request("hexapod", family="ptp", targets=("m=1g",)), hexapod_case, planner_with(0.1)[0])
+        shortest_plan(Request(PointToPoint(), targets=("m=1g",)), hexapod_case, planner_with(0.1)[0])
     message = one_line(caught.value)
     assert "the best found has 28.9 g" in message
     assert "even the longest motion, 600 s, would not do: set a wider target" in message
 
 
 def test_ctrl_c_in_a_shorter_plan_keeps_the_one_that_meets_the_targets(hexapod_case: Case):
-    request = Request("hexapod", family="ptp", targets=("m=0.05kg",))
+    request = Request(PointToPoint(), targets=("m=0.05kg",))
     for make, asked in (planner_with(0.1, stopped=2), planner_with(0.1, failing=2)):
         plan = shortest_plan(request, hexapod_case, make)
         assert plan.motion.duration == 12.0
@@ -96,7 +99,7 @@ def test_ctrl_c_in_a_shorter_plan_keeps_the_one_that_meets_the_targets(hexapod_c
 
 
 def test_ctrl_c_before_the_targets_are_met_says_so_and_nothing_of_reach(hexapod_case: Case):
-    request = Request("hexapod", family="ptp", targets=("m=0.05kg",))
+    request = Request(PointToPoint(), targets=("m=0.05kg",))
     with pytest.raises(
         Interrupted, match=r"the best found until then has 0.0577 kg, not m=0.05kg: nothing was written"
     ):
@@ -104,25 +107,23 @@ def test_ctrl_c_before_the_targets_are_met_says_so_and_nothing_of_reach(hexapod_
 
 
 def test_a_duration_in_which_nothing_is_found_is_too_short_and_no_reason_to_give_up(hexapod_case: Case):
-    request = Request("hexapod", family="ptp", targets=("m=0.05kg",))
+    request = Request(PointToPoint(), targets=("m=0.05kg",))
     plan = shortest_plan(request, hexapod_case, planner_with(0.1, failing=2, by=InfeasiblePlan)[0])
     assert 4.0 < plan.motion.duration < 12.0
 
 
 def test_a_plan_tells_what_its_targets_use(hexapod_case: Case):
-    request = Request("hexapod", targets=("m=0.05kg", "zC=0.3mm"))
-    found = SimpleNamespace(
-        motion=None, starts=(), settings={}, family="fourier", request=request, case=hexapod_case, noise_note=(),
-        limits=LimitReport(()), predicted_std={"m": 0.0491, "zC": 1.5e-4}, laws=None,
-    )  # fmt: skip
-    assert vars(Plan)["notes"].fget(found) == ["targets: m 0.0491 of 0.05 kg, zC 0.15 of 0.3 mm"]
+    request = Request(targets=("m=0.05kg", "zC=0.3mm"))
+    found = Searched(motion=None, settings={}, limits=LimitReport(()))
+    worst = {"m": (0.0491, 0), "zC": (1.5e-4, 0)}
+    assert notes(found, request, hexapod_case, worst) == ("targets: m 0.0491 of 0.05 kg, zC 0.15 of 0.3 mm",)
 
 
 @pytest.mark.parametrize(("family", "knots"), [("ptp", ""), ("spline", " --knots 150")])
 def test_the_command_that_would_do_is_whole(family: str, knots: str, hexapod_case: Case):
     """Ten knots a second are too many for so long a spline."""
     with pytest.raises(InfeasiblePlan, match=rf"allow --duration 104{knots} or a wider target"):
-        shortest_plan(Request("hexapod", family=family, targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
+        shortest_plan(Request(family_class(family)(), targets=("m=10g",)), hexapod_case, planner_with(0.1)[0])
 
 
 @pytest.mark.parametrize(
@@ -155,4 +156,4 @@ def test_units_are_turned_into_si(hexapod_case: Case):
 
 def test_hand_made_motions_have_no_targets():
     with pytest.raises(HexciteError, match="targets need a family that is optimised"):
-        Request("hexapod", family="manual", targets=("m=0.05kg",))
+        Request(Manual(), targets=("m=0.05kg",))

@@ -12,8 +12,8 @@ from postprocessors.program import (
     Arc,
     Block,
     Dwell,
+    NeutralProgram,
     PointToPoint,
-    Program,
     SplinePath,
     TimedPath,
     ToHome,
@@ -113,12 +113,12 @@ LINUXCNC = Typed("linuxcnc", HEAD, "M2\n", "G64 P1 Q0\nG93", "G94\nG61", "A")
 BOTH = [SINUMERIK, TWINCAT]
 
 
-def text_of(typed: Typed, program: Program, case: Case = CASE) -> str:
+def text_of(typed: Typed, program: NeutralProgram, case: Case = CASE) -> str:
     """What the dialect's writer makes of a program."""
     return typed.language.write(program, case).decode("ascii")
 
 
-def program_of(text: str, typed: Typed, case: Case = CASE) -> Program:
+def program_of(text: str, typed: Typed, case: Case = CASE) -> NeutralProgram:
     """The neutral program that a text says; names of paths are those of its comments."""
     reading = typed.read(text, case)
     names = iter(re.findall(r"^(?:; |\(- )(.*): \d+ (?:POLY )?blocks", text, re.MULTILINE))
@@ -136,7 +136,7 @@ def program_of(text: str, typed: Typed, case: Case = CASE) -> Program:
             next(read)
         else:
             blocks.append(_block(next(read), names, guarantees, case))
-    return Program((), tuple(blocks))
+    return NeutralProgram((), tuple(blocks))
 
 
 def _switches_and_others(reading: Reading) -> list[object]:

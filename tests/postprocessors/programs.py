@@ -14,7 +14,7 @@ from planner.families.fourier import FourierFamily
 from postprocessors.composing import timed_path
 from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
-from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger
+from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Stretch, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
@@ -54,7 +54,7 @@ def proof(text: str, case: Case) -> ProgramProof:
     return prove_program(reading, case, linuxcnc_guarantees(reading, case))
 
 
-def linuxcnc_text(program: Program) -> str:
+def linuxcnc_text(program: NeutralProgram) -> str:
     """A program for the built-in hexapod."""
     return write_linuxcnc(program, load_case("hexapod"))
 
@@ -67,7 +67,7 @@ def small_excitation(case: Case, seed: int = 1, share: float = 0.85, period: flo
     for _ in range(6):
         unknowns *= share / prove(family.motion(unknowns), case, 2000.0).worst_ratio
     path = timed_path("excitation", family.motion(unknowns), case.controller.block, 1.0)
-    program = Program(("small",), (ToHome(path.poses[0], 0.05), Trigger(True), path, Trigger(False)))
+    program = NeutralProgram(("small",), (ToHome(path.poses[0], 0.05), Trigger(True), path, Trigger(False)))
     return write_linuxcnc(program, case)
 
 
@@ -90,7 +90,7 @@ def paths(draw: st.DrawFn, start: Array = HOME) -> TimedPath:
 
 
 @st.composite
-def programs(draw: st.DrawFn) -> Program:
+def programs(draw: st.DrawFn) -> NeutralProgram:
     """Home, then timed paths, dwells and triggers in any order."""
     blocks: list[ToHome | TimedPath | Dwell | Trigger] = [ToHome(HOME, draw(st.floats(1e-3, 0.5)))]
     pose = HOME
@@ -98,4 +98,4 @@ def programs(draw: st.DrawFn) -> Program:
         path = draw(paths(pose))
         pose = path.poses[-1]
         blocks += [replace(path), Dwell(draw(st.floats(0.0, 3.0))), Trigger(draw(st.booleans()))]
-    return Program(("random", draw(st.text(max_size=80))), tuple(blocks))
+    return NeutralProgram(("random", draw(st.text(max_size=80))), tuple(blocks))

@@ -13,7 +13,7 @@ from cases.units import DEG, MM
 from identification.motion import TimedPoints
 from identification.trajectories.circle import Plane, fastest_circle
 from identification.trajectories.profile import StraightMove
-from postprocessors.program import Arc, Dwell, PointToPoint, Program, TimedPath, ToHome, Trigger
+from postprocessors.program import Arc, Dwell, NeutralProgram, PointToPoint, TimedPath, ToHome, Trigger
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.sinumerik_groups import LONGEST_LINE
@@ -65,7 +65,7 @@ def a_path(start: np.ndarray, seed: int, count: int) -> TimedPath:
 
 
 @st.composite
-def programs(draw: st.DrawFn) -> Program:
+def programs(draw: st.DrawFn) -> NeutralProgram:
     """Home, then moves, arcs, paths, dwells and triggers in any order."""
     limits = CASE.limits.motion
     share = [0.8 * limits.rate, 0.8 * limits.acceleration, 0.8 * limits.jerk]
@@ -89,12 +89,12 @@ def programs(draw: st.DrawFn) -> Program:
         last = blocks[-1]
         pose = last.poses[-1] if isinstance(last, TimedPath) else last.move.end
         blocks += [Dwell(round(draw(st.floats(0.01, 3.0)), 6)), Trigger(draw(st.booleans())), Dwell(0.1)]
-    return Program(("random", draw(st.text(max_size=80))), tuple(blocks))
+    return NeutralProgram(("random", draw(st.text(max_size=80))), tuple(blocks))
 
 
 @every
 @given(program=programs())
-def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: Program):
+def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: NeutralProgram):
     reading = typed.read(text_of(typed, program, case), case)
     meant = [b for b in program.blocks[1:] if isinstance(b, PointToPoint | Arc | TimedPath)]
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
@@ -129,7 +129,7 @@ def durations(typed: Typed, text: str, case: Case) -> list[float]:
 
 @every
 @given(program=programs())
-def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, program: Program):
+def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, program: NeutralProgram):
     """But for ends of arcs, which follow from angles, and feeds that a trapezoid never reaches: it takes as long."""
     text = text_of(typed, program, case)
     again = text_of(typed, program_of(text, typed, case), case)
@@ -150,21 +150,21 @@ def test_text_read_and_written_again_is_the_same_text(typed: Typed, case: Case, 
 
 @variants
 @given(program=programs())
-def test_lines_and_characters_are_those_that_the_controller_takes(typed: Typed, case: Case, program: Program):
+def test_lines_and_characters_are_those_that_the_controller_takes(typed: Typed, case: Case, program: NeutralProgram):
     text = text_of(typed, program, case)
     assert text.isascii()
     assert '"' not in re.sub(r'#MSG \["[^"]*"\]', "", text)
     assert max(map(len, text.splitlines())) <= LONGEST_LINE
 
 
-def golden_program() -> Program:
+def golden_program() -> NeutralProgram:
     """Every kind of block, with numbers that are easily written wrong."""
     limits = CASE.limits.motion
     share = [0.8 * limits.rate, 0.8 * limits.acceleration, 0.8 * limits.jerk]
     end = HOME + np.r_[np.array([0.0012345, -1, 2.5]) * MM, np.array([1 / 3, -20, 1e-7]) * DEG]
     turned = np.r_[end[:3], np.array([0, 5, -5]) * DEG]
     arc = fastest_circle(turned, Plane.ZX, turned[[2, 0]] + [0.03, 0.0], -1.0, *share)
-    return Program(
+    return NeutralProgram(
         ('a header (with parentheses), "quotes" and; a semicolon', "Größe; 20 % weniger"),
         (
             ToHome(HOME, 0.05),
@@ -204,7 +204,7 @@ def test_the_times_of_many_blocks_add_up_to_that_of_the_path():
     """9.570850467829537 s in 1190 equal blocks: rounded one by one they would be 0.6 us short."""
     times = np.linspace(0.0, 9.570850467829537, 1191)
     path = TimedPath("slow", times, HOME + np.sin(times / times[-1] * np.pi)[:, None] ** 4 * 1e-3)
-    text = text_of(TWINCAT, Program((), (ToHome(HOME, 0.05), path)))
+    text = text_of(TWINCAT, NeutralProgram((), (ToHome(HOME, 0.05), path)))
     steps = [float(found) for found in re.findall(r"^G01 .* F([0-9.]+)$", text, re.MULTILINE)][1:]
     assert len(steps) == 1190
     assert sum(steps) == pytest.approx(times[-1], abs=1e-9)

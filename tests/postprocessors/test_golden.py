@@ -17,7 +17,7 @@ from identification.trajectories.profile import StraightMove
 from planner.families.fourier_motion import FourierMotion
 from planner.families.ptp import unit_profile
 from postprocessors.composing import excitation_program
-from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger
+from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HOME, linuxcnc_text, proof
 
@@ -26,15 +26,15 @@ UNITS = np.r_[np.full(3, MM), np.full(3, DEG)]
 WALK = HOME + UNITS * [[0, 0, 0, 0, 0, 0], [0.0012345, -1, 2.5, 0, 0, 0], [0, -0.000001, 2.5, 1 / 3, -20, 1e-9]]
 
 
-def one_of_each() -> Program:
+def one_of_each() -> NeutralProgram:
     """Every kind of block, with numbers that are easily written wrong."""
     path = TimedPath("walk", np.array([0.0, 0.01, 2.5]), WALK)
     header = ("a header (with parentheses)", "Größe; 20 % weniger")
     blocks = (ToHome(HOME, 0.05), Dwell(0.3), Trigger(True), path, Trigger(False), Dwell(1e-7))
-    return Program(header, blocks)
+    return NeutralProgram(header, blocks)
 
 
-def excitation() -> Program:
+def excitation() -> NeutralProgram:
     """Two harmonics along y and about the z axis, at rest at the start; tenfold block time to be short."""
     slow = changed(load_case("hexapod"), controller__block_ms=100.0)
     a, b = np.zeros((2, 6)), np.zeros((2, 6))
@@ -42,7 +42,7 @@ def excitation() -> Program:
     return excitation_program(FourierMotion(HOME, a, b, 2.0, 1), slow, ("two harmonics",))
 
 
-def trapezoids() -> Program:
+def trapezoids() -> NeutralProgram:
     """Moves whose accelerations step: of the origin, of the angles alone, of all coordinates with a cruise."""
     places = HOME + UNITS * [[0, 0, 0, 0, 0, 0], [120, 0, 60, 0, 0, 0], [120, 0, 60, 5, -12, 0], [0, 200, 0, 0, 0, 15]]
     times = [(0.1, 0.12), (0.15, 0.06), (0.1, 0.3)]
@@ -51,7 +51,7 @@ def trapezoids() -> Program:
     return excitation_program(Joined(moves), load_case("hexapod"), ("three trapezoids",))
 
 
-PROGRAMS: dict[str, Callable[[], Program]] = {
+PROGRAMS: dict[str, Callable[[], NeutralProgram]] = {
     "one_of_each.ngc": one_of_each,
     "excitation.ngc": excitation,
     "trapezoids.ngc": trapezoids,

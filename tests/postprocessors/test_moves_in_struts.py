@@ -13,7 +13,7 @@ from postprocessors.composing import excitation_program, straight_in_struts
 from postprocessors.dialects import DIALECTS
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.feeds import strut_feed_of
-from postprocessors.program import Dwell, Program, ToHome
+from postprocessors.program import Dwell, NeutralProgram, ToHome
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Untimed, stretches
 from postprocessors.writing import proven_program
@@ -177,7 +177,7 @@ def test_languages_without_such_moves_say_so(name: str):
 
 def test_a_plan_without_point_to_point_moves_has_none_to_change():
     with pytest.raises(HexciteError, match="no point-to-point moves"):
-        straight_in_struts(Program((), (ToHome(HOME, 0.05), Dwell(1.0))))
+        straight_in_struts(NeutralProgram((), (ToHome(HOME, 0.05), Dwell(1.0))))
 
 
 WRONG = {

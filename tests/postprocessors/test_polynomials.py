@@ -12,7 +12,7 @@ from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.composing import excitation_program
 from postprocessors.polynomials import TooCoarse, even_deviation, knots, path_speed_deviation, pieces
-from postprocessors.program import Program, SplinePath, TimedPath, ToHome
+from postprocessors.program import NeutralProgram, SplinePath, TimedPath, ToHome
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.writing import proven_program
 from tests.postprocessors.changed_case import changed
@@ -103,7 +103,7 @@ def test_shorter_blocks_leave_the_controllers_law_of_time_less_to_decide():
 @pytest.mark.parametrize("degree", [4, 5])
 def test_a_spline_passes_through_the_text_up_to_its_decimals(degree: int):
     motion = spline(degree)
-    text = text_of(SINUMERIK, Program((), (ToHome(HOME, 0.05), SplinePath("spline", motion))))
+    text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), SplinePath("spline", motion))))
     read = next(s for s in stretches(SINUMERIK.read(text)) if isinstance(s, Timed))
     t = np.linspace(0.0, 1.0, 1001)
     found, exact = read.points.at(t), motion.at(t)
@@ -115,7 +115,7 @@ def test_a_spline_passes_through_the_text_up_to_its_decimals(degree: int):
 
 def test_too_few_axes_or_too_tight_a_tolerance_name_the_key():
     path = TimedPath("walk", np.array([0.0, 1.0]), np.vstack([HOME, HOME + 0.01]), spline(7))
-    program = Program((), (ToHome(HOME, 0.05), path))
+    program = NeutralProgram((), (ToHome(HOME, 0.05), path))
     for key, value, words in (
         ("poly_axes", 5, r"controller\.sinumerik\.poly_axes: 5 cannot carry six coordinates; set path = 'lines'"),
         ("poly_tolerance_mm", 1e-15, r"controller\.sinumerik\.poly_tolerance_mm: is not reached: .*; loosen it"),
@@ -126,7 +126,7 @@ def test_too_few_axes_or_too_tight_a_tolerance_name_the_key():
 
 def test_post_says_how_far_the_controllers_law_may_stray_from_the_plan():
     """Read from the text alone, and as the writer has stated it in the program's comments."""
-    text = text_of(SINUMERIK, Program((), (ToHome(HOME, 0.05), SplinePath("spline", spline(5)))))
+    text = text_of(SINUMERIK, NeutralProgram((), (ToHome(HOME, 0.05), SplinePath("spline", spline(5)))))
     (remark,) = SINUMERIK.language.forecast(SINUMERIK.read(text), CASE).remarks
     off = path_speed_deviation(pieces(spline(5), 5, CASE.controller.sinumerik.poly_block, TIGHT), spline(5))
     assert f"strays up to {off.position * 1e3:.2g} mm" in remark

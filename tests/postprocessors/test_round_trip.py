@@ -7,7 +7,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from postprocessors.composing import excitation_program
-from postprocessors.program import Dwell, Program, TimedPath, ToHome, Trigger
+from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
 from postprocessors.reading.words import Move, Pause, Switch, Timing
@@ -18,7 +18,7 @@ CASE = load_case("hexapod")
 
 
 @given(program=programs())
-def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(program: Program):
+def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(program: NeutralProgram):
     read = [s for s in stretches(read_linuxcnc(linuxcnc_text(program), "p.ngc")) if isinstance(s, Timed)]
     assert len(read) == len(program.paths)
     for path, stretch in zip(program.paths, read, strict=True):
@@ -29,7 +29,7 @@ def test_paths_read_back_with_their_poses_and_times_up_to_the_last_decimal(progr
 
 
 @given(program=programs())
-def test_dwells_and_trigger_read_back_in_their_order(program: Program):
+def test_dwells_and_trigger_read_back_in_their_order(program: NeutralProgram):
     events = read_linuxcnc(linuxcnc_text(program), "p.ngc").events
     others = [b for b in program.blocks if isinstance(b, Dwell | Trigger)]
     before_motion = [isinstance(after, TimedPath) for after in (*program.blocks[1:], None)]
@@ -46,7 +46,7 @@ def test_dwells_and_trigger_read_back_in_their_order(program: Program):
 
 
 @given(program=programs())
-def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: Program):
+def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: NeutralProgram):
     first = read_linuxcnc(linuxcnc_text(program), "p.ngc").events[0]
     home = program.blocks[0]
     assert isinstance(first, Move)
@@ -57,7 +57,7 @@ def test_the_move_home_comes_first_stops_exactly_and_keeps_its_feed(program: Pro
 
 
 @given(program=programs())
-def test_lines_keep_the_length_that_the_controller_reads(program: Program):
+def test_lines_keep_the_length_that_the_controller_reads(program: NeutralProgram):
     assert max(map(len, linuxcnc_text(program).splitlines())) <= LONGEST_LINE
 
 

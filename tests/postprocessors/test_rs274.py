@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.program import Program
+from postprocessors.program import NeutralProgram
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.reading.words import Move, Pause, Switch, Timing
 from tests.postprocessors.programs import HEAD, linuxcnc_text, programs, small_excitation, typed
@@ -75,7 +75,9 @@ def require_same(text: str, commands: list[tuple[str, list[float]]] | str) -> No
 
 @SAME_FOLDER
 @given(program=programs())
-def test_every_program_that_is_written_is_accepted_and_means_what_the_reader_says(program: Program, rs274: Callable):
+def test_every_program_that_is_written_is_accepted_and_means_what_the_reader_says(
+    program: NeutralProgram, rs274: Callable
+):
     text = linuxcnc_text(program)
     require_same(text, rs274(text))
 

@@ -17,7 +17,7 @@ from identification.trajectories.profile import StraightMove
 from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.program import Dwell, PointToPoint, Program, ToHome, Trigger
+from postprocessors.program import Dwell, NeutralProgram, PointToPoint, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.reading.setpoint_table import COLUMNS
@@ -38,20 +38,20 @@ def proof(content: bytes, case=CASE) -> ProgramProof:
     return prove_program(reading, case, LANGUAGE.guarantees(reading, case))
 
 
-def moves(case=CASE) -> Program:
+def moves(case=CASE) -> NeutralProgram:
     """There and back at the limits of the case, the way back with the trigger off."""
     box = case.limits.motion
     limits = box.rate, box.acceleration, box.jerk
     far = HOME + np.r_[np.array([20.0, -15.0, 3.0]) * MM, np.array([1.0, 0.5, -2.0]) * DEG]
     there, back = StraightMove.fastest(HOME, far, *limits), StraightMove.fastest(far, HOME, *limits)
     ends = (Dwell(0.0053), Trigger(False))
-    return Program(
+    return NeutralProgram(
         ("a note", "Größe"),
         (ToHome(HOME, 0.05), Dwell(0.01), Trigger(True), PointToPoint(there), *ends, PointToPoint(back)),
     )
 
 
-def harmonic() -> Program:
+def harmonic() -> NeutralProgram:
     from planner.families.fourier import FourierFamily
 
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
@@ -207,7 +207,7 @@ def test_a_case_without_the_table_is_told_so():
 
 
 def test_a_table_without_any_motion_is_a_standstill():
-    program = Program((), (ToHome(HOME, 0.05), Dwell(0.01)))
+    program = NeutralProgram((), (ToHome(HOME, 0.05), Dwell(0.01)))
     assert [type(s) for s in stretches(LANGUAGE.read(write_csv(program, CASE), "t", CASE))] == [Still]
     with pytest.raises(ProgramError, match="contains no motion"):
         proof(write_csv(program, CASE))

@@ -1,7 +1,7 @@
 """Starts that come with hexcite: in units that any machine understands, and as good as they say."""
 
 import json
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +12,8 @@ from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
+from planner.families.settings import family_class
 from planner.families.shipped import FILE, shipped_start
-from planner.planning import first_family
-from planner.request import Request
 from planner.search.annealing import annealed_start
 from planner.search.problem import build_problem, mean_information
 
@@ -22,8 +21,9 @@ FAMILIES = ("fourier", "ptp", "spline")
 CASE = load_case("hexapod")
 
 
-def family_of(name: str, **settings: object) -> Family:
-    return first_family(replace(Request("hexapod", family=name), **settings), CASE)
+def family_of(name: str, duration: float = 12.0, **settings: Any) -> Family:
+    (family,) = family_class(name)(**settings).families(CASE, duration)
+    return family
 
 
 @pytest.mark.parametrize("name", FAMILIES)

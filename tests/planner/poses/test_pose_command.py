@@ -11,7 +11,7 @@ import pytest
 
 from cases.loading import built_in_cases
 from identification.motion import Measurement
-from planner.saved_plan import load_plan
+from planner.plan_folder import load_plan
 from postprocessors.proving.measured import measured_poses, measures_at_poses
 from postprocessors.proving.stretches import stretches
 from tests.planner.command_line import call, refused

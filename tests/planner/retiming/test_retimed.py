@@ -1,5 +1,6 @@
 """Re-timed motions: whole controller cycles, the same poses, limits kept; and a table of poses is a motion."""
 
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,13 +14,14 @@ from identification.model import identification_model
 from identification.motion import Joined, Standstill, TimedPoints, sample
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import StraightMove, fastest_profile
+from planner.families.settings import Manual
 from planner.plan import motion_csv
+from planner.plan_folder import load_plan
 from planner.request import Request
 from planner.retiming.motion_table import read_motion
 from planner.retiming.moves import by_controller
 from planner.retiming.plan import retimed_plan
 from planner.retiming.retimed import Method, fitting_method, retimed
-from planner.saved_plan import load_plan
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -93,6 +95,12 @@ def test_moves_are_as_slow_as_their_struts_need_and_no_slower():
 def slow_struts():
     drives = {f"controller__{name}__ptp": None for name in ("sinumerik", "twincat")}  # they would be too fast
     return changed(CASE, limits__motion__strut_velocity_m_s=0.5, **drives)
+
+
+def test_toppra_is_named_where_it_is_missing(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "toppra.algorithm", None)
+    with pytest.raises(HexciteError, match=r"toppra.* is not installed; install it"):
+        retimed(moves(1.0), CASE, MODEL, Method.TOPPRA, False)
 
 
 def test_arcs_keep_their_circle():
@@ -206,8 +214,8 @@ def test_a_retimed_motion_is_a_plan_that_can_be_posted(family: str, cache: Path,
     assert answer["after"]["violations"] == []
     saved = load_plan(out)  # its figures are those of its motion
     assert saved.motion.duration == pytest.approx(answer["after"]["duration_s"], abs=1e-6)
-    assert saved.data["d_efficiency"] == pytest.approx(answer["after"]["d_efficiency"], rel=1e-3)
-    assert saved.data["notes"][0].startswith(f"re-timed with {answer['method']}")
+    assert saved.worth.d_efficiency == pytest.approx(answer["after"]["d_efficiency"], rel=1e-3)
+    assert saved.worth.notes[0].startswith(f"re-timed with {answer['method']}")
     assert "re-timed with" in (out / "report.html").read_text(encoding="utf-8")
     accept = ("--accept", "acceleration,jerk,strut-acceleration,sensor-force,strut-velocity,velocity")
     program = call("post", out, *accept, "-o", tmp_path / "run.ngc", "--json").json()
@@ -217,9 +225,9 @@ def test_a_retimed_motion_is_a_plan_that_can_be_posted(family: str, cache: Path,
 def test_a_plan_that_passes_a_limit_is_not_written(tmp_path: Path):
     far = StraightMove.fastest(HOME, HOME + np.array([0.0, 0.0, 0.15, 0.0, 0.0, 0.0]), *LIMITS)
     found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, Method.RUCKIG, False)
-    request = Request("hexapod", family="manual", model=0)
+    request = Request(Manual(), model=0)
     with pytest.raises(InfeasiblePlan, match="is no plan: position"):
-        retimed_plan(found, request, CASE, "hexapod", tmp_path, 0.0)
+        retimed_plan(found, request, CASE, tmp_path, 0.0)
 
 
 @pytest.mark.parametrize(

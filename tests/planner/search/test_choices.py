@@ -8,10 +8,10 @@ import pytest
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from planner.cli.plan import BELONGS, refuse_foreign
+from planner.cli.plan import BELONGS, OPTIONS, refuse_foreign
+from planner.families.settings import FAMILIES, Fourier, PointToPoint, Spline
 from planner.planning import KEPT, search
-from planner.request import FAMILIES, Request
-from planner.search.choices import choices
+from planner.request import Request
 from planner.search.parallel import Listener, Outcome
 from planner.search.patience import Patience
 from planner.search.solving import Start, Step, Task
@@ -21,25 +21,22 @@ SILENT = Listener(lambda start: None, lambda news: None)
 
 
 def test_what_is_fixed_is_the_only_choice(hexapod_case: Case):
-    for request in (Request("hexapod"), Request("hexapod", family="ptp", free_period=True)):
-        assert choices(request, hexapod_case) == (request,)
+    for family in (Fourier(), PointToPoint(), Spline()):
+        assert len(family.families(hexapod_case, 12.0)) == 1
 
 
 @pytest.mark.parametrize("order", [1, 2, 5, 7])
 def test_a_free_period_is_the_duration_over_a_whole_number(order: int, hexapod_case: Case):
-    found = choices(Request("hexapod", family="fourier", order=order, free_period=True), hexapod_case)
-    periods = [12.0 / choice.period for choice in found]
+    found = Fourier(order, free_period=True).families(hexapod_case, 12.0)
+    periods = [12.0 / family.period for family in found]
     assert periods == pytest.approx(np.round(periods))
     assert len(set(periods)) == len(found) > 2
-    assert {choice.order for choice in found} == {order}
-    assert not any(choice.free_period for choice in found)
+    assert {family.order for family in found} == {order}
 
 
 def test_the_best_known_periods_are_among_the_choices(hexapod_case: Case):
-    found = {
-        (c.order, c.period)
-        for c in choices(Request("hexapod", family="fourier", free_order=True, free_period=True), hexapod_case)
-    }
+    families = Fourier(free_order=True, free_period=True).families(hexapod_case, 12.0)
+    found = {(family.order, family.period) for family in families}
     assert {(5, 3.0), (7, 4.0), (3, 2.0)} <= found
     assert {order for order, _ in found} == set(range(2, 8))
 
@@ -47,29 +44,27 @@ def test_the_best_known_periods_are_among_the_choices(hexapod_case: Case):
 def test_velocity_alone_binds_far_below_and_acceleration_far_above_the_choices(hexapod_case: Case):
     """One harmonic of amplitude V / w has an acceleration of V w: the limit A is reached at w = A / V."""
     box = hexapod_case.limits.motion
-    highest = [
-        c.order / c.period
-        for c in choices(Request("hexapod", family="fourier", order=5, free_period=True), hexapod_case)
-    ]
+    highest = [f.order / f.period for f in Fourier(5, free_period=True).families(hexapod_case, 12.0)]
     meets = (box.acceleration / box.rate).max() / (2 * np.pi)
     assert meets / 3 <= min(highest) < meets < max(highest) <= 2 * meets
 
 
 def test_a_free_order_keeps_the_period_that_is_fixed(hexapod_case: Case):
-    found = choices(Request("hexapod", family="fourier", period=4.0, free_order=True), hexapod_case)
-    assert [c.order for c in found] == [2, 3, 4, 5, 6, 7]
-    assert {c.period for c in found} == {4.0}
+    found = Fourier(period=4.0, free_order=True).families(hexapod_case, 12.0)
+    assert [family.order for family in found] == [2, 3, 4, 5, 6, 7]
+    assert {family.period for family in found} == {4.0}
 
 
 def test_a_duration_need_not_fit_a_period_that_is_free(hexapod_case: Case):
-    assert choices(Request("hexapod", family="fourier", duration=10.3, free_period=True), hexapod_case)
+    family = Fourier(free_period=True)
+    assert family.families(hexapod_case, 10.3)
     with pytest.raises(HexciteError, match="not positive"):
-        Request("hexapod", family="fourier", duration=-1.0, free_period=True)
+        Request(family, duration=-1.0)
 
 
 def test_too_short_a_duration_is_refused_in_one_line(hexapod_case: Case):
     with pytest.raises(HexciteError, match="no period fits") as caught:
-        choices(Request("hexapod", family="fourier", duration=0.3, free_period=True), hexapod_case)
+        Fourier(free_period=True).families(hexapod_case, 0.3)
     one_line(caught.value)
 
 
@@ -87,7 +82,9 @@ def test_options_of_another_family_are_refused_and_its_own_are_taken(option: str
     if family in BELONGS[option]:
         refuse_foreign([option], family)
         return
-    with pytest.raises(HexciteError, match=f"--{option.replace('_', '-')} does nothing with --family {family}") as told:
+    with pytest.raises(
+        HexciteError, match=f"--{OPTIONS.get(option, option.replace('_', '-'))} does nothing with --family {family}"
+    ) as told:
         refuse_foreign([option], family)
     assert all(other in one_line(told.value) for other in BELONGS[option])
 
@@ -97,8 +94,8 @@ def test_each_choice_is_looked_at_and_the_best_get_all_other_starts(
     criterion: str, refinements: int, hexapod_case: Case
 ):
     """With results made up: the shorter the period the better, and refinements better still."""
-    request = Request("hexapod", family="fourier", criterion=criterion, order=2, duration=3.0, free_period=True)
-    periods = sorted(choice.period for choice in choices(request, hexapod_case))
+    request = Request(Fourier(order=2, free_period=True), criterion=criterion, duration=3.0)
+    periods = sorted(family.period for family in request.family.families(hexapod_case, 3.0))
     request = replace(request, starts=len(periods) + 2 * KEPT)
     tried: list[Task] = []
 

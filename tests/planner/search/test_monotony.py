@@ -9,6 +9,7 @@ from cases.schema import Case
 from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner import planning
+from planner.families.settings import family_class
 from planner.planning import search
 from planner.request import Request
 from planner.search.parallel import Listener, run_here
@@ -29,7 +30,7 @@ MODEL = 0
 def logdet(family: str, box: float = 1.0, limits: float = 1.0, starts: int = 1) -> float:
     """Of the plan's mean information, always in the scaling of the same case."""
     case = looser(wider(SMALL, box), limits)
-    request = Request("small", family=family, model=MODEL, duration=2.0, starts=starts, **FAMILIES[family])
+    request = Request(family_class(family)(**FAMILIES[family]), model=MODEL, duration=2.0, starts=starts)
     motion = search(request, case, SILENT, run_here).motion
     model = identification_model(SMALL, MODEL)
     return float(np.linalg.slogdet(mean_information(model, reference_scaling(SMALL, model), motion))[1])

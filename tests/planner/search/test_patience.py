@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.families.fourier import FourierFamily
+from planner.families.settings import Fourier, PointToPoint
 from planner.request import Request
 from planner.search.patience import ENDLESS, EXPLORING, FEWEST, IDLE, MOST, WORTHWHILE, Patience, gain
 from planner.search.solving import Failed, Start
@@ -25,7 +26,7 @@ def start(promise: float, seed: int = 0) -> Start:
 
 
 def patience(**settings: object) -> Patience:
-    return Patience.of(replace(Request("hexapod"), **settings), SIZE)
+    return Patience.of(replace(Request(), **settings), SIZE)
 
 
 def ended_after(promises: list[float]) -> int | None:
@@ -70,11 +71,11 @@ def test_starts_that_all_fail_end_it_too():
 
 def test_time_is_shared_between_exploring_and_refining():
     before = time.monotonic()
-    watch = patience(seconds=100.0, family="fourier")
+    watch = patience(seconds=100.0, family=Fourier())
     now = time.monotonic()
     assert before + 100.0 <= watch.until <= now + 100.0
     assert watch.exploring().until == pytest.approx(before + 100.0 * EXPLORING, abs=1.0)
-    moves = patience(seconds=100.0, family="ptp")
+    moves = patience(seconds=100.0, family=PointToPoint())
     assert moves.exploring().until == moves.until  # its starts are refined at once
     assert not watch.over()
     assert replace(watch, until=now).over()

@@ -55,7 +55,7 @@ class Pretended:
 def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:
     cluster = Pretended(stop_after)
     monkeypatch.setattr(running, "run_tasks", cluster)
-    run_study(None, spec, case, "hexapod", folder, lambda outcome: None)
+    run_study(None, spec, case, folder, lambda outcome: None)
     return cluster
 
 
@@ -96,7 +96,7 @@ def test_a_failed_cell_is_a_row_with_its_reason_and_is_tried_again_on_request_on
     assert run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch).jobs == []
     again = Pretended()
     monkeypatch.setattr(running, "run_tasks", again)
-    run_study(None, study(1, [2, 7]), hexapod_case, "hexapod", tmp_path, lambda outcome: None, retry=True)
+    run_study(None, study(1, [2, 7]), hexapod_case, tmp_path, lambda outcome: None, retry=True)
     assert [j.request.order for j in again.jobs] == [7]
     rows = {r["order"]: r for r in read_rows(tmp_path, schema()).to_pylist()}
     assert (rows[2]["status"], rows[7]["status"]) == (DONE, FAILED)
@@ -108,7 +108,7 @@ def test_a_lost_row_is_computed_again(tmp_path: Path, hexapod_case: Case, monkey
     run(study(3, [2]), hexapod_case, tmp_path, monkeypatch)
     (file,) = (tmp_path / "rows").glob("*.parquet")
     file.unlink()
-    assert len(missing(cells_of(study(3, [2]), hexapod_case, "hexapod"), study(3, [2]), tmp_path)) == 3
+    assert len(missing(cells_of(study(3, [2]), hexapod_case), study(3, [2]), tmp_path)) == 3
 
 
 def table(rows: list[dict[str, Any]]) -> pa.Table:
@@ -197,7 +197,7 @@ def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: 
     from planner.study.spec import request_of
     from planner.study.work import work
 
-    request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1}, "hexapod")
+    request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1})
     (one,), (other,) = work(Job(hexapod_case, request, ())), work(Job(hexapod_case, request, ()))
     assert one["status"] == DONE
     assert one["score"] == other["score"]
@@ -226,7 +226,7 @@ def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(he
     from planner.study.spec import request_of
     from planner.study.work import work
 
-    request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1}, "hexapod")
+    request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1})
     plan, run = work(Job(hexapod_case, request, (7,)))
     assert (plan["status"], run["status"], run["noise_seed"]) == (DONE, DONE, 7)
     assert abs(run["mass_error_kg"]) < 4.0 * run["mass_std_kg"] < 0.5

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from cases.errors import FileProblem, HexciteError
 from cases.schema import Case
+from planner.families.settings import FAMILIES
 from planner.request import Request
 from planner.study.spec import Execution, Grid, Sample, Spec, cell_key, command_of, load_spec, request_of, settings_of
 from tests.helpers import one_line
@@ -41,9 +42,8 @@ def test_settings_of_another_family_make_no_further_cells() -> None:
 def test_periods_moves_and_knots_that_are_not_stated_fit_every_duration() -> None:
     grid = Grid(family=["fourier", "ptp", "spline"], duration_s=[4.0, 7.0, 12.0])
     for settings in settings_of(Spec(schema_version=1, name="x", grid=grid)):
-        request = request_of(settings, "hexapod")
-        alone = {"family": settings["family"], "duration": settings["duration_s"], "starts": 1}
-        assert request == Request("hexapod", **alone)
+        request = request_of(settings)
+        assert request == Request(FAMILIES[settings["family"]](), settings["duration_s"], starts=1)
 
 
 @given(count=st.integers(1, 100), seed=st.integers(0, 5))
@@ -88,7 +88,7 @@ def test_built_in_studies_can_be_planned(name: str) -> None:
     cells = list(settings_of(load_spec(name)))
     assert len(cells) >= 8
     for settings in cells:
-        assert request_of(settings, "hexapod").starts == 1
+        assert request_of(settings).starts == 1
 
 
 def test_the_command_of_a_cell_is_one_that_hexcite_takes() -> None:
@@ -125,4 +125,4 @@ def test_a_study_that_is_not_there() -> None:
 @pytest.mark.parametrize(("settings", "says"), [({"order": 50}, "order 50"), ({"criterion": "X"}, "criterion 'X'")])
 def test_what_cannot_be_planned_is_refused_before_the_work(settings: dict, says: str) -> None:
     with pytest.raises(HexciteError, match=says):
-        request_of({"family": "fourier"} | settings, "hexapod")
+        request_of({"family": "fourier"} | settings)

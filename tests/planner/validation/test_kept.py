@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NoReturn
+from types import SimpleNamespace
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -11,13 +12,13 @@ import pytest
 from cases.errors import FileProblem
 from identification.hexapod import Hexapod
 from identification.trajectories.executed import StrutExecution
-from planner.cli.validate import run_validation
-from planner.cli.validate_runs import Settings, _keep, _kept, _key, unfinished
 from planner.interruption import Interrupted
+from planner.validation.carrying_out import Settings, _keep, _kept, _key, unfinished
 from planner.validation.experiment import Excitation, steps
 from planner.validation.kept import Kept, keep, kept_step
 from planner.validation.remedy import remedy_of
 from planner.validation.step import Step
+from planner.validation.validate import validate
 from postprocessors.execute.executed_run import ExecutedRun
 from tests.helpers import Harmonic
 from tests.planner.validation.excitations import CASE, FOUND, NO_POSE_ERROR, brisk
@@ -30,16 +31,22 @@ class Stopped(Exception):
 
 @pytest.mark.slow
 def test_an_interrupted_validation_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    words = ("hexapod", "Q5N", "0,3", None, Settings("virtual", 1, 0), False, tmp_path / "v", True)
+    def run_validation(plans: Path | None = None, name: str = "v") -> Any:
+        settings, out = Settings("virtual", 1, 0, plans), tmp_path / name
+        with unfinished(out, CASE, settings) as work:
+            found = validate(CASE, ["Q5N"], [0, 3], settings, folder=work)
+            found.save(out)
+        return found.to_json()
+
     kept = tmp_path / "v.unfinished"
 
     def ends(by: BaseException) -> None:
         def steps(*_: object) -> NoReturn:
             raise by
 
-        monkeypatch.setattr("planner.validation.experiment.steps", steps)
+        monkeypatch.setattr("planner.validation.carrying_out.steps", steps)
         with pytest.raises(type(by)) as raised:
-            run_validation(*words)
+            run_validation()
         assert [p.name for p in tmp_path.iterdir()] == ["v.unfinished"]
         if isinstance(by, Interrupted):
             assert "kept in v.unfinished, the same command goes on" in str(raised.value)
@@ -47,7 +54,7 @@ def test_an_interrupted_validation_goes_on_where_it_was(tmp_path: Path, monkeypa
     ends(Interrupted())
     plan = (kept / "plans" / "Q5N" / "plan.json").read_bytes()
     with monkeypatch.context() as patched:
-        patched.setattr("planner.cli.poses.make_poses", None)  # nothing is planned again
+        patched.setattr("planner.validation.carrying_out.poses_planned", None)  # nothing is planned again
         ends(Stopped())
     assert (kept / "plans" / "Q5N" / "plan.json").read_bytes() == plan
     monkeypatch.undo()
@@ -58,18 +65,18 @@ def test_an_interrupted_validation_goes_on_where_it_was(tmp_path: Path, monkeypa
         yield from steps(excitation, mounted[:1], *others)
         raise Interrupted
 
-    monkeypatch.setattr("planner.validation.experiment.steps", one_more)
+    monkeypatch.setattr("planner.validation.carrying_out.steps", one_more)
     for _ in range(2):
         with pytest.raises(Interrupted):
-            run_validation(*words)
+            run_validation()
     assert done == [0, 3]
-    monkeypatch.setattr("planner.validation.experiment.steps", None)  # nothing is executed or identified again
-    monkeypatch.setattr("planner.cli.validate_runs._excitation", None)
-    resumed = run_validation(*words)
+    monkeypatch.setattr("planner.validation.carrying_out.steps", None)  # nothing is executed or identified again
+    monkeypatch.setattr("planner.validation.carrying_out._excitation", None)
+    resumed = run_validation()
     assert [p.name for p in tmp_path.iterdir()] == ["v"]
     assert (tmp_path / "v" / "plans" / "Q5N" / "plan.json").read_bytes() == plan
     monkeypatch.undo()
-    at_once = run_validation(*words[:4], Settings("virtual", 1, 0, tmp_path / "v"), False, tmp_path / "w", True)
+    at_once = run_validation(tmp_path / "v", "w")
     assert resumed["rows"] == at_once["rows"]
     assert resumed["executed"] == at_once["executed"]
 
@@ -128,8 +135,7 @@ def test_a_run_is_kept_for_exactly_its_program(tmp_path: Path):
     assert _kept("another program's", CASE, True, kept) is None
 
 
-def test_what_a_run_follows_from_changes_its_key(tmp_path: Path):
-    program = tmp_path / "p.ngc"
+def test_what_a_run_follows_from_changes_its_key():
     keys = set()
     for text, case, on, disturbed in (
         ("G1 X1", CASE, "virtual", FOUND),
@@ -138,6 +144,6 @@ def test_what_a_run_follows_from_changes_its_key(tmp_path: Path):
         ("G1 X1", CASE, "virtual", None),
         ("G1 X1", changed(CASE, controller__virtual_look_ahead="block_limited"), "virtual", FOUND),
     ):
-        program.write_text(text, encoding="ascii")
-        keys.add(_key(program, case, Settings(on, 1, 0), disturbed))
+        program = SimpleNamespace(content=text.encode(), case=case)
+        keys.add(_key(program, Settings(on, 1, 0), disturbed))
     assert len(keys) == 5

@@ -2,26 +2,54 @@
 
 import hashlib
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from planner.cli.console import progress
+import numpy as np
+from scipy.interpolate import BSpline
+
+from cases.disturbances import Disturbances
+from cases.errors import FileProblem, HexciteError
+from cases.files import PLAN, UNFINISHED, atomic_file, atomic_folder, check_folder, json_text, write_text
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from identification.trajectories.executed import StrutExecution
+from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.interruption import Interrupted
-
-if TYPE_CHECKING:
-    from cases.disturbances import Disturbances
-    from cases.schema import Case
-    from planner.validation.experiment import Excitation
-    from planner.validation.kept import Kept
-    from postprocessors.execute.executed_run import ExecutedRun
+from planner.library import planned
+from planner.plan import Plan
+from planner.poses.plan import poses_planned
+from planner.poses.request import Method, PoseRequest
+from planner.request import Request
+from planner.runs.running import carried_out
+from planner.runs.standing import stood
+from planner.runs.writing import write
+from planner.validation.experiment import METHODS, Excitation, steps
+from planner.validation.kept import Kept, keep, kept_step
+from planner.validation.remedy import remedy_of
+from postprocessors.execute.executed_run import ExecutedRun
+from postprocessors.files import Program
+from postprocessors.proving.measured import measured_poses, measures_at_poses
+from postprocessors.proving.stretches import stretches
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
 # are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does, but for moves with steps.
 ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
+REQUESTS: Mapping[str, Request | PoseRequest] = {
+    "Q5M": PoseRequest(method=Method.ALL),
+    "Q5N": PoseRequest(criterion="N", count=30, method=Method.BACKWARD),
+    "D9M": Request(Manual()),
+    "D9N": Request(Fourier(order=3, period=4.0), criterion="N"),
+    "ptp": Request(PointToPoint(controller="virtual")),
+    "ptp-steps": Request(PointToPoint(controller="linuxcnc")),
+    "spline": Request(Spline()),
+}
+
+Count = Callable[[str, int], None]
+"""Told of what is done now, and of how many steps that ends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +63,14 @@ class Settings:
         plans: folder of an earlier validation whose plans are taken; None: plan anew.
     """
 
-    on: str
-    starts: int
-    seed: int
+    on: str = "virtual"
+    starts: int = 2
+    seed: int = 0
     plans: Path | None = None
 
 
 @contextmanager
-def unfinished(output: Path, case: "Case", settings: Settings, overwrite: bool = False) -> Iterator[Path]:
+def unfinished(output: Path, case: Case, settings: Settings, overwrite: bool = False) -> Iterator[Path]:
     """Yields the folder that keeps plans, programs, runs and steps until the validation is written, whatever ends it.
 
     What an earlier one left there is used where it belongs to the same case and settings.
@@ -56,9 +84,6 @@ def unfinished(output: Path, case: "Case", settings: Settings, overwrite: bool =
     Raises:
         FileProblem: the folder is somebody's, or of another case or other settings.
     """
-    from cases.errors import FileProblem
-    from cases.files import UNFINISHED, check_folder, json_text, write_text
-
     folder = output.absolute().with_name(f"{output.name}.unfinished")
     check_folder(folder, UNFINISHED, overwrite=True)
     about = folder / "unfinished.json"
@@ -71,8 +96,7 @@ def unfinished(output: Path, case: "Case", settings: Settings, overwrite: bool =
                 "place with -o, or drop it with --overwrite"
             )
         shutil.rmtree(folder)
-    for name in ("plans", "programs", "runs", "steps"):
-        (folder / name).mkdir(parents=True, exist_ok=True)
+    make_places(folder)
     write_text(about, wanted)
     try:
         yield folder
@@ -85,6 +109,12 @@ def unfinished(output: Path, case: "Case", settings: Settings, overwrite: bool =
     finally:
         if folder.exists() and not _worth_keeping(folder):
             shutil.rmtree(folder)
+
+
+def make_places(folder: Path) -> None:
+    """Makes the folders that `carry_out` fills."""
+    for name in ("plans", "programs", "runs", "steps"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
 
 
 def _worth_keeping(folder: Path) -> bool:
@@ -100,93 +130,84 @@ class CarriedOut:
         failed: why the others could not.
     """
 
-    steps: "list[Kept]"
-    failed: dict[str, str]
+    steps: tuple[Kept, ...] = ()
+    failed: Mapping[str, str] | None = None
 
 
 def carry_out(
-    name: str,
-    case: "Case",
+    case: Case,
     methods: Sequence[str],
     mounted: Sequence[int],
-    disturbances: "Disturbances | None",
+    disturbances: Disturbances | None,
     settings: Settings,
     folder: Path,
-    quiet: bool,
+    count: Count,
 ) -> CarriedOut:
     """Plans, writes, executes and identifies methods; what a controller cannot run is told, and the others go on.
 
     Args:
-        name: of the case, as the user gave it.
-        case: loaded.
+        case: machine and weights.
         methods: their names.
         mounted: numbers of weights, from 0 on.
         disturbances: of the simulated machine.
         settings: how.
         folder: that takes plans, programs, runs and steps; what it holds already is not made again.
-        quiet: show no progress.
+        count: told how it is getting on.
 
     Raises:
         HexciteError: no method could be carried out.
     """
-    from cases.errors import HexciteError
-    from planner.validation.kept import kept_step
-
     done, failed = [], {}
-    with progress("validating", len(methods) * len(mounted), quiet) as count:
-        for method in methods:
-            try:
-                count(f"{method}: planning", 0)
-                program = _program(method, settings, _planned(name, method, settings, folder), folder)
-                key = _key(program, case, settings, disturbances)
-                own = {k: found for k in mounted if (found := kept_step(folder, method, k, key)) is not None}
-                if len(own) < len(mounted):
-                    count(f"{method}: on {settings.on}", 0)
-                    excitation = _excitation(case, method, settings, program, key, folder)
-            except HexciteError as error:
-                failed[method] = str(error).replace(f"{folder}/", "")
-                count(method, len(mounted))
-                continue
-            count(f"{method}: identifying", len(own))
-            if missing := [k for k in mounted if k not in own]:
-                for found in _identified(excitation, missing, disturbances, own.get(0), key, folder):
-                    own[found.step.weights] = found
-                    count(f"{method} {found.step.load:.0f} kg")
-            done += [own[k] for k in mounted]
+    for method in methods:
+        try:
+            count(f"{method}: planning", 0)
+            plan = _planned(case, method, settings, folder)
+            program = _program(method, settings, plan, folder)
+            key = _key(program, settings, disturbances)
+            own = {k: found for k in mounted if (found := kept_step(folder, method, k, key)) is not None}
+            if len(own) < len(mounted):
+                count(f"{method}: on {settings.on}", 0)
+                excitation = _excitation(case, method, settings, program, key, folder)
+        except HexciteError as error:
+            failed[method] = str(error).replace(f"{folder}/", "")
+            count(method, len(mounted))
+            continue
+        count(f"{method}: identifying", len(own))
+        if missing := [k for k in mounted if k not in own]:
+            for found in _identified(excitation, missing, disturbances, own.get(0), key, folder):
+                own[found.step.weights] = found
+                count(f"{method} {found.step.load:.0f} kg", 1)
+        done += [own[k] for k in mounted]
     if not done:
         raise HexciteError("; ".join(f"{method}: {why}" for method, why in failed.items()))
-    return CarriedOut(done, failed)
+    return CarriedOut(tuple(done), failed)
 
 
-def _program(method: str, settings: Settings, plan: Path, folder: Path) -> Path:
-    from planner.cli.post import make_program
-
+def _program(method: str, settings: Settings, plan: Plan, folder: Path) -> Program:
     smooth = settings.on == "virtual" and method != "ptp-steps"
     dialect, suffix, accepted = ("sinumerik", "mpf", ()) if smooth else ("linuxcnc", "ngc", ACCEPTED)
-    program = folder / "programs" / f"{method}.{suffix}"
-    make_program(plan, dialect, 1.0, accepted, program, quiet=True, overwrite=True)
+    file = folder / "programs" / f"{method}.{suffix}"
+    program = write(plan, dialect, accept=accepted, file=file)
+    program.save(file, overwrite=True)
     return program
 
 
-def _key(program: Path, case: "Case", settings: Settings, disturbances: "Disturbances | None") -> str:
+def _key(program: Program, settings: Settings, disturbances: Disturbances | None) -> str:
     """Fingerprint of a run, and of what its steps follow from beside the settings of the whole validation."""
-    about = (case.controller_hash, settings.on, "undisturbed" if disturbances is None else "", version("hexcite"))
-    return hashlib.sha256(program.read_bytes() + repr(about).encode()).hexdigest()[:16]
+    disturbed = "undisturbed" if disturbances is None else ""
+    about = (program.case.controller_hash, settings.on, disturbed, version("hexcite"))
+    return hashlib.sha256(program.content + repr(about).encode()).hexdigest()[:16]
 
 
 def _identified(
-    excitation: "Excitation",
+    excitation: Excitation,
     missing: Sequence[int],
-    disturbances: "Disturbances | None",
-    bare: "Kept | None",
+    disturbances: Disturbances | None,
+    bare: Kept | None,
     key: str,
     folder: Path,
-) -> "Iterator[Kept]":
+) -> Iterator[Kept]:
     """Steps that were not finished before, each kept as soon as it is."""
-    from planner.validation.experiment import steps
-    from planner.validation.kept import Kept, keep
-    from planner.validation.remedy import remedy_of
-
     for step in steps(excitation, missing, disturbances, None if bare is None else bare.step.estimate):
         remedy = None if disturbances is None else remedy_of(excitation, step, disturbances)
         found = Kept(key, excitation.controller, step, remedy)
@@ -194,41 +215,27 @@ def _identified(
         yield found
 
 
-def _excitation(case: "Case", method: str, settings: Settings, program: Path, key: str, folder: Path) -> "Excitation":
-    import numpy as np
-
-    from planner.runs.standing import stood
-    from planner.validation.experiment import METHODS, Excitation
-    from postprocessors.files import read_program
-    from postprocessors.proving.measured import measured_poses, measures_at_poses
-    from postprocessors.proving.stretches import stretches
-
+def _excitation(case: Case, method: str, settings: Settings, program: Program, key: str, folder: Path) -> Excitation:
     run = _executed(program, case, settings.on, key, folder / "runs" / f"{method}.npz")
-    parts = stretches(read_program(program, case).reading)
+    parts = stretches(program.reading)
     poses, duration = np.zeros((0, 6)), run.excitation
     if measures_at_poses(parts):
         poses = measured_poses(parts)
-        duration = stood(run, poses, program).duration
+        duration = stood(run, poses, program.path).duration
     told = f"{run.controller}; {run.remark}" if run.remark else run.controller
     return Excitation(case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed, told)
 
 
-def _executed(program: Path, case: "Case", on: str, key: str, kept: Path) -> "ExecutedRun":
+def _executed(program: Program, case: Case, on: str, key: str, kept: Path) -> ExecutedRun:
     """The run of a program; it is kept, and found again."""
-    from planner.runs.running import carried_out
-
     run = _kept(key, case, on == "linuxcnc", kept)
     if run is None:
-        _, _, run = carried_out(program, case, on)
+        _, run = carried_out(program, case, on)
         _keep(run, key, kept)
     return run
 
 
-def _keep(run: "ExecutedRun", key: str, kept: Path) -> None:
-    import numpy as np
-
-    from cases.files import atomic_file
-
+def _keep(run: ExecutedRun, key: str, kept: Path) -> None:
     spline = run.execution.spline
     with atomic_file(kept) as part, part.open("wb") as file:
         np.savez(
@@ -237,15 +244,8 @@ def _keep(run: "ExecutedRun", key: str, kept: Path) -> None:
         )  # fmt: skip
 
 
-def _kept(key: str, case: "Case", real: bool, kept: Path) -> "ExecutedRun | None":
+def _kept(key: str, case: Case, real: bool, kept: Path) -> ExecutedRun | None:
     """A run that was kept; None where there is none of exactly this program on this controller."""
-    import numpy as np
-    from scipy.interpolate import BSpline
-
-    from identification.hexapod import Hexapod
-    from identification.trajectories.executed import StrutExecution
-    from postprocessors.execute.executed_run import ExecutedRun
-
     if not kept.is_file():
         return None
     with np.load(kept) as found:
@@ -256,41 +256,26 @@ def _kept(key: str, case: "Case", real: bool, kept: Path) -> "ExecutedRun | None
     return ExecutedRun(words[0], execution, trigger, real=real, remark=words[1])
 
 
-def _planned(name: str, method: str, settings: Settings, folder: Path) -> Path:
+def _planned(case: Case, method: str, settings: Settings, folder: Path) -> Plan:
     """The plan of a method: an earlier one, or made now; one that Ctrl-C ended early is none."""
-    from planner.cli.plan import make_plan
-    from planner.cli.poses import make_poses
-    from planner.poses.request import Method, PoseRequest
-    from planner.request import Request
-
-    plan = folder / "plans" / method
-    starts, seed = settings.starts, settings.seed
-    if (plan / "plan.json").is_file():
-        pass
-    elif settings.plans is not None:
-        _copied(settings.plans / "plans" / method, plan)
-    elif method == "Q5M":
-        make_poses(PoseRequest(name, method=Method.ALL), plan, quiet=True)
-    elif method == "Q5N":
-        make_poses(PoseRequest(name, criterion="N", count=30, method=Method.BACKWARD), plan, quiet=True)
+    place = folder / "plans" / method
+    if (place / "plan.json").is_file():
+        return Plan.load(place)
+    if settings.plans is not None:
+        _copied(settings.plans / "plans" / method, place)
+        return Plan.load(place)
+    request = REQUESTS[method]
+    if isinstance(request, PoseRequest):
+        plan = poses_planned(request, case)
     else:
-        requests = {
-            "D9M": Request(name, family="manual"),
-            "D9N": Request(name, family="fourier", criterion="N", order=3, period=4.0, starts=starts, seed=seed),
-            "ptp": Request(name, controller="virtual", starts=starts, seed=seed),
-            "ptp-steps": Request(name, controller="linuxcnc", starts=starts, seed=seed),
-            "spline": Request(name, family="spline", starts=starts, seed=seed),
-        }
-        if make_plan(requests[method], plan, quiet=True)["interrupted"]:
-            shutil.rmtree(plan)
+        plan = planned(request.searched(settings.starts, settings.seed), case)
+        if plan.interrupted:
             raise Interrupted
-    return plan
+    plan.save(place)
+    return Plan.load(place, case)
 
 
 def _copied(source: Path, plan: Path) -> None:
-    from cases.errors import FileProblem
-    from cases.files import PLAN, atomic_folder
-
     if not (source / "plan.json").is_file():
         raise FileProblem(f"{source}: holds no plan; name the folder of a validation that ran this method")
     with atomic_folder(plan, PLAN) as part:

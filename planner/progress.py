@@ -29,7 +29,7 @@ class Progress:
         model = identification_model(case, request.model)
         self.size = len(model.names)
         noise = expected_noise(case, model, request.payload)
-        if request.family != "manual" and noise.whitening is None and PoseErrors.of(case, noise) is None:
+        if request.family.optimised and noise.whitening is None and PoseErrors.of(case, noise) is None:
             remark("the limit of information")
             self.bound = box_bound(case, model)
         self.begin(request)
@@ -42,7 +42,7 @@ class Progress:
 
     def done(self, start: Start | Failed) -> None:
         """A start has ended."""
-        if isinstance(start, Start) and start.family.name != self.request.family:
+        if isinstance(start, Start) and start.family.name != self.request.family.name:
             return
         self.count, self.since = self.count + 1, self.since + 1
         if isinstance(start, Start):

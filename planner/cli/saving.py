@@ -1,0 +1,19 @@
+"""Data and page in one folder, which appears whole."""
+
+from pathlib import Path
+
+from cases.files import FolderKind, atomic_folder
+from planner.reports.report import Shown, figures, report
+
+
+def save_with_page(value: Shown, kind: FolderKind, folder: Path, overwrite: bool, plots: bool) -> None:
+    """Writes a value with its page report.html and, where asked for, figures for papers in plots/.
+
+    Raises:
+        FileProblem: the folder is somebody's, or cannot be written.
+    """
+    with atomic_folder(folder, kind, overwrite) as part:
+        value.write(part)
+        report(value, part / "report.html")
+        if plots:
+            figures(value, part / "plots")

@@ -1,0 +1,98 @@
+"""The whole chain on one case: plan, program, proof, run and identification, beside the simulated machine's truth."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cases.files import DEMO, check_folder
+from cases.schema import Case
+from identification.outcome import Result
+from identification.recording import Recording
+from planner.comparison.truth import truth_rows
+from planner.families.settings import PointToPoint
+from planner.library import planned
+from planner.plan import Plan
+from planner.request import Request
+from planner.runs.identified import identify
+from planner.runs.running import Outcome, best_controller, execute
+from planner.runs.writing import write
+from postprocessors.files import Program
+
+ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
+MODEL = 9
+
+Done = Callable[[Plan | Program | Outcome | Result], None]
+"""Called with what a step made."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demo:
+    """What came of each step.
+
+    Args:
+        plan: the motion.
+        program: for LinuxCNC, proven.
+        outcome: of the run.
+        result: of its identification.
+        truth: each parameter beside that of the simulated machine, as `truth_rows` has them.
+        why: the reason for the controller.
+    """
+
+    plan: Plan
+    program: Program
+    outcome: Outcome
+    result: Result
+    truth: tuple[dict[str, Any], ...]
+    why: str
+
+    @property
+    def worst(self) -> float:
+        """Largest error in reported standard deviations."""
+        return float(max(abs(row["error"]) / row["std"] for row in self.truth))
+
+
+def demo(
+    case: Case,
+    folder: Path | str,
+    on: str | None = None,
+    *,
+    seed: int = 0,
+    starts: int | None = 1,
+    done: Done = lambda value: None,
+) -> Demo:
+    """Plans, programs, proves, executes and identifies, end to end.
+
+    Args:
+        case: with a simulated machine.
+        folder: to make: plan, program, recording and result are written there, one after the other.
+        on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed.
+        seed: of the starts and of the sensors' noise.
+        starts: number of random starts; one is enough for a demo.
+        done: called with the value of each step: plan, program, outcome of the run, result.
+
+    Raises:
+        HexciteError: a step cannot be done.
+    """
+    place = Path(folder)
+    case.need_simulation("the demo")
+    check_folder(place, DEMO, overwrite=True)
+    controller, why = best_controller() if on is None else (on, "as asked")
+    planned(Request(PointToPoint(controller="linuxcnc"), starts=starts, seed=seed), case).save(
+        place / "plan", overwrite=True
+    )
+    plan = Plan.load(place / "plan", case)
+    done(plan)
+    file = place / "excitation.ngc"
+    write(plan, "linuxcnc", accept=ACCEPTED, file=file).save(file, overwrite=True)
+    program = Program.load(file, case)
+    program.proof.require()
+    done(program)
+    outcome = execute(program, case, controller, seed)
+    outcome.recording.save(place / "recording", overwrite=True)
+    done(outcome)
+    result = identify(Recording.load(place / "recording"), case, MODEL)
+    result.save(place / "result", overwrite=True)
+    done(result)
+    assert result.estimate is not None
+    return Demo(plan, program, outcome, result, tuple(truth_rows(case, result.estimate)), why)

@@ -1,0 +1,397 @@
+"""Families of motions as a user asks for them: values with their own defaults, limits and messages."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import ClassVar, Self
+
+import numpy as np
+
+from cases.errors import HexciteError
+from cases.manual import load_poses, load_sequence
+from cases.schema import Case
+from identification.motion import Trajectory
+from planner.controlled import CONTROLLERS, Controlled, controlled, moves_in
+from planner.families import ptp, spline
+from planner.families.family import Family, box_middle
+from planner.families.fourier import FourierFamily
+from planner.families.manual import manual_motion, sequence_file
+
+MOST_PERIODS = 1e6
+USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
+MOVES_A_SECOND = 10.0 / 3.0
+KNOTS_A_SECOND = 10.0
+SHORTEST = spline.FEWEST / KNOTS_A_SECOND  # [s] of a spline, and of any motion whose duration is searched
+ORDERS = range(2, 8)  # where the order is free
+LOWEST, HIGHEST = 1 / 3, 2.0  # of the highest harmonic, in units of the frequency at which both limits meet
+HALF = 0.5  # of the limit of acceleration
+ROUNDING = 1e-9  # of a duration
+
+
+class FamilySettings:
+    """What requests and searches ask of a family; what stands here is true of most."""
+
+    __slots__ = ()
+    name: ClassVar[str]
+    """In files, and on the command line."""
+    optimised: ClassVar[bool] = True
+    """Whether there is anything to search."""
+
+    @property
+    def rival(self) -> "FamilySettings":
+        """Another family, of which one start is made for comparison."""
+        return Fourier()
+
+    def check(self, duration: float) -> None:
+        """Raises HexciteError where a motion cannot last so long [s]."""
+        if not duration > 0.0:
+            raise HexciteError(f"duration {duration:g} s is not positive; choose about 12 s")
+
+    def require_plannable(self, case: Case, duration: float) -> None:
+        """Raises HexciteError where no search can succeed on this machine."""
+
+    def controlled(self, case: Case) -> Controlled:
+        """The case as the controller executes it that the motion is made for."""
+        return Controlled(case)
+
+    def families(self, case: Case, duration: float) -> tuple[Family, ...]:
+        """The sets of motions to search: several where a setting is left free, none where nothing is optimised."""
+        return ()
+
+    def motion(self, case: Case) -> tuple[Trajectory, Path] | None:
+        """The motion and the file that it is from, where nothing is optimised."""
+        return None
+
+    def refinements(self, criterion: str) -> int:
+        """Number of explored starts that are refined; 0 where every start is refined at once."""
+        return 2
+
+    def lasting(self, share: float) -> Self:
+        """The same for a duration of so many times the former one, with as many moves or knots a second."""
+        return self
+
+    def allowed_duration(self, duration: float) -> float:
+        """The shortest duration of that length or longer that the family can have [s]."""
+        return max(duration, SHORTEST)
+
+    def options_for(self, duration: float) -> str:
+        """Options that a motion of this duration needs besides, as text for a message."""
+        return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Fourier(FamilySettings):
+    """Periodic Fourier series (34)-(36) from rest to rest.
+
+    Args:
+        order: N of (34), 1 to 7.
+        period: [s]; the duration is a whole number of periods. None for the one nearest to 2 s.
+        centred: whether x0 is the middle of the motion box.
+        free_order: whether the best order from 2 to 7 is searched instead.
+        free_period: whether the best period is searched instead.
+    """
+
+    order: int = 5
+    period: float | None = None
+    centred: bool = False
+    free_order: bool = False
+    free_period: bool = False
+
+    name: ClassVar[str] = "fourier"
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.order <= 7:
+            raise HexciteError(f"order {self.order} is outside 1 to 7; above 7 only jerk grows: choose 3 to 7")
+        if self.period is not None and not (self.period > 0.0 and np.isfinite(self.period)):
+            raise HexciteError(f"period {self.period:g} s is not positive; choose about {USUAL_PERIOD:g} s")
+
+    @property
+    def rival(self) -> "FamilySettings":
+        """Point-to-point moves."""
+        return PointToPoint()
+
+    @property
+    def _fewest(self) -> int:
+        return 2 if self.order == 1 else 1
+
+    def periods(self, duration: float) -> int:
+        """Number of periods of a motion."""
+        return max(self._fewest, round(duration / (self.period or USUAL_PERIOD)))
+
+    def base_period(self, duration: float) -> float:
+        """Period [s]; where it is not stated, one that the duration is a whole number of."""
+        return duration / self.periods(duration) if self.period is None else self.period
+
+    def check(self, duration: float) -> None:
+        """A duration is positive, and a whole number of a stated period."""
+        if self.free_period or self.period is None:
+            super(Fourier, self).check(duration)  # of a dataclass with slots
+            return
+        repeats = duration / self.period
+        if not abs(repeats) < MOST_PERIODS:
+            raise HexciteError(
+                f"period {self.period:g} s is too short for {duration:g} s; choose about {USUAL_PERIOD:g} s"
+            )
+        if not (round(repeats) >= 1 and abs(repeats - round(repeats)) < 1e-9):
+            raise HexciteError(
+                f"duration {duration:g} s is not a whole number of periods of {self.period:g} s; choose "
+                f"{max(1, round(repeats)) * self.period:g} s"
+            )
+        if round(repeats) < self._fewest:
+            raise HexciteError(
+                f"order 1 needs two periods: it is led in and out of over one of them; choose --duration "
+                f"{2 * self.period:g} or more"
+            )
+
+    def require_plannable(self, case: Case, duration: float) -> None:
+        """The highest harmonic must pass the filter of the evaluation, or the run would teach nothing."""
+        cutoff = case.recording.filter_cutoff_Hz
+        for choice in self._choices(case, duration):
+            period = choice.base_period(duration)
+            highest = choice.order / period
+            if cutoff is None or highest <= cutoff / 2:
+                continue
+            shortest = choice.order / (cutoff / 2)
+            most = int(duration / shortest * (1.0 + ROUNDING))  # periods
+            remedy = f"--period {duration / most if most else shortest:g}"
+            if choice.period is None and not most:
+                remedy = f"--duration {shortest:g}"
+            raise HexciteError(
+                f"period {period:g} s is too short: order {choice.order} reaches {highest:g} Hz, the evaluation hears "
+                f"up to {cutoff / 2:g} Hz (half of recording.filter_cutoff_Hz); choose {remedy} or more"
+            )
+
+    def families(self, case: Case, duration: float) -> tuple[FourierFamily, ...]:
+        """One for each order and period worth a look."""
+        middle, half = box_middle(case)
+        return tuple(
+            FourierFamily.lasting(c.order, c.base_period(duration), c.periods(duration), middle, half, c.centred)
+            for c in self._choices(case, duration)
+        )
+
+    def _choices(self, case: Case, duration: float) -> "tuple[Fourier, ...]":
+        """Settings with every order and period worth a look; these settings where neither is free.
+
+        A motion from rest to rest lasts a whole number of periods, so the base frequency takes discrete values: what
+        an optimiser would treat as a variable is searched through value by value. Worth a look are those whose highest
+        harmonic lies near the frequency at which a harmonic reaches its limits of velocity and of acceleration at once,
+        A / (2 pi V): far below it accelerations go to waste, far above it velocities.
+        """
+        if not (self.free_order or self.free_period):
+            return (self,)
+        box = case.need_machine("planning")[2].motion
+        meets = float(np.max(box.acceleration / box.rate)) / (2 * np.pi)
+        cutoff = case.recording.filter_cutoff_Hz
+        passed = np.inf if cutoff is None else cutoff / 2
+        found = []
+        for order in ORDERS if self.free_order else (self.order,):
+            fewest = 2 if order == 1 else 1
+            most = max(fewest, int(HIGHEST * meets * duration / order))
+            for periods in range(fewest, most + 1) if self.free_period else (self.periods(duration),):
+                period = duration / periods
+                inside = LOWEST * meets <= order / period <= HIGHEST * meets or not self.free_period
+                if inside and order / period <= passed:
+                    found.append(Fourier(order, period, self.centred))
+        if not found:
+            shortest = min(ORDERS if self.free_order else (self.order,)) * LOWEST / meets
+            raise HexciteError(
+                f"no period fits: {duration:g} s is too short or the filter of the evaluation too low; choose "
+                f"--duration {max(2.0, np.ceil(shortest)):g} or more, or fix --period"
+            )
+        return tuple(found)
+
+    def refinements(self, criterion: str) -> int:
+        """Criteria other than D have more local optima."""
+        return 2 if criterion == "D" else 4
+
+    def allowed_duration(self, duration: float) -> float:
+        """A whole number of a stated period."""
+        if self.free_period or self.period is None:
+            return max(duration, SHORTEST)
+        return max(self._fewest, int(np.ceil(duration / self.period - 1e-9))) * self.period
+
+
+@dataclass(frozen=True, slots=True)
+class PointToPoint(FamilySettings):
+    """Straight moves in the six coordinates, each from rest to rest.
+
+    Args:
+        moves: 8 to 64; None for ten in three seconds, or where accelerations step as many as reach their velocity.
+        controller: whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat or setpoints; None
+            for the one that the case plans for, else limited jerk.
+    """
+
+    moves: int | None = None
+    controller: str | None = None
+
+    name: ClassVar[str] = "ptp"
+
+    def __post_init__(self) -> None:
+        if self.moves is not None and not ptp.FEWEST <= self.moves <= ptp.MOST:
+            raise HexciteError(f"{self.moves} moves are outside {ptp.FEWEST} to {ptp.MOST}; choose about 40")
+        if self.controller is not None and self.controller not in CONTROLLERS:
+            raise HexciteError(f"controller {self.controller!r} is unknown; choose {', '.join(CONTROLLERS)}")
+
+    def controlled(self, case: Case) -> Controlled:
+        """With the time law of the controller that is named here, else of the one that the case plans for."""
+        named = self.controller
+        if named is None and case.controller is not None:
+            named = case.controller.plan_for
+        return controlled(case, named)
+
+    def count(self, case: Case, duration: float) -> int:
+        """Number of moves; where it is not stated, of any duration one that can be had.
+
+        Args:
+            case: with the limits that count, see `controlled`.
+            duration: of all moves [s].
+        """
+        if self.moves is not None:
+            return self.moves
+        fitting = moves_in(case.need_machine("planning")[2].motion, duration)
+        return int(np.clip(round(MOVES_A_SECOND * duration if fitting is None else fitting), ptp.FEWEST, ptp.MOST))
+
+    def require_plannable(self, case: Case, duration: float) -> None:
+        """Every move has four phases of jerk, or two of acceleration where it steps, each three controller cycles.
+
+        A move whose coordinates cannot reach half of their limits of acceleration hardly leaves its place: the search
+        would take minutes to make few moves of many, and find less than with few.
+        """
+        cycle = _cycle(case)
+        own = self.controlled(case).case
+        box, count = own.need_machine("planning")[2].motion, self.count(own, duration)
+        number = 4 if box.limits_jerk else 2
+        phases = number * ptp.SHORTEST_PHASE * cycle
+        rise = 4 * HALF * float(np.min(box.acceleration / box.jerk))
+        least = max(phases, rise)
+        if duration >= count * least * (1.0 - ROUNDING):
+            return
+        why = f"{number} phases of {ptp.SHORTEST_PHASE} controller cycles of {cycle * 1e3:g} ms take {least:g} s"
+        if rise > phases:
+            why = (
+                f"at the limits of jerk it takes {least:g} s to reach half of a limit of acceleration and come to rest"
+            )
+        fewer = int(duration / least * (1.0 + ROUNDING))
+        remedy = f", or --moves {fewer} or fewer" if fewer >= ptp.FEWEST else ""
+        raise HexciteError(
+            f"duration {duration:g} s is too short for {count} moves: {why}; choose at least "
+            f"{count * least:g} s{remedy}"
+        )
+
+    def families(self, case: Case, duration: float) -> tuple[Family, ...]:
+        """One."""
+        return (ptp.PointToPointFamily.of(case, self.count(case, duration), duration),)
+
+    def refinements(self, criterion: str) -> int:
+        """Annealed walks are refined at once."""
+        return 0
+
+    def lasting(self, share: float) -> Self:
+        """As many moves a second."""
+        if self.moves is None:
+            return self
+        return replace(self, moves=int(np.clip(round(self.moves * share), ptp.FEWEST, ptp.MOST)))
+
+
+@dataclass(frozen=True, slots=True)
+class Spline(FamilySettings):
+    """Cubic splines limited in jerk, from rest to rest.
+
+    Args:
+        knots: intervals between knots, 20 to 150; None for ten a second.
+    """
+
+    knots: int | None = None
+
+    name: ClassVar[str] = "spline"
+
+    def __post_init__(self) -> None:
+        if self.knots is not None and not spline.FEWEST <= self.knots <= spline.MOST:
+            raise HexciteError(
+                f"{self.knots} knots are outside {spline.FEWEST} to {spline.MOST}; choose --knots about 120"
+            )
+
+    def intervals(self, duration: float) -> int:
+        """Intervals between knots."""
+        return self.knots if self.knots is not None else round(KNOTS_A_SECOND * duration)
+
+    def check(self, duration: float) -> None:
+        """A duration leaves room for the fewest knots, and does not need more than the most."""
+        if not duration >= SHORTEST:
+            raise HexciteError(f"duration {duration:g} s is too short for a spline; choose at least {SHORTEST:g} s")
+        if self.intervals(duration) > spline.MOST:
+            raise HexciteError(
+                f"{self.intervals(duration)} knots are outside {spline.FEWEST} to {spline.MOST}; choose --knots about "
+                f"120, or --duration {spline.MOST / KNOTS_A_SECOND:g} or less for {KNOTS_A_SECOND:g} a second"
+            )
+
+    def require_plannable(self, case: Case, duration: float) -> None:
+        """Controllers time splines in whole cycles."""
+        _cycle(case)
+
+    def families(self, case: Case, duration: float) -> tuple[Family, ...]:
+        """One."""
+        return (spline.SplineFamily.of(case, self.intervals(duration), duration),)
+
+    def lasting(self, share: float) -> Self:
+        """As many knots a second."""
+        if self.knots is None:
+            return self
+        return replace(self, knots=int(np.clip(round(self.knots * share), spline.FEWEST, spline.MOST)))
+
+    def options_for(self, duration: float) -> str:
+        """So many seconds that ten knots in each would be too many need a stated number."""
+        if self.knots is not None or duration * KNOTS_A_SECOND <= spline.MOST:
+            return ""
+        return f" --knots {spline.MOST}"
+
+
+@dataclass(frozen=True, slots=True)
+class Manual(FamilySettings):
+    """The hand-made motion of a file, as fast as the limits allow.
+
+    Args:
+        sequence: file of steps (TOML) or of poses (CSV); None for `manual.toml` beside the case.
+    """
+
+    sequence: Path | str | None = None
+
+    name: ClassVar[str] = "manual"
+    optimised: ClassVar[bool] = False
+
+    def file(self, case: Case) -> Path:
+        """The file of steps or poses."""
+        return sequence_file(case) if self.sequence is None else Path(self.sequence)
+
+    def check(self, duration: float) -> None:
+        """The file and the limits make the duration."""
+
+    def require_plannable(self, case: Case, duration: float) -> None:
+        """The file can be read."""
+        file = self.file(case)
+        if file.suffix.lower() == ".csv":
+            load_poses(file)
+        else:
+            load_sequence(file)
+
+    def motion(self, case: Case) -> tuple[Trajectory, Path]:
+        """The motion of the file."""
+        file = self.file(case)
+        return manual_motion(case, file), file
+
+
+FAMILIES: Mapping[str, type[Fourier] | type[PointToPoint] | type[Spline] | type[Manual]] = {
+    kind.name: kind for kind in (Manual, Fourier, PointToPoint, Spline)
+}
+
+
+def family_class(name: str) -> type[Fourier] | type[PointToPoint] | type[Spline] | type[Manual]:
+    """The family of a name, for the command line and for files; raises HexciteError where it is unknown."""
+    if name not in FAMILIES:
+        raise HexciteError(f"family {name!r} is unknown; choose {', '.join(FAMILIES)}")
+    return FAMILIES[name]
+
+
+def _cycle(case: Case) -> float:
+    """Of the controller [s]; splines begin from such moves too."""
+    return case.need_controller("point-to-point moves in whole controller cycles").cycle

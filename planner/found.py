@@ -1,0 +1,158 @@
+"""What came of a search, and what a user should know of it."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cases.schema import Case
+from identification.limits import LimitReport, Status
+from identification.motion import Trajectory
+from planner.families.fourier import FourierFamily
+from planner.families.fourier_motion import FourierMotion, needless_harmonics
+from planner.families.spline import enough_intervals
+from planner.request import Request
+from planner.search.last_words import solver_text
+from planner.search.solving import DRAWN_BACK, Failed, Start
+from planner.target import parse_targets
+from planner.vibration import BothLaws
+
+RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
+FULL = 0.9  # share of a limit that a good motion uses of at least one
+BINDING = 0.99  # share of a limit from which it shapes the motion
+FEW_KNOTS = 0.9  # of as many as the jerk limits allow a spline to use: with fewer, more are worth their blocks
+_PLACES = ("position", "angle", "workspace position", "strut length", "singularity", "base joint angle",
+           "platform joint angle")  # limits of where the platform is, not of how it moves  # fmt: skip
+
+
+class Found(NamedTuple):
+    """What came of a search.
+
+    Args:
+        motion: the best, proven.
+        settings: of its family, as found.
+        limits: the proof.
+        starts: the best first.
+        failed: starts that led nowhere.
+        interrupted: whether Ctrl-C ended the search early.
+        rival: what another family found in seconds.
+        white: what one start reaches where errors of the pose do not count.
+    """
+
+    motion: Trajectory
+    settings: dict[str, Any]
+    limits: LimitReport
+    starts: tuple[Start, ...] = ()
+    failed: tuple[Failed, ...] = ()
+    interrupted: bool = False
+    rival: Start | None = None
+    white: Start | None = None
+
+    def of_rival(self, parameters: int) -> float:
+        """D-efficiency of the other family's motion in units of this one's, with the weights of the search.
+
+        Args:
+            parameters: number u of the model.
+        """
+        if self.rival is None or not self.starts:
+            return 0.0
+        return float(np.exp((self.rival.logdet - self.starts[0].logdet) / parameters))
+
+
+def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
+    """Why another plan would carry more information, each with what to do; the first thing that a user reads.
+
+    Args:
+        found: the search.
+        case: its case.
+        parameters: number u of the model.
+    """
+    words = []
+    times = found.of_rival(parameters)
+    if found.rival is not None and times > RIVALS:
+        counted = "" if case.sensors.pose_error_N is None else ", errors of the pose counted"
+        words.append(
+            f"weaker than a motion of another family that took seconds: --family {found.rival.family.name} has "
+            f"{times:.2f} times the D-efficiency{counted}"
+        )
+    refined = [s for s in found.starts if s.refined]
+    if refined and not found.interrupted and not refined[0].converged:
+        words.append(
+            f"the search had not converged where it ended ({solver_text(refined[0].status)}): more --seconds or "
+            "--starts may find more"
+        )
+    if found.starts and (share := found.starts[0].shrunk) < DRAWN_BACK:
+        words.append(
+            f"the motion had to be drawn to {100 * share:.0f} % of its ways to satisfy every limit: plan with "
+            f"another --seed, or in a smaller box (hexcite case check {case.origin or case.name} --propose)"
+        )
+    used = [c for c in found.limits.checks if c.binding and c.name.split(" (")[0] not in _PLACES]
+    if found.starts and used and (most := max(used, key=lambda c: c.ratio)).ratio < FULL:
+        words.append(
+            f"no limit of speed or force is used beyond {100 * most.ratio:.0f} % ({most.name}): another --seed, "
+            "more --seconds or a smaller box may find more"
+        )
+    return tuple(words)
+
+
+def bound_by(limits: LimitReport) -> list[str]:
+    """The limits that shape a motion."""
+    return [c.name for c in limits.checks if c.binding and c.ratio > BINDING]
+
+
+def notes(
+    found: Found,
+    request: Request,
+    case: Case,
+    worst: dict[str, tuple[float, int]],
+    laws: BothLaws | None = None,
+) -> tuple[str, ...]:
+    """What the user should know before running it.
+
+    Args:
+        found: the search.
+        request: what was asked for.
+        case: machine and limits.
+        worst: predicted standard deviation of each parameter, and the number of payloads with which it is so large.
+        laws: what the time law of point-to-point moves costs on a machine that is not stiff.
+    """
+    motion, settings = found.motion, found.settings
+    words = []
+    if isinstance(motion, FourierMotion) and (needless := needless_harmonics(motion)):
+        order = max(2, motion.order - needless)
+        if order < motion.order:
+            which = "highest harmonic is" if needless == 1 else f"{needless} highest harmonics are"
+            words.append(f"the {which} negligible: --order {order} would do")
+    if found.starts and (binding := bound_by(found.limits)):
+        words.append(f"shaped by these limits: {', '.join(binding)}")
+    if steps := [c for c in found.limits.checks if c.status is Status.STEPS]:
+        limits = ", ".join(f"{abs(c.limit):.4g} {c.unit}" for c in steps)
+        words.append(
+            f"made for {settings.get('made_for')}, which does not limit jerk: accelerations step, and the limits of "
+            f"jerk of the case ({limits}) do not count"
+        )
+    tried = {(s.family.order, s.family.period) for s in found.starts if isinstance(s.family, FourierFamily)}
+    if len(tried) > 1:
+        own = f"order {settings['order']} with period {settings['period_s']:g} s"
+        words.append(f"{own} is the best of {len(tried)} choices of order and period")
+    if (method := settings.get("retimed_with")) is not None:
+        before, off_mm, off_deg = (float(settings[k]) for k in ("duration_before_s", "off_path_mm", "off_path_deg"))
+        off = f", up to {off_mm:.2g} mm and {off_deg:.2g} deg off its path" if off_mm or off_deg else ""
+        words.append(f"re-timed with {method}: {motion.duration:.2f} s instead of {before:.2f} s{off}")
+    if request.targets:
+        predicted = {name: std for name, (std, _) in worst.items()}
+        targets = parse_targets(request.targets, case, request.model)
+        words.append(f"targets: {', '.join(t.compared(predicted) for t in targets)}")
+    if (knots := settings.get("knots")) is not None:
+        enough = enough_intervals(case, motion.duration)
+        if knots < FEW_KNOTS * enough:
+            words.append(
+                f"{knots} knots, not the machine, keep accelerations from their limits: --knots {enough} carries "
+                "more information"
+            )
+    if len(request.payloads) > 1:
+        by_load = {n: [p for p, (_, most) in worst.items() if most == n] for n in request.payloads}
+        which = "; ".join(f"with {n} those of {', '.join(names)}" for n, names in by_load.items() if names)
+        words.append(f"predicted standard deviations are the largest with {request.mounted}: {which}")
+    forces = [c for c in found.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
+    words += [f"{c.name} shapes the motion: with fewer weights in [payloads] it could tell more" for c in forces]
+    return tuple(words if laws is None else [*words, laws.sentence])

@@ -1,0 +1,122 @@
+"""Plans from Python: what notebooks and the command line call."""
+
+from collections.abc import Callable
+from typing import TypedDict, Unpack
+
+from threadpoolctl import threadpool_limits
+
+from cases.schema import Case
+from planner.families.settings import FamilySettings, PointToPoint
+from planner.plan import Plan
+from planner.planning import make_until_ctrl_c
+from planner.poses.plan import poses_planned
+from planner.poses.request import PoseRequest
+from planner.progress import Progress
+from planner.readiness import require_plannable
+from planner.request import Request
+from planner.search.parallel import SILENT, Listener
+from planner.shortest import shortest_plan
+
+Told = Callable[[str], None]
+"""Shows a line about how far a search has come."""
+
+
+class Settings(TypedDict, total=False):
+    """What may be asked of a motion; `planner.request.Request` has the defaults.
+
+    Attributes:
+        criterion: letter of Table 4.
+        model: number in Table 2.
+        payload: number of the case's payloads that are mounted, at most.
+        payload_from: at least, where that is another number.
+        targets: standard deviations to be met, such as `("m=0.05kg",)`; the duration is then the longest allowed.
+        starts: number of random starts; as many as pay unless given.
+        seconds: time for the search [s].
+        seed: of the starts.
+    """
+
+    criterion: str
+    model: int
+    payload: int
+    payload_from: int | None
+    targets: tuple[str, ...]
+    starts: int | None
+    seconds: float | None
+    seed: int
+
+
+class PoseSettings(TypedDict, total=False):
+    """What may be asked of poses; `planner.poses.request.PoseRequest` has the defaults.
+
+    Attributes:
+        criterion: letter of Table 4.
+        count: number of poses.
+        method: name of the method.
+        model: number in Table 2, 0 to 5.
+        candidates: number of quasi-random candidates; the grid of the case unless given.
+        seed: of these.
+        noise: standard deviation of an averaged force [N].
+    """
+
+    criterion: str
+    count: int | None
+    method: str
+    model: int
+    candidates: int | None
+    seed: int
+    noise: float | None
+
+
+def plan(
+    case: Case,
+    family: FamilySettings | None = None,
+    duration: float = 12.0,
+    *,
+    progress: Told | None = None,
+    **settings: Unpack[Settings],
+) -> Plan:
+    """The most informative motion inside the machine's limits, proven.
+
+    Ctrl-C ends the search and keeps the best motion found so far; a second one gives up. The search runs in one process
+    a core, which do not run the caller's script.
+
+    Args:
+        case: machine and limits.
+        family: of motions; point-to-point moves unless given.
+        duration: of the excitation [s].
+        progress: shows a line now and then.
+        **settings: see `Settings`.
+
+    Raises:
+        HexciteError: what was asked for cannot be met; the message says what to change.
+    """
+    return planned(Request(PointToPoint() if family is None else family, duration, **settings), case, progress)
+
+
+def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:
+    """`plan` for settings that are one value."""
+    require_plannable(request, case)
+    with threadpool_limits(limits=1, user_api="blas"):  # matrices are small: threads of BLAS would wait for each other
+        told = None if progress is None else Progress(request, case, progress)
+        listener = SILENT if told is None else Listener(told.done, told.news)
+
+        def make(wanted: Request) -> Plan:
+            if told is not None:
+                told.begin(wanted)
+            return make_until_ctrl_c(wanted, case, listener)
+
+        return shortest_plan(request, case, make) if request.targets else make(request)
+
+
+def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **settings: Unpack[PoseSettings]) -> Plan:
+    """The most informative poses to stand at, in the fastest order, proven.
+
+    Args:
+        case: machine, limits and poses.
+        progress: called with the number of poses after each step of the choice.
+        **settings: see `PoseSettings`.
+
+    Raises:
+        HexciteError: what was asked for cannot be met; the message says what to change.
+    """
+    return poses_planned(PoseRequest(**settings), case, progress or (lambda _: None))
