@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cases.errors import HexciteError
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
@@ -106,7 +107,13 @@ def retime(
         UntimedPath: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
         CaseError: the case has no machine or no limits.
     """
-    from toppra.algorithm import TOPPRA  # takes 0.7 s to import
+    try:
+        from toppra.algorithm import TOPPRA  # takes 0.7 s to import
+    except ImportError as error:
+        raise HexciteError(
+            "toppra, which times this path, is not installed; install it (pip install toppra; without a wheel for this "
+            "computer it wants a compiler), or re-time moves with --method ruckig"
+        ) from error
 
     steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     shares = np.linspace(0.0, 1.0, steps + 1)

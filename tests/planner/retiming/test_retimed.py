@@ -1,5 +1,6 @@
 """Re-timed motions: whole controller cycles, the same poses, limits kept; and a table of poses is a motion."""
 
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -94,6 +95,12 @@ def test_moves_are_as_slow_as_their_struts_need_and_no_slower():
 def slow_struts():
     drives = {f"controller__{name}__ptp": None for name in ("sinumerik", "twincat")}  # they would be too fast
     return changed(CASE, limits__motion__strut_velocity_m_s=0.5, **drives)
+
+
+def test_toppra_is_named_where_it_is_missing(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "toppra.algorithm", None)
+    with pytest.raises(HexciteError, match=r"toppra.* is not installed; install it"):
+        retimed(moves(1.0), CASE, MODEL, Method.TOPPRA, False)
 
 
 def test_arcs_keep_their_circle():
