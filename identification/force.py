@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from cases.schema import Case
+from identification.finding import Severity, sentences
 from identification.findings.plausibility import unmeasured
 from identification.model import Model
 from identification.recording import Recording
@@ -64,11 +65,10 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
     warnings = found.warnings
     if recording.t is None or case.setup == "1a":
         still = standstills(recording, case, model, found)
-        t = (np.arange(1.0, len(found.bad) + 1.0) if recording.t is None else recording.t)[~found.bad]
-        forces, matrices = still.forces, still.regressors
+        t, forces, matrices = still.t, still.recorded, still.matrices
     else:
         run = moving_run(recording, case, model, whole, found)
-        warnings += run.warnings
+        warnings += sentences(run.window, Severity.WARNING)
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
     residuals = forces - matrices @ result.values
     return ExternalForce(t, -(residuals @ model.structure.T), residuals, warnings)
@@ -117,7 +117,7 @@ def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
             "cut the motion off"
         )
     still = standstills(recording, case, model, found)
-    residuals = still.forces - still.regressors @ result.values
+    residuals = still.recorded - still.matrices @ result.values
     change = residuals.mean(axis=0)
     variance = residuals.var(axis=0, ddof=1) / count
     offsets = _offset_columns(model)

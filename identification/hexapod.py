@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 STRUT_TOLERANCE = 1e-12  # [m]
 MOST_STEPS = 25
 CLOSE = 2e-3  # [m, rad] between cubic and linear interpolation, where the cubic one is trusted: a motion, no jump
-COARSE = 32  # every 32nd sample is solved from home, the ones between start from their interpolation
+COARSE = 8  # every 8th sample is solved from home, the ones between start from their interpolation
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +175,7 @@ class Hexapod:
     def poses(self, lengths: ArrayLike) -> Array:
         """Forward kinematics (7), the assembly that is reached from home.
 
-        Newton's method for all samples at once: every 32nd from home, the rest from the interpolation between these.
+        Newton's method for all samples at once: every 8th from home, the rest from the interpolation between these.
 
         Args:
             lengths: strut lengths, shape (n, 6) [m].
@@ -235,8 +235,9 @@ class Hexapod:
         return pose, jacobians, closed
 
     def earlier(self, motion: Kinematics, time: float) -> Array:
-        """Poses a short time before, up to its square, shape (n, 6)."""
-        return over_samples(self.newton_step, motion.pose, -time * motion.twist)[0]
+        """Poses a short time before, up to its cube, shape (n, 6)."""
+        back = time**2 / 2.0 * motion.twist_rate - time * motion.twist
+        return over_samples(self.newton_step, motion.pose, back)[0]
 
     def kinematics(
         self, lengths: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None

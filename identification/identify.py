@@ -6,7 +6,6 @@ run is looked for before the estimate (`plausibility`) and in what the estimate 
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,38 +13,31 @@ from threadpoolctl import threadpool_limits
 
 from cases.errors import IdentificationError, NegativeMass, RecordingError
 from cases.schema import Case
-from identification.estimation.biases import accelerometer_bias, drift_told, mass_told, with_uncertain_offsets
-from identification.estimation.estimator import independent_poses, require_alive
+from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
+from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import Method, Problem
-from identification.estimation.weighing import of_forces, w_of, whitened
+from identification.finding import Kind, note, warning
 from identification.findings.contact import touched
 from identification.findings.contact_free import contacts_told, free_of_contact
-from identification.findings.doubts import doubts, other_mass, require_scale, require_sense, systematic
-from identification.findings.feed import about_feed, recorded_overrides
-from identification.findings.plausibility import cut_off, scan
+from identification.findings.plausibility import Scan, scan
+from identification.findings.residual_checks import CHECKS, other_mass, require_scale
 from identification.findings.wiring import require_wiring
+from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
 from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability, analyse
 from identification.model import Model, identification_model
-from identification.noise.components import noise_components
-from identification.noise.sources import noise_sources
-from identification.periodic.averaging import PeriodicRun
+from identification.noise.sources import NoiseSources, noise_sources
+from identification.periodic.averaging import PeriodicRun, periodic_run
 from identification.recording import Recording
 from identification.regressor_blocks import MASS
-from identification.result import Delay, Estimate, Evaluation, estimate_of
-from identification.runs.accelerated import accelerated, compared
-from identification.runs.conditioning import USUAL, Conditioning
+from identification.result import Estimate, Evaluation, estimate_of
 from identification.runs.evaluation import MOST_DELAY, Run
-from identification.runs.flexible import NO_MODE, below, mode_of
-from identification.runs.moving import GAUSS_MARKOV, SANDWICHED, fit_with_delay, run_of
-from identification.runs.preparation import standstills
-from identification.runs.smoothing import smoothed, smoothing_of
+from identification.runs.preparation import moving_run, standstills
+from identification.runs.smoothing import below, mode_found, smoothed, smoothing_of
 from identification.runs.wrist import WristRun, delay_band, wrist_run
+from identification.samples import USUAL, Conditioning, Samples
 
 Array = NDArray[np.float64]
-
-RATE_TOLERANCE = 0.02  # of the rate of a recording
-SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
 
 
 def default_model(recording: Recording) -> int:
@@ -104,17 +96,109 @@ def identify(
 def _estimated(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
     if len(recording.forces) > 1:
         require_alive(recording.forces)
-    if recording.t is None or case.setup == "1a":
-        if conditioning != USUAL:
-            raise RecordingError("is no moving run; --period, --accelerated and --flexible are for moving runs")
-        found = _from_standstills(recording, case, model, how)
-    else:
-        found = _from_motion(recording, case, model, how, conditioning)
-        softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
-        if softer is not None:
-            found = replace(_from_motion(recording, softer, model, how, conditioning), case_hash=case.hash)
+    moves = recording.t is not None and case.setup != "1a"
+    if not moves and conditioning != USUAL:
+        raise RecordingError("is no moving run; --period and --flexible are for moving runs")
+    if not moves and model.needs_motion and not set(how.known) >= _inertia(model) | set(how.dropped):
+        raise IdentificationError(
+            f"{recording.source}: model {model.number} contains inertia, which standstills cannot excite; choose a "
+            "model from 0 to 5, or record a motion"
+        )
+    found = _evaluated(recording, case, model, how, conditioning)
+    softer = below(case, found.told.get("structural_mode_Hz")) if conditioning.flexible else None
+    if softer is not None:
+        found = replace(_evaluated(recording, softer, model, how, conditioning), case_hash=case.hash)
     require_scale(model, found.values, case)
-    return replace(found, warnings=(*found.warnings, *other_mass(model, found.values, case)))
+    return replace(found, findings=(*found.findings, *other_mass(model, found.values, case)))
+
+
+def samples_of(
+    recording: Recording,
+    case: Case,
+    model: Model,
+    conditioning: Conditioning,
+    found: Scan,
+    biases: Biases | None = None,
+) -> Samples:
+    """A recording ready to be evaluated, as it was asked for.
+
+    Args:
+        recording: any.
+        case: its case.
+        model: gives A.
+        conditioning: what is done to a moving run.
+        found: samples that may not be used.
+        biases: of a wrist run, known beforehand.
+
+    Raises:
+        RecordingError: it cannot be evaluated so.
+        IdentificationError: the model needs what the recording does not have.
+    """
+    if recording.t is None or case.setup == "1a":
+        return standstills(recording, case, model, found)
+    if conditioning.periodic is not None:
+        return periodic_run(recording, case, model, conditioning.periodic, found)
+    if recording.struts is None:
+        return wrist_run(recording, case, model, MOST_DELAY, biases, bad=found.bad)
+    run = moving_run(recording, case, model, found=found)
+    return replace(run, smoothing=conditioning.flexible)
+
+
+def _evaluated(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
+    scanned = scan(recording, case)
+    problem = Problem.of(model, case, how)
+    samples = samples_of(recording, case, model, conditioning, scanned, how.biases)
+    if conditioning.flexible and (how.priors or not isinstance(samples, Run)):
+        raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
+    findings = [*scanned.findings]
+    held, wide = None, None
+    if isinstance(samples, WristRun):
+        band = delay_band(recording)
+        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band, bad=scanned.bad)
+        held = fit_samples(wide, GAUSS_MARKOV, problem).delay
+        told = f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up to "
+        told += f"{samples.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
+        findings.append(note(Kind.CLOCK, told))
+    fitted = fit_samples(samples, how, problem, held=held)
+    fitted, contacts = free_of_contact(recording, fitted, how, problem, held)
+    if contacts and wide is not None:
+        held = fit_samples(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
+        fitted = fit_samples(fitted.samples, how, problem, held=held)
+    if isinstance(fitted.samples, Run) and not how.priors and not conditioning.flexible:
+        rich = smoothed(fitted.samples, fitted.fit, how.selection(model).basis, fitted.w, fitted.at)
+        if rich.smoothing:
+            fitted = fit_samples(rich, how, problem, fitted.at)
+    if isinstance(fitted.samples, Run) and fitted.samples.smoothing:
+        smoothing = smoothing_of(fitted.samples, fitted.fit)
+        findings += mode_found(smoothing, case) if conditioning.flexible else [smoothing.finding]
+    findings += [warning(Kind.CONTACT, f"{text}; left out") for text in contacts_told(recording, contacts)]
+    noise = stated_noise(case, fitted, how)
+    findings += [] if noise is None else noise.findings
+    if how.biases is not None:
+        free = fit_samples(fitted.samples, how.without_biases, problem, fitted.at, held)
+        findings += drift_told(how.biases, model, free.fit)
+        if fitted.samples.nuisances and MASS in model.blocks:
+            exactly = replace(how, biases=how.biases.exact)
+            findings.append(
+                mass_told(model, fitted.fit, fit_samples(fitted.samples, exactly, problem, fitted.at, held).fit)
+            )
+    findings += [finding for check in CHECKS for finding in check(recording, case, how, fitted)]
+    felt = None
+    if not samples.nuisances and recording.specific_forces is not None and recording.rotations is not None:
+        good = ~scanned.bad
+        felt = accelerometer_bias(recording.specific_forces[good], recording.rotations[good], case.gravity)
+    about = Evaluation(fitted.samples, fitted.residuals, fitted.delay, noise, felt, conditioning, tuple(findings))
+    return estimate_of(model, fitted.fit, recording.source, case, about, how)
+
+
+def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None:
+    """What s0 of a run with struts consists of, where the case states noise and least squares were asked for."""
+    samples = fitted.samples
+    if not case.sensors.state_noise or how.name not in SANDWICHED or how.priors:
+        return None
+    if not isinstance(samples, Run | PeriodicRun):
+        return None
+    return noise_sources(samples, fitted.fit, fitted.w, fitted.at, case.sensors)
 
 
 def placed(source: str, error: Exception) -> str:
@@ -122,170 +206,13 @@ def placed(source: str, error: Exception) -> str:
     return str(error) if source in str(error) else f"{source}: {error}"
 
 
-def identifiability(recording: Recording, case: Case, estimate: Estimate) -> Identifiability:
-    """What the run determines, alone and together, of the parameters that were estimated (section 5).
-
-    Args:
-        recording: the run of the estimate.
-        case: its case.
-        estimate: gives model, selection and delay.
-    """
-    model = identification_model(case, estimate.model, estimate.terms)
-    selection = estimate.how.selection(model)
-    if recording.t is None or case.setup == "1a":
-        matrices = standstills(recording, case, model, scan(recording, case)).regressors
-    else:
-        run = run_of(recording, case, model, estimate.conditioning, scan(recording, case), estimate.how.biases)
-        matrices = run.regressors(estimate.delay.value if estimate.delay else 0.0)
+def identifiability(estimate: Estimate) -> Identifiability:
+    """What the run determines, alone and together, of the parameters that were estimated (section 5)."""
+    samples = estimate.evaluated.excerpt()
+    selection = estimate.how.selection(samples.model)
+    matrices = samples.regressors(0.0 if estimate.delay is None else estimate.delay.value)
     return analyse(matrices @ selection.basis, selection.names)
-
-
-def _from_standstills(recording: Recording, case: Case, model: Model, how: Method) -> Estimate:
-    if model.needs_motion and not set(how.known) >= _inertia(model) | set(how.dropped):
-        raise IdentificationError(
-            f"{recording.source}: model {model.number} contains inertia, which standstills cannot excite; choose a "
-            "model from 0 to 5, or record a motion"
-        )
-    found = scan(recording, case)
-    data = standstills(recording, case, model, found)
-    problem = Problem.of(model, case, how)
-    scale = np.ones(data.samples) if recording.weights is None else recording.weights[~found.bad]
-    matrices, forces = data.regressors * scale[:, None, None], data.forces * scale[:, None]
-    selection = how.selection(model)
-    whitening = None
-    if problem.noise is not None:
-        whitening = problem.noise.whitening_from(matrices, forces, selection)
-    white = whitened(whitening, matrices, forces)
-    fit = how.estimator(problem)(*white, model.names)
-    if how.name in SANDWICHED and not how.priors and recording.t is None:
-        reduced = independent_poses(white[0] @ selection.basis, fit)
-        fit = replace(fit, covariance_robust=selection.basis @ reduced @ selection.basis.T)
-    fit = of_forces(whitening, fit, matrices, forces)
-    require_sense(model, fit)
-    warnings = [*found.warnings, *doubts(fit, data.forces)]
-    if how.biases is not None:
-        free = how.without_biases.estimator(problem)(*white, model.names)
-        warnings += drift_told(how.biases, model, free)
-        fit = with_uncertain_offsets(fit, model, selection.basis, matrices, w_of(whitening, fit), how.biases)
-    felt = None
-    if recording.specific_forces is not None and recording.rotations is not None and case.setup != "1a":
-        felt = accelerometer_bias(recording.specific_forces[~found.bad], recording.rotations[~found.bad], case.gravity)
-    evaluation = Evaluation(data.samples, fit.residuals / scale[:, None], None, accelerometer=felt)
-    return estimate_of(model, fit, recording.source, case, evaluation, how, tuple(warnings))
-
-
-def other_rate(recording: Recording, case: Case) -> list[str]:
-    """What to say of a recording whose rate is not the one that predictions assume."""
-    if recording.t is None or recording.struts is None:
-        return []
-    rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
-    if recording.averaged is not None or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
-        return []
-    return [
-        f"recorded at {rate:.4g} Hz; predictions assume {assumed:g} Hz, and standard deviations of this run are "
-        f"{np.sqrt(assumed / rate):.3g} times as large for it; set recording.rate_Hz = {rate:.4g}"
-    ]
 
 
 def _inertia(model: Model) -> set[str]:
     return {name for name in model.names if name[0] == "I"}
-
-
-def _from_motion(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
-    found = scan(recording, case)
-    problem = Problem.of(model, case, how)
-    held: Delay | None = None
-    notes: list[str] = []
-    run = run_of(recording, case, model, replace(conditioning, accelerated=None), found, how.biases)
-    if conditioning.accelerated is not None and not isinstance(run, Run):
-        raise RecordingError("--accelerated goes by the accelerations of struts, behind the low-pass; leave it out")
-    if conditioning.flexible and (how.priors or not isinstance(run, Run)):
-        raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")
-    if isinstance(run, WristRun):
-        band = delay_band(recording)
-        wide = wrist_run(recording, case, model, MOST_DELAY, cutoff=band, bad=found.bad)
-        held = fit_with_delay(wide, GAUSS_MARKOV, problem).delay
-        notes.append(
-            f"delay estimated in the band up to {band:.3g} Hz, the widest that all streams carry; parameters up to "
-            f"{run.filter.cutoff:g} Hz at that delay, its uncertainty propagated"
-        )
-    moving = fit_with_delay(run, how, problem, held=held)
-    moving, contacts = free_of_contact(recording, run, moving, how, problem, held)
-    if contacts and isinstance(run, WristRun) and isinstance(moving.run, WristRun):
-        held = fit_with_delay(wide.without(touched(wide.t, contacts)), GAUSS_MARKOV, problem).delay
-        moving = fit_with_delay(moving.run, how, problem, held=held)
-    whole, section = moving, None
-    if conditioning.accelerated is not None:
-        assert isinstance(moving.run, Run)
-        section = accelerated(moving.run, conditioning.accelerated)
-        moving = fit_with_delay(section.run, how, problem, moving.delay.value)
-    told: dict[str, Any] = {}
-    if isinstance(moving.run, Run) and not how.priors:
-        basis = how.selection(model).basis
-        rich = (
-            replace(moving.run, smoothing=True)
-            if conditioning.flexible
-            else smoothed(moving.run, moving.fit, basis, moving.w, moving.delay.value)
-        )
-        if rich.smoothing:
-            moving = fit_with_delay(rich, how, problem, moving.delay.value)
-            smoothing = smoothing_of(rich, moving.fit)
-            told["smoothing_s2"] = smoothing._asdict()
-            notes += [] if conditioning.flexible else smoothing.notes
-            if conditioning.flexible:
-                mode = mode_of(smoothing)
-                notes.append(NO_MODE if mode is None else mode.note(case.recording.filter_cutoff_Hz))
-                told |= {} if mode is None else {"structural_mode_Hz": mode.to_json()}
-    warnings = [*found.warnings, *cut_off(recording), *run.warnings]
-    warnings += [f"{text}; left out" for text in contacts_told(recording, contacts)]
-    if abs(moving.delay.value) >= SUSPICIOUS_DELAY:
-        warnings.append(f"delay of {moving.delay.value * 1e3:.1f} ms: do the streams match?")
-    warnings += doubts(moving.fit, moving.run.forces)
-    warnings += systematic(moving.fit, moving.run.noise_correlation)
-    noise = None
-    if case.sensors.state_noise and not isinstance(moving.run, WristRun):
-        if how.name in SANDWICHED and not how.priors:
-            noise = noise_sources(moving.run, moving.fit, moving.w, moving.delay.value, case.sensors)
-            warnings += noise.doubts
-        else:
-            warnings.append(
-                "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
-            )
-    if moving.fit.field is not None:
-        told["pose_errors"] = moving.fit.field.keys
-        if not case.sensors.pose_error_N:
-            stated = ", ".join(f"{key} = {value:g}" for key, value in moving.fit.field.keys.items())
-            notes.append(
-                f"[sensors] {stated}: with this in the case, plans count on the errors that depend on the pose"
-            )
-    if isinstance(moving.run, Run):
-        components = noise_components(moving.run, moving.fit, case.sensor_frame.bars is None)
-        if components is not None:
-            told["noise_components"] = components.to_json()
-            notes += components.notes(how.weights or case.sensors.weights)
-    if how.biases is not None:
-        free = fit_with_delay(moving.run, how.without_biases, problem, moving.delay.value, held)
-        warnings += drift_told(how.biases, model, free.fit)
-        if MASS in model.blocks:
-            exactly = replace(how, biases=how.biases.exact)
-            exact = fit_with_delay(moving.run, exactly, problem, moving.delay.value, held)
-            notes.append(mass_told(model, moving.fit, exact.fit))
-    if isinstance(moving.run, PeriodicRun):
-        notes, told = [*notes, *moving.run.notes], moving.run.told
-        warnings += moving.run.doubts(moving.fit, moving.w)
-    if recording.override is not None:
-        slower, entries = about_feed(recording, recorded_overrides(recording), "the recorded override")
-        warnings, told = warnings + slower, told | entries
-    notes = [*notes, *other_rate(recording, case)]
-    if recording.averaged is not None:
-        notes, told = [*notes, recording.averaged.note(moving.w, moving.fit.s0)], told | recording.averaged.to_json()
-    evaluation = Evaluation(
-        moving.run.samples, moving.residuals, moving.delay, noise, notes=tuple(notes), conditioning=conditioning,
-        told=told,
-    )  # fmt: skip
-    chosen = estimate_of(model, moving.fit, recording.source, case, evaluation, how, tuple(warnings))
-    if section is None:
-        return chosen
-    evaluation = Evaluation(whole.run.samples, whole.residuals, whole.delay)
-    note, more = compared(section, chosen, estimate_of(model, whole.fit, "", case, evaluation, how, ()))
-    return replace(chosen, notes=(*chosen.notes, note), told={**chosen.told, **more})

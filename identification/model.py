@@ -138,6 +138,14 @@ class Model:
         return ca.Function("pose_regressor", [pose, motion, motion_rate], [matrix], {"cse": True})
 
     @cached_property
+    def pose_forces(self) -> ca.Function:
+        """(pose, twist, twist rate, u) -> A u."""
+        pose, motion, motion_rate = (ca.SX.sym(n, 6) for n in ("pose", "twist", "twist_rate"))
+        u = ca.SX.sym("u", len(self.parameters))
+        forces = self.expression(pose[:3], rotation(pose[3:]), motion, motion_rate) @ u
+        return ca.Function("pose_forces", [pose, motion, motion_rate, u], [forces], {"cse": True})
+
+    @cached_property
     def coordinate_regressor(self) -> ca.Function:
         """(pose, rates, accelerations) -> A, in the coordinates in which motions are planned."""
         pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
@@ -162,6 +170,12 @@ class Model:
 def regressors(model: Model, kinematics: Kinematics) -> Array:
     """A for every sample of a motion, shape (n, 6, u)."""
     return over_samples(model.pose_regressor, kinematics.pose, kinematics.twist, kinematics.twist_rate)[0]
+
+
+def expected_forces(model: Model, kinematics: Kinematics, values: Array) -> Array:
+    """A u for every sample of a motion, shape (n, 6)."""
+    u = np.broadcast_to(values, (len(kinematics.pose), len(values)))
+    return over_samples(model.pose_forces, kinematics.pose, kinematics.twist, kinematics.twist_rate, u)[0]
 
 
 def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> Model:

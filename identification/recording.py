@@ -34,11 +34,11 @@ from cases.recording_columns import (
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.assembly import force_columns
-from identification.formats.run import files_of, read_batches, read_recording, read_run
+from identification.formats.reading import files_of, read_recording, read_run
 from identification.formats.stream import Recording
 
 __all__ = [
-    "Recording", "about_case", "files_of", "force_columns", "load_recording", "read", "read_batches", "read_recording",
+    "Recording", "about_case", "files_of", "force_columns", "load_recording", "read", "read_recording",
     "read_run", "save_recording", "write_recording",
 ]  # fmt: skip
 

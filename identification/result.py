@@ -1,8 +1,6 @@
 """What an identification says: parameters in both forms with standard deviations, and how well the model fits."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,10 +11,11 @@ from cases.schema import Case
 from identification.estimation.biases import AccelerometerBias
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
+from identification.finding import Finding, Severity, quantities, sentences
 from identification.model import ERROR_TERMS, Model, identification_model
 from identification.noise.sources import Attenuation, NoiseSources, attenuation_of
 from identification.parameters import physical_form
-from identification.runs.conditioning import USUAL, Conditioning
+from identification.samples import USUAL, Conditioning, Samples
 
 Array = NDArray[np.float64]
 
@@ -34,24 +33,22 @@ class Evaluation(NamedTuple):
     """What was evaluated.
 
     Args:
-        samples: recorded samples that went into the fit.
+        evaluated: what went into the fit.
         residuals: recorded forces less the model, shape (n, 6) [N, or N and N m].
         delay: of the forces, where it was estimated.
         noise: what s0 consists of, where the case states noise.
         accelerometer: its biases, where standstills have its readings.
-        notes: sentences about the evaluation.
         conditioning: what was done to a moving run beforehand.
-        told: what is to be said of that, for result files.
+        findings: all that is to be told.
     """
 
-    samples: int
+    evaluated: Samples
     residuals: Array
     delay: Delay | None
-    noise: NoiseSources | None = None
-    accelerometer: AccelerometerBias | None = None
-    notes: tuple[str, ...] = ()
-    conditioning: Conditioning = USUAL
-    told: Mapping[str, Any] = MappingProxyType({})
+    noise: NoiseSources | None
+    accelerometer: AccelerometerBias | None
+    conditioning: Conditioning
+    findings: tuple[Finding, ...]
 
 
 class Value(NamedTuple):
@@ -100,14 +97,13 @@ class Estimate:
         delay: of the forces, where it was estimated.
         how: estimator and what was known beforehand.
         terms: forms of the error compensation other than the model's.
-        notes: what the estimator did beside.
-        warnings: sentences.
+        findings: what speaks against it, and what is good to know.
         residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
         conditioning: what was done to a moving run beforehand.
-        told: what is to be said of that.
         noise_sources: what s0 consists of, where the case states noise.
         attenuation: of physical parameters by name, where the case states noise of the struts.
         accelerometer: its biases, where standstills have its readings.
+        evaluated: the samples that it was made from, not saved.
     """
 
     case: str
@@ -131,14 +127,28 @@ class Estimate:
     delay: Delay | None
     how: Method
     terms: tuple[str, ...]
-    notes: tuple[str, ...]
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
     residuals: Array
     noise_sources: NoiseSources | None
     attenuation: dict[str, Attenuation] | None
     accelerometer: AccelerometerBias | None
+    evaluated: Samples
     conditioning: Conditioning = USUAL
-    told: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What people should act on."""
+        return sentences(self.findings, Severity.WARNING)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is good to know."""
+        return sentences(self.findings, Severity.NOTE)
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What programs are told beside the figures, by their keys in result files."""
+        return quantities(self.findings)
 
     def to_json(self) -> dict[str, Any]:
         """Everything but the residuals, SI units."""
@@ -187,7 +197,6 @@ def estimate_of(
     case: Case,
     evaluation: Evaluation,
     how: Method,
-    warnings: tuple[str, ...],
 ) -> Estimate:
     """Puts a fit into words; columns of the fit beyond the model's parameters are nuisances and left out."""
     unknowns = len(model.parameters)
@@ -222,7 +231,7 @@ def estimate_of(
         s0=fit.s0,
         s0_N=float(np.sqrt(np.mean(evaluation.residuals[:, newtons] ** 2))),
         residual_rms=np.sqrt(np.mean(evaluation.residuals**2, axis=0)),
-        samples=evaluation.samples,
+        samples=evaluation.evaluated.samples,
         freedom=fit.freedom,
         rank=fit.rank,
         condition=fit.condition,
@@ -231,12 +240,11 @@ def estimate_of(
         delay=evaluation.delay,
         how=how,
         terms=terms,
-        notes=(*fit.notes, *evaluation.notes),
-        warnings=warnings,
+        findings=evaluation.findings,
         residuals=fit.residuals,
         noise_sources=noise,
         attenuation=attenuation,
         accelerometer=evaluation.accelerometer,
+        evaluated=evaluation.evaluated,
         conditioning=evaluation.conditioning,
-        told=evaluation.told,
     )

@@ -23,7 +23,7 @@ from identification.loaded import (
     rippled,
     vibrating,
 )
-from identification.model import Model, identification_model, regressors
+from identification.model import expected_forces, identification_model
 from identification.noise.stated import acceleration_to_force
 from identification.parameters import linear_parameters
 from identification.recording import Recording
@@ -32,7 +32,6 @@ from identification.trajectories.executed import Execution
 Array = NDArray[np.float64]
 
 TRUE_MODEL = 9  # rigid body with inertia, offsets and the elastic error terms K2 and K5
-BLOCK = 20_000  # samples whose regressors are held at once
 
 
 class ForceParts(NamedTuple):
@@ -88,7 +87,7 @@ def force_parts(
     simulation = case.need_simulation("the simulation of sensor forces")
     model = identification_model(case, TRUE_MODEL)
     u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
-    rigid = _forces(model, motion, u)
+    rigid = expected_forces(model, motion, u)
     found = around.disturbances
     if found is None:
         return ForceParts(rigid, np.zeros_like(rigid), np.zeros_like(rigid))
@@ -96,15 +95,7 @@ def force_parts(
     frequency = mode_frequency(simulation.parameters, around)
     shaken = Kinematics(motion.pose, motion.twist, vibrating(motion.twist_rate, step, frequency, found.mode_damping))
     weight = around.load * float(np.linalg.norm(case.gravity))
-    return ForceParts(rigid, _forces(model, shaken, u) - rigid, fields.of(weight))
-
-
-def _forces(model: Model, motion: Kinematics, u: Array) -> Array:
-    """A u, block by block: the regressors of a run of minutes would fill the memory."""
-    blocks = [slice(k, k + BLOCK) for k in range(0, len(motion.pose), BLOCK)]
-    return np.vstack(
-        [regressors(model, Kinematics(motion.pose[b], motion.twist[b], motion.twist_rate[b])) @ u for b in blocks]
-    )
+    return ForceParts(rigid, expected_forces(model, shaken, u) - rigid, fields.of(weight))
 
 
 def _quantised(struts: Array, simulation: Simulation) -> Array:

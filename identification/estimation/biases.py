@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
+from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.regressor_blocks import MASS, OFFSETS
 
@@ -127,7 +128,7 @@ class Biases:
             )
         return self.accelerometer
 
-    def drift(self, free: Array, covariance: Array, units: tuple[str, ...], mass: str) -> list[str]:
+    def drift(self, free: Array, covariance: Array, units: tuple[str, ...], mass: str) -> list[Finding]:
         """Warning where a run itself finds other offsets.
 
         Args:
@@ -142,14 +143,15 @@ class Biases:
         if not abs(away[worst]) > DRIFTED * std[worst]:
             return []
         name, unit, by = OFFSET_NAMES[worst], units[worst], abs(away[worst])
-        return [
+        told = (
             f"{name} of this run is {free[worst]:.4g} {unit}, {by:.2g} {unit} or {by / std[worst]:.0f} standard "
             f"deviations from that of {self.source}: offsets have drifted, or the two runs err differently; the other "
             f"parameters carry it{mass}"
-        ]
+        )
+        return [warning(Kind.OFFSETS, told)]
 
 
-def mass_told(model: Model, fit: Fit, exact: Fit) -> str:
+def mass_told(model: Model, fit: Fit, exact: Fit) -> Finding:
     """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
 
     Args:
@@ -159,9 +161,10 @@ def mass_told(model: Model, fit: Fit, exact: Fit) -> str:
     """
     place = model.names.index("m")
     std, left = (max(f.covariance[place, place], f.covariance_robust[place, place]) for f in (fit, exact))
-    return (
+    return note(
+        Kind.OFFSETS,
         f"of the mass's standard deviation of {std**0.5:.2g} kg the offsets that were taken make "
-        f"{max(std - left, 0.0) ** 0.5:.2g} kg; what this run leaves of its forces makes {left**0.5:.2g} kg"
+        f"{max(std - left, 0.0) ** 0.5:.2g} kg; what this run leaves of its forces makes {left**0.5:.2g} kg",
     )
 
 
@@ -208,7 +211,7 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
     return widened(fit, moves, biases.covariance)
 
 
-def drift_told(biases: Biases, model: Model, free: Fit) -> list[str]:
+def drift_told(biases: Biases, model: Model, free: Fit) -> list[Finding]:
     """Offsets that have drifted since they were taken, by what the run itself says of them.
 
     Args:

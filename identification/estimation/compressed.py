@@ -4,7 +4,7 @@ W^1/2 (A f) = Q (R c; 0 d) turns chi^2 of (27) into |c - R u|^2 + d^2 (Golub & V
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from identification.estimation.fit import UNFILTERED, Filtered, Fit, long_run_co
 Array = NDArray[np.float64]
 
 _PART = 600  # rows of a QR that stay in the cache
+_PIECE = 20_000  # samples whose rows are held at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +65,21 @@ def compress(regressors: Array, forces: Array, weights: Array) -> Compressed:
             f"{samples} samples give {samples * sensors} forces for {unknowns} unknowns; record more or choose a model "
             "with fewer parameters"
         )
-    joined = np.concatenate([regressors, forces[:, :, None]], axis=2) * np.sqrt(weights)[:, None]
-    r = triangle(joined.reshape(-1, unknowns + 1))
+    r = joint_triangle(regressors, forces, np.sqrt(weights))
     return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), samples * sensors)
+
+
+def joint_triangle(regressors: Array, forces: Array, root: Array) -> Array:
+    """R of the QR of all (A_j f_j), rows multiplied by `root`, shape (6,), piece by piece, shape (u + 1, u + 1)."""
+    tops = [
+        triangle(
+            (
+                np.concatenate([regressors[k : k + _PIECE], forces[k : k + _PIECE, :, None]], axis=2) * root[:, None]
+            ).reshape(-1, regressors.shape[2] + 1)
+        )
+        for k in range(0, len(forces), _PIECE)
+    ]
+    return tops[0] if len(tops) == 1 else triangle(np.vstack(tops))
 
 
 def column_scale(root: Array) -> Array:
@@ -175,7 +188,19 @@ def fit_along(
     s0 = float(np.sqrt(np.sum(weights * residuals**2) * filtered.stride / freedom))  # (27)
     half = tangent @ inverse_root(root)
     inverse = half @ half.T  # F^-1 of (28), along du/dtheta
-    # Of u, not of theta: the bandwidth inside then depends on no choice of theta.
-    long_run = long_run_covariance(scores(regressors, residuals, weights))
     covariance = s0**2 / filtered.stride * inverse
-    return Fit(values, covariance, inverse @ long_run @ inverse, s0, freedom, residuals, weights, rank, condition)
+    return Fit(values, covariance, covariance, s0, freedom, residuals, weights, rank, condition)
+
+
+def with_kernel(fit: Fit, regressors: Array, filtered: Filtered = UNFILTERED) -> Fit:
+    """A fit that allows for noise with memory by Bartlett's kernel, `long_run_covariance`.
+
+    Args:
+        fit: by `fit_along`.
+        regressors: A_j of that, shape (n, 6, u).
+        filtered: what was done to regressors and forces before.
+    """
+    inverse = fit.covariance * filtered.stride / max(fit.s0**2, np.finfo(float).tiny)
+    # Of u, not of theta: the bandwidth inside then depends on no choice of theta.
+    long_run = long_run_covariance(scores(regressors, fit.residuals, fit.weights))
+    return replace(fit, covariance_robust=inverse @ long_run @ inverse)

@@ -155,7 +155,7 @@ def channel_leverage(regressors: Array, weights: Array) -> Array:
     return np.asarray(np.sum((weighted @ half) ** 2, axis=(0, 2)))
 
 
-def independent_poses(regressors: Array, fit: Fit) -> Array:
+def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Array:
     """Covariance of u where poses are independent of each other, channels of a pose not, shape (u, u).
 
     The cluster form of HC3 (CR3; MacKinnon & White 1985, Bell & McCaffrey 2002): residuals of a pose are replaced by
@@ -163,12 +163,13 @@ def independent_poses(regressors: Array, fit: Fit) -> Array:
 
     Args:
         regressors: A_j, shape (n, 6, u).
-        fit: of these.
+        residuals: of a fit to these, shape (n, 6).
+        weights: diagonal of W for one sample, shape (6,).
     """
-    root_weights = np.sqrt(fit.weights)
+    root_weights = np.sqrt(weights)
     weighted = regressors * root_weights[:, None]
     half = inverse_root(np.asarray(np.linalg.qr(weighted.reshape(-1, regressors.shape[2]), mode="r")))
     q = weighted @ half
     left_out = np.linalg.pinv(np.eye(6) - q @ q.transpose(0, 2, 1), rcond=1e-9, hermitian=True)
-    scores = np.einsum("nku,nkl,nl->nu", q, left_out, root_weights * fit.residuals)
+    scores = np.einsum("nku,nkl,nl->nu", q, left_out, root_weights * residuals)
     return np.asarray(half @ (scores.T @ scores) @ half.T)

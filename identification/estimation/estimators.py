@@ -19,10 +19,10 @@ from identification.estimation.estimator import gauss_markov, per_channel
 from identification.estimation.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
 from identification.estimation.full_weights import full_weights
 from identification.estimation.nonlinear import nonlinear
-from identification.estimation.prior_estimation import with_priors
-from identification.estimation.priors import Prior
+from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import huber
 from identification.estimation.selection import Selection, estimate_selected, select
+from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
 from identification.noise.stated import StatedNoise
 from identification.parameters import physical_form
@@ -210,15 +210,19 @@ def method(
 def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:
     found = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
     share = ", ".join(f"{100 * r:.0f}" for r in found.reduced)
-    note = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
-    doubt = f"robust: weights still changed after {found.rounds} rounds; compare with gauss-markov"
-    return replace(found.fit, notes=(note,), doubts=() if found.converged else (doubt,))
+    told = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
+    return replace(found.fit, findings=(note(Kind.ESTIMATOR, told), *_settled("robust", found.converged, found.rounds)))
 
 
 def _full(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:
     found = full_weights(regressors, forces, names, problem.nuisance, problem.filtered)
-    doubt = f"full: W still changed after {found.rounds} rounds; compare with gauss-markov"
-    return replace(found.fit, doubts=() if found.converged else (doubt,))
+    return replace(found.fit, findings=_settled("full", found.converged, found.rounds))
+
+
+def _settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
+    if converged:
+        return ()
+    return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
 
 
 def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem: Problem, free: Estimator) -> Fit:
@@ -226,15 +230,15 @@ def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem:
     found = consistent(regressors, forces, names, start, THINNEST)
     if found.fit is None:
         raise IdentificationError(f"no consistent body was found: {found.failure}")
-    doubts = start.doubts
-    if not found.bound:
-        note = "consistent: the estimate is that of a real body, the constraint did not bind"
-    else:
-        note = f"consistent: the constraint bound and raised chi^2 by {found.rise:.3g} s0^2; chance does so in at most "
-        note += f"{100 * found.p_value:.2g} % of runs"
-        if found.p_value < UNLIKELY:
-            doubts = (*doubts, "no real body is near what the data say; model or data are wrong")
-    return replace(found.fit, notes=(*start.notes, note), doubts=doubts)
+    told = "consistent: the estimate is that of a real body, the constraint did not bind"
+    if found.bound:
+        told = f"consistent: the constraint bound and raised chi^2 by {found.rise:.3g} s0^2; chance does so in at most "
+        told += f"{100 * found.p_value:.2g} % of runs"
+    findings = (*start.findings, note(Kind.ESTIMATOR, told))
+    if found.bound and found.p_value < UNLIKELY:
+        far = "no real body is near what the data say; model or data are wrong"
+        findings = (*findings, warning(Kind.ESTIMATOR, far))
+    return replace(found.fit, findings=findings)
 
 
 def _nonlinear(
@@ -251,7 +255,7 @@ def _nonlinear(
     found = nonlinear(regressors, forces, problem.model, weights, known, problem.filtered)
     if found.fit is None:
         raise IdentificationError(f"the non-linear form was not solved: {found.failure}")
-    return replace(found.fit, notes=(f"nonlinear: {found.steps} Gauss-Newton steps",))
+    return replace(found.fit, findings=(note(Kind.ESTIMATOR, f"nonlinear: {found.steps} Gauss-Newton steps"),))
 
 
 def _with_priors(
@@ -261,16 +265,16 @@ def _with_priors(
     found = with_priors(regressors, forces, problem.model, weights, priors, problem.filtered)
     if found.fit is None:
         raise IdentificationError(f"data and priors have no solution: {found.failure}")
-    notes, doubts = [], []
+    findings = []
     for effect in found.effects:
-        note = f"prior {effect.prior.name} = {effect.prior.value:.6g} +- {effect.prior.std:.2g}: the data hold "
-        note += f"{100 * effect.data_share:.0f} % of what is known about it"
+        told = f"prior {effect.prior.name} = {effect.prior.value:.6g} +- {effect.prior.std:.2g}: the data hold "
+        told += f"{100 * effect.data_share:.0f} % of what is known about it"
         if effect.data_share > 0.0:
-            note += f", it moved the estimate by {effect.moved:+.2g} of their standard deviations"
-        notes.append(note)
+            told += f", it moved the estimate by {effect.moved:+.2g} of their standard deviations"
+        findings.append(note(Kind.ESTIMATOR, told))
         if abs(effect.conflict) > CONFLICT:
-            doubts.append(
-                f"prior {effect.prior.name} disagrees with the data by {abs(effect.conflict):.1f} standard deviations; "
-                "doubt one of them"
+            told = (
+                f"prior {effect.prior.name} disagrees with the data by {abs(effect.conflict):.1f} standard deviations"
             )
-    return replace(found.fit, notes=tuple(notes), doubts=tuple(doubts))
+            findings.append(warning(Kind.ESTIMATOR, f"{told}; doubt one of them"))
+    return replace(found.fit, findings=tuple(findings))

@@ -1,12 +1,16 @@
-"""What every estimator gives back, and what is said about errors that are not white."""
+"""What every estimator gives back, and what is said about errors that are not white.
+
+W of (24) as its root, for errors of channels that depend on each other.
+"""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from identification.finding import Finding
 from identification.noise.pose_field import PoseField
 
 Array = NDArray[np.float64]
@@ -33,12 +37,12 @@ class Robust(NamedTuple):
 
     Args:
         covariance: of u, shape (u, u).
-        notes: sentences about the noise that it allows for.
+        findings: what noise it allows for.
         field: errors that depend on the pose, where the run shows them.
     """
 
     covariance: Array
-    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     field: PoseField | None = None
 
 
@@ -56,8 +60,8 @@ class Fit:
         weights: diagonal of W for one sample, shape (6,).
         rank: of the scaled regressor.
         condition: mu_1 / mu_u of the scaled regressor (26).
-        notes: sentences about what the estimator did beside: a constraint that bound, what a prior moved.
-        doubts: sentences about what speaks against it: a prior that disagrees, a search that did not settle.
+        findings: what the estimator did beside, as a constraint that bound, or a prior that moved it, and what speaks
+            against it, as a prior that disagrees, or a search that did not settle.
         field: errors that depend on the pose, where the run shows them.
     """
 
@@ -70,8 +74,7 @@ class Fit:
     weights: Array
     rank: int
     condition: float
-    notes: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     field: PoseField | None = None
 
 
@@ -97,3 +100,27 @@ def long_run_covariance(scores: Array) -> Array:
     upper = np.arange(1, count + width)
     moving = padded[upper] - padded[np.maximum(upper - width, 0)]
     return np.asarray(moving.T @ moving / width)
+
+
+def whitened(whitening: Array | None, matrices: Array, forces: Array) -> tuple[Array, Array]:
+    """Both multiplied with the root of W, shapes (6, 6), (n, 6, u) and (n, 6); as they are where it is None."""
+    return (matrices, forces) if whitening is None else (whitening @ matrices, forces @ whitening.T)
+
+
+def of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array) -> Fit:
+    """A fit to whitened forces with the residuals of the forces themselves, and the diagonal of W.
+
+    Args:
+        whitening: root of W, shape (6, 6); None where nothing was whitened.
+        fit: to the whitened forces.
+        matrices: A, not whitened, shape (n, 6, u).
+        forces: not whitened, shape (n, 6) [N, or N and N m].
+    """
+    if whitening is None:
+        return fit
+    return replace(fit, residuals=forces - matrices @ fit.values, weights=np.sum(whitening**2, axis=0))
+
+
+def w_of(whitening: Array | None, fit: Fit) -> Array:
+    """W for one sample, shape (6, 6)."""
+    return np.diag(fit.weights) if whitening is None else whitening.T @ whitening

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import WEIGHT_ROUNDS, WEIGHT_TOLERANCE, gauss_markov
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
 
@@ -88,7 +89,8 @@ def _weighted(
     """Gauss-Markov after whitening: with channels = L L^T the noise of L^-1 f is white and alike in all channels."""
     std = np.sqrt(np.diag(channels))  # apart, so that newtons and newton metres do not meet in one factorisation
     whiten = np.linalg.inv(np.linalg.cholesky(channels / np.outer(std, std))) / std
-    fit = gauss_markov(whiten @ regressors, forces @ whiten.T, names, np.ones(6), nuisance, filtered)
+    white = whiten @ regressors
+    fit = with_kernel(gauss_markov(white, forces @ whiten.T, names, np.ones(6), nuisance, filtered), white, filtered)
     residuals = forces - regressors @ fit.values
     return replace(fit, residuals=residuals, weights=np.sum(whiten**2, axis=0))
 

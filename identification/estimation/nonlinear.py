@@ -3,19 +3,21 @@
 (18) is A u(p) with u(p) of (17): the regressor is the model's own, and A du/dp is the local Jacobian. With all
 parameters free the estimate is the linear one, propagated. With some known it is a different one wherever a physical
 parameter is known that is not linear in u, such as a central inertia without its centre of gravity.
+
+Least squares of a non-linear residual by Gauss-Newton steps with halving (Nocedal & Wright 2006, section 10.3).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
-from identification.estimation.compressed import compress, fit_along
+from identification.estimation.compressed import column_scale, compress, fit_along, with_kernel
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
-from identification.estimation.gauss_newton import gauss_newton
 from identification.estimation.selection import require_names
 from identification.model import Model
 from identification.parameters import physical_form
@@ -127,7 +129,64 @@ def nonlinear(
     if found.failure is not None:
         return NonlinearFit(None, physical, None, found.steps, found.failure)
     labels = [name for name, f in zip(names, free, strict=True) if f]
-    fit = fit_along(regressors, forces, labels, weights, compressed, u, tangent, beyond, filtered)
+    along = fit_along(regressors, forces, labels, weights, compressed, u, tangent, beyond, filtered)
+    fit = with_kernel(along, regressors, filtered)
     onto = np.zeros((len(names), len(names)))
     onto[free] = np.linalg.pinv(tangent)  # tangent has full rank: du/dp has it for every mass but zero
     return NonlinearFit(fit, physical, onto @ fit.covariance @ onto.T, found.steps, None)
+
+
+Residual = Callable[[Array], tuple[Array, Array]]
+"""theta, shape (p,) -> residuals, shape (k,), and their Jacobian, shape (k, p)."""
+
+STEPS = 50
+HALVINGS = 30
+RESOLVED = 1e-10  # of |r|^2: less of it than a step promises may drown in rounding, and the step is taken unseen
+
+
+class Minimum(NamedTuple):
+    """Where the search ended.
+
+    Args:
+        at: theta, shape (p,).
+        steps: taken.
+        failure: why this is no minimum, and what to do; None where it is one.
+    """
+
+    at: Array
+    steps: int
+    failure: str | None
+
+
+def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:
+    """Minimises |r(theta)|^2.
+
+    Directions that nothing determines stay where they started: rank is the caller's to judge at the end.
+
+    Args:
+        residual: r and its Jacobian.
+        start: theta, shape (p,).
+        tolerance: length of a step, as the change of r that it predicts, below which it is the last. Where r is in
+            standard deviations of the noise no parameter is then further from the minimum than so many of its own.
+    """
+    at = np.asarray(start, dtype=float)
+    r, jacobian = residual(at)
+    if not np.isfinite(r).all() or not np.isfinite(jacobian).all():
+        return Minimum(at, 0, "the model has no finite value at the start; start from a mass above zero")
+    for steps in range(1, STEPS + 1):
+        scale = column_scale(jacobian)
+        step = scale * np.linalg.lstsq(jacobian * scale, -r, rcond=None)[0]
+        predicted = float(np.linalg.norm(jacobian @ step))
+        cost, share = float(r @ r), 1.0
+        for _ in range(HALVINGS):
+            new, new_jacobian = residual(at + share * step)
+            finite = bool(np.isfinite(new).all() and np.isfinite(new_jacobian).all())
+            if finite and (float(new @ new) < cost or predicted**2 <= max(tolerance**2, RESOLVED * cost)):
+                break
+            share /= 2.0
+        else:
+            return Minimum(at, steps, "no step lowers chi^2 any more, yet the gradient is not zero; start nearer")
+        at, r, jacobian = at + share * step, new, new_jacobian
+        if predicted <= tolerance:
+            return Minimum(at, steps, None)
+    return Minimum(at, STEPS, f"the steps did not become small within {STEPS}; start nearer or give more known values")

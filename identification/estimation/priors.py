@@ -1,4 +1,9 @@
-"""What is known beforehand, and how well: Gaussian priors on linear or physical parameters."""
+"""What is known beforehand, and how well: Gaussian priors on linear or physical parameters.
+
+Estimation from data and priors together: priors are pseudo-measurements beside those of (23).
+
+The noise is judged by the data alone, so that a wrong prior shows as a conflict and does not hide in s0.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,6 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from identification.estimation.compressed import (
+    column_scale,
+    compress,
+    degrees_of_freedom,
+    determined,
+    inverse_root,
+    scores,
+)
+from identification.estimation.fit import UNFILTERED, Filtered, Fit, long_run_covariance
+from identification.estimation.nonlinear import gauss_newton
 from identification.estimation.selection import require_names
 from identification.model import Model
 from identification.parameters import PhysicalForm, physical_form
@@ -87,3 +102,144 @@ class PseudoMeasurements:
                 index = names.index(prior.name)
                 values[k], rows[k, :count] = physical[index, 0], jacobian[index]
         return values, rows
+
+
+TOLERANCE = 1e-9  # of a standard deviation of each parameter
+ROUNDING = 1e-14  # of the forces: what rounding leaves of data without noise
+SILENT = 1e-9  # below this share of the information the data count as silent about a parameter
+
+
+class PriorEffect(NamedTuple):
+    """What a prior did to the parameter that it is about.
+
+    Args:
+        prior: the prior.
+        estimate: with it [SI].
+        std: of the estimate [SI].
+        moved: by how many of the standard deviations that the estimate would have without this prior the prior moved
+            it; 0 where the data are silent.
+        conflict: by how many standard deviations of their difference the prior is above data and other priors;
+            standard normal where they agree, 0 where the data are silent.
+        data_share: of the information about this parameter, the share that is not this prior's, 0 to 1.
+    """
+
+    prior: Prior
+    estimate: float
+    std: float
+    moved: float
+    conflict: float
+    data_share: float
+
+
+@dataclass(frozen=True, slots=True)
+class PriorFit:
+    """An estimate from data and priors.
+
+    Args:
+        fit: of u; covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom
+            those of the data alone; None where the search failed.
+        effects: one for each prior; none where the search failed.
+        data_share: trace of the resolution matrix over u: the share of the unknowns that the data determine, 0 to 1.
+        failure: why the search failed, or None.
+    """
+
+    fit: Fit | None
+    effects: tuple[PriorEffect, ...]
+    data_share: float
+    failure: str | None
+
+
+def with_priors(
+    regressors: Array,
+    forces: Array,
+    model: Model,
+    weights: Array,
+    priors: Sequence[Prior],
+    filtered: Filtered = UNFILTERED,
+) -> PriorFit:
+    """The most probable u, by Gauss-Newton since a prior on a physical parameter is not linear in u.
+
+    Args:
+        regressors: A_j, shape (n, 6, u); columns beyond the model's (a delay) have no prior.
+        forces: shape (n, 6) [N, or N and N m].
+        model: that the regressors belong to.
+        weights: diagonal of W for one sample, shape (6,); s0 is estimated, only their ratios matter.
+        priors: at most one for each name.
+        filtered: what was done to regressors and forces before.
+
+    Raises:
+        IdentificationError: priors that cannot be used (see `PseudoMeasurements.of`), fewer forces than unknowns, or
+            parameters that neither data nor priors determine, by name.
+    """
+    pseudo = PseudoMeasurements.of(priors, model)
+    beyond = regressors.shape[2] - len(model.names)
+    names = [*model.names, *(f"nuisance {k + 1}" for k in range(beyond))]
+    compressed = compress(regressors, forces, weights)
+    scale = column_scale(compressed.root)
+    zero = compressed.rows * np.finfo(float).eps  # the paper's (Fig. 3)
+    free, _, rank, _ = np.linalg.lstsq(compressed.root * scale, compressed.right, rcond=zero)
+    freedom = degrees_of_freedom(compressed.rows, float(rank), filtered)
+    floor = ROUNDING * float(np.sqrt(compressed.rest + np.sum(compressed.right**2)))
+    least = max(compressed.chi_squared(scale * free), floor**2)
+    noise = float(np.sqrt(least / freedom))  # s0 / sqrt(stride), the noise of (28)
+    root, right = compressed.root / noise, compressed.right / noise
+
+    def residual(u: Array) -> tuple[Array, Array]:
+        values, rows = pseudo.at(u)
+        errors = np.concatenate([root @ u - right, (values - pseudo.values) / pseudo.std])
+        return errors, np.vstack([root, rows / pseudo.std[:, None]])
+
+    found = gauss_newton(residual, _start(root, right, pseudo), TOLERANCE + floor / noise)
+    if found.failure is not None:
+        return PriorFit(None, (), 0.0, found.failure)
+    jacobian = residual(found.at)[1]
+    together = determined(jacobian, names, compressed.rows, beyond)
+    spread = inverse_root(jacobian)
+    covariance = spread @ spread.T
+    residuals = forces - regressors @ found.at
+    of_data = long_run_covariance(scores(regressors, residuals, weights)) / noise**4
+    of_priors = jacobian[len(root) :].T @ jacobian[len(root) :]
+    fit = Fit(
+        values=found.at,
+        covariance=covariance,
+        covariance_robust=covariance @ (of_data + of_priors) @ covariance,
+        s0=noise * float(np.sqrt(filtered.stride)),
+        freedom=freedom,
+        residuals=residuals,
+        weights=weights,
+        rank=together.rank,
+        condition=together.condition,
+    )
+    return PriorFit(fit, _effects(pseudo, fit), float(np.sum((root @ spread) ** 2)) / len(names), None)
+
+
+def _start(root: Array, right: Array, pseudo: PseudoMeasurements) -> Array:
+    """The smallest u that data and linear priors agree on, with a mass above zero, by which others are divided."""
+    linear = pseudo.linear
+    rows = np.zeros((len(linear), root.shape[1]))
+    for k, prior in enumerate(pseudo.priors):
+        if linear[k]:
+            rows[k, pseudo.model.names.index(prior.name)] = 1.0 / prior.std
+    matrix = np.vstack([root, rows])
+    scale = column_scale(matrix)
+    start = scale * np.linalg.lstsq(matrix * scale, np.r_[right, linear * pseudo.values / pseudo.std], rcond=None)[0]
+    mass = pseudo.model.names.index("m")
+    if start[mass] <= 0.0:
+        start[mass] = max([p.value for p in pseudo.priors if p.name == "m" and p.value > 0.0], default=1.0)
+    return np.asarray(start)
+
+
+def _effects(pseudo: PseudoMeasurements, fit: Fit) -> tuple[PriorEffect, ...]:
+    """Takes one prior at a time away again: information adds, so that no further fit is needed."""
+    values, rows = pseudo.at(fit.values)
+    effects = []
+    for prior, value, row in zip(pseudo.priors, values, rows, strict=True):
+        variance = float(row @ fit.covariance @ row)
+        share = float(np.clip(1.0 - variance / prior.std**2, 0.0, 1.0))
+        moved = conflict = 0.0
+        if share > SILENT:
+            without = np.sqrt(share / variance)  # one over the standard deviation without this prior
+            moved = float((prior.value - value) / (prior.std**2 * without))
+            conflict = moved * prior.std / np.sqrt(variance)
+        effects.append(PriorEffect(prior, float(value), float(np.sqrt(variance)), moved, float(conflict), share))
+    return tuple(effects)

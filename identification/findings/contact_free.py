@@ -8,17 +8,14 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from identification.estimation.estimators import Method, Problem, robust_of
-from identification.findings.contact import Calm, Contact, find_contacts, touched
-from identification.findings.doubts import systematic
+from identification.findings.contact import Calm, Contact, find_contacts, least_trimmed_squares, touched
 from identification.findings.plausibility import MOST_NAMED, places
-from identification.long.contact import least_trimmed_squares
+from identification.findings.residual_checks import systematic
+from identification.fitting import Fitted, fit_samples
 from identification.model import Model
-from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
 from identification.result import Delay
-from identification.runs.evaluation import Run
-from identification.runs.moving import AnyRun, Moving, fit_with_delay
-from identification.runs.wrist import WristRun
+from identification.samples import PART, Samples, fair_part
 
 Array = NDArray[np.float64]
 
@@ -28,14 +25,13 @@ MOST_TOUCHED = 0.25  # of the samples in contact; more is no identification run
 
 
 def free_of_contact(
-    recording: Recording, run: AnyRun, moving: Moving, how: Method, problem: Problem, held: Delay | None = None
-) -> tuple[Moving, tuple[Contact, ...]]:
+    recording: Recording, fitted: Fitted, how: Method, problem: Problem, held: Delay | None = None
+) -> tuple[Fitted, tuple[Contact, ...]]:
     """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
 
     Args:
         recording: names rows.
-        run: with all its samples.
-        moving: a fit to it.
+        fitted: all samples with their fit.
         how: estimator.
         problem: the run's model and weights.
         held: the delay, where it is not estimated.
@@ -44,42 +40,43 @@ def free_of_contact(
         IdentificationError: too much of the run is in contact.
     """
     contacts: tuple[Contact, ...] = ()
-    if isinstance(run, PeriodicRun):  # periods that a contact makes strange are left out there
-        return moving, contacts
+    run, moving = fitted.samples, fitted
+    if not run.consecutive:
+        return fitted, contacts
+    forces, matrices = run.forces, fitted.matrices
     for _ in range(SEARCHES):
         # A contact biases the fit, and so the search for it: a robust fit begins, better ones follow.
-        left = _without_pull(run, moving, how, problem)
-        before, contacts = contacts, find_contacts(run.t, left, run.model.structure, run.forces - left)
+        left = forces - matrices @ _without_pull(matrices, forces, run, how, problem)
+        before, contacts = contacts, find_contacts(run.t, left, run.model.structure, forces - left)
         if contacts == before:
             break
         rows = touched(run.t, contacts)
         require_free(float(rows.mean()), [contact_told(recording, contact) for contact in contacts], run.model)
-        moving = fit_with_delay(run.without(rows), how, problem, moving.delay.value, held)
-    if systematic(moving.fit, moving.run.noise_correlation):
+        moving = fit_samples(run.without(rows), how, problem, moving.at, held)
+        matrices = run.regressors(moving.at)
+    if systematic(moving.fit, run.noise_correlation):
         longer = _long_contacts(run, moving)
         rows = touched(run.t, longer)
-        freed = (
-            fit_with_delay(run.without(rows), how, problem, moving.delay.value, held)
-            if 0.0 < rows.mean() < 1.0
-            else moving
-        )
-        if _spread(freed) < CALMER * _spread(moving) and not systematic(freed.fit, freed.run.noise_correlation):
+        freed = fit_samples(run.without(rows), how, problem, moving.at, held) if 0.0 < rows.mean() < 1.0 else moving
+        if _spread(freed) < CALMER * _spread(moving) and not systematic(freed.fit, run.noise_correlation):
             require_free(float(rows.mean()), [contact_told(recording, contact) for contact in longer], run.model)
             moving, contacts = freed, longer
     return moving, contacts
 
 
-def _long_contacts(run: Run | WristRun, moving: Moving) -> tuple[Contact, ...]:
+def _long_contacts(run: Samples, moving: Fitted) -> tuple[Contact, ...]:
     """Contacts of up to half a run, by what the half of the samples that agree best says of all."""
-    matrices = run.regressors(moving.delay.value)
-    half = least_trimmed_squares(matrices, run.forces, moving.w, run.filter.step * run.filter.stride)
+    matrices, forces = run.regressors(moving.at), run.forces
+    every = slice(None, None, -(-len(forces) // PART))  # of a long run some say where, on the scale of a search
+    step = float(np.median(np.diff(run.t[every])))
+    half = least_trimmed_squares(matrices[every], forces[every], moving.w, step)
     if half is None:
         return ()
-    left = half.residuals
-    return find_contacts(run.t, left, run.model.structure, run.forces - left, Calm.of(left[half.explained]))
+    left = forces - matrices @ half.values
+    return find_contacts(run.t, left, run.model.structure, forces - left, Calm.of(left[every][half.explained]))
 
 
-def _spread(moving: Moving) -> float:
+def _spread(moving: Fitted) -> float:
     """Rms of the weighted residuals."""
     left = moving.fit.residuals
     return float(np.sqrt(np.mean(np.einsum("ni,ij,nj->n", left, moving.w, left))))
@@ -105,13 +102,14 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
         )
 
 
-def _without_pull(run: AnyRun, moving: Moving, how: Method, problem: Problem) -> Array:
-    """Residuals of a robust fit to all samples of a run, shape (n, 6): gross deviations do not draw it to them."""
-    selection = how.selection(run.model)
-    matrices, forces = run.regressors(moving.delay.value), run.forces
+def _without_pull(matrices: Array, forces: Array, run: Samples, how: Method, problem: Problem) -> Array:
+    """U of a robust fit, shape (u,), of a long run to a part of it: gross deviations do not draw it to them."""
+    selection, part = how.selection(run.model), fair_part(len(forces))
+    matrices, forces = matrices[part], forces[part]
     pooled = problem.pooled if problem.noise is None else bool(np.ptp(problem.noise.force) == 0.0)
     robust = robust_of(replace(problem, pooled=pooled, filtered=run.filtered))
-    return robust(matrices @ selection.basis, forces - matrices @ selection.offset, selection.names).residuals
+    free = robust(matrices @ selection.basis, forces - matrices @ selection.offset, selection.names).values
+    return np.asarray(selection.offset + selection.basis @ free)
 
 
 def contacts_told(recording: Recording, contacts: Sequence[Contact]) -> list[str]:

@@ -4,15 +4,16 @@ Samples that no estimate may use are marked and named with their place; what mak
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from cases.errors import RecordingError
 from cases.schema import Case
 from cases.units import MM
+from identification.finding import Finding, Kind, Severity, sentences, warning
 from identification.formats.clock import GAP, HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
 from identification.formats.table import Lines
@@ -20,7 +21,6 @@ from identification.formats.table import Lines
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
-NO_FILTER = "no filter reaches across"
 MOST_NAMED = 3  # places of one finding that a message lists
 NEVER = 1e-9  # probability below which a silence of a channel is no chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
@@ -30,6 +30,7 @@ LONELY = 5.0  # times what most samples around it do, for a glitch
 LONELY_SHARE = 90.0  # [%] of these samples
 LONELY_WIDTH = 101  # samples around
 _AT_ONCE = 10_000  # windows in memory
+_TELLING = 200_000  # samples that tell a median
 SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading that jumps
 TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
@@ -43,12 +44,17 @@ class Scan(NamedTuple):
     """What was found in a recording.
 
     Args:
-        warnings: sentences with places.
+        findings: with places.
         bad: samples that no estimate may use, shape (n,).
     """
 
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
     bad: Rows
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What people are told."""
+        return sentences(self.findings, Severity.WARNING)
 
 
 def places(lines: Lines, rows: Rows) -> str:
@@ -64,13 +70,12 @@ def places(lines: Lines, rows: Rows) -> str:
     return f"{lines.word}{plural} {', '.join(named)}{more}"
 
 
-def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
+def scan(recording: Recording, case: Case) -> Scan:
     """Looks through a recording.
 
     Args:
         recording: any.
         case: range of the sensors, workspace and limits of the machine.
-        most: share of the samples that may be unusable.
 
     Raises:
         RecordingError: rows without a clock that are samples of a motion, or so much damage that the rest is no run.
@@ -78,13 +83,17 @@ def scan(recording: Recording, case: Case, most: float = MOST_BAD) -> Scan:
     if recording.t is None:
         _require_standstills(recording)
     count, found = len(recording.forces), unmeasured(recording)
-    bad, warnings = found.bad, list(found.warnings)
+    bad, findings = found.bad, list(found.findings)
     for text, rows in _joined([*_clipped(recording, case), *_silent(recording), *_jumping(recording, case)]):
-        warnings.append(f"{places(recording.lines, rows)}: {text}; left out")
+        findings.append(warning(Kind.DAMAGE, f"{text}; left out", places(recording.lines, rows)))
         bad |= rows
-    warnings += [f"{places(recording.lines, rows)}: {text}" for text, rows in _outside(recording, case)]
-    require_usable(recording.source, int(bad.sum()), count, warnings, most)
-    return Scan(tuple(warnings), bad)
+    findings += [warning(Kind.CASE, text, places(recording.lines, rows)) for text, rows in _outside(recording, case)]
+    if bad.sum() > MOST_BAD * count:
+        raise RecordingError(
+            f"{recording.source}: {100 * bad.sum() / count:.0f} % of the samples are unusable, at most "
+            f"{100 * MOST_BAD:.0f} % may be: {findings[0]}; mend the sensor and record again"
+        )
+    return Scan(tuple(findings), bad)
 
 
 def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
@@ -102,21 +111,12 @@ def _joined(findings: Sequence[tuple[str, Rows]]) -> list[tuple[str, Rows]]:
     return joined
 
 
-def require_usable(source: str, bad: int, count: int, warnings: Sequence[str], most: float = MOST_BAD) -> None:
-    """Raises RecordingError where more than a share of the samples may not be used."""
-    if bad > most * count:
-        raise RecordingError(
-            f"{source}: {100 * bad / count:.0f} % of the samples are unusable, at most {100 * most:.0f} % may be: "
-            f"{warnings[0]}; mend the sensor and record again"
-        )
-
-
 def unmeasured(recording: Recording) -> Scan:
     """What was not measured, whatever the rest looks like: values that are missing, and gaps."""
     bad = np.zeros(len(recording.forces), dtype=bool) if recording.missing is None else recording.missing.copy()
     own, *others = recording.streams
-    told = [*missing_told(own), *(f"{other.source}, {text}" for other in others for text in missing_told(other))]
-    return Scan(tuple(told), bad)
+    elsewhere = [replace(f, sentence=f"{other.source}, {f}") for other in others for f in missing_values(other)]
+    return Scan((*missing_values(own), *elsewhere), bad)
 
 
 def bridged(values: Array, bad: Rows) -> Array:
@@ -130,21 +130,24 @@ def bridged(values: Array, bad: Rows) -> Array:
     return result
 
 
-def missing_told(stream: Stream) -> list[str]:
-    """What to say of values that were not measured, and of samples that were lost."""
+def missing_values(stream: Stream) -> list[Finding]:
+    """Values that were not measured, and samples that were lost."""
     found = []
     count = len(stream.missing) if stream.missing is not None else 0
     put_back = np.zeros(count, dtype=bool)
     put_back[[k // stream.lines.every for k in stream.lines.inserted if k % stream.lines.every == 0]] = True
     if stream.missing is not None and np.any(stream.missing & ~put_back):
         names = ", ".join(dict.fromkeys(stream.missing_in))
-        found.append(f"{places(stream.lines, stream.missing & ~put_back)}: no measured value in {names}; left out")
+        where = places(stream.lines, stream.missing & ~put_back)
+        found.append(warning(Kind.DAMAGE, f"no measured value in {names}; left out", where))
     if put_back.any():
         before = np.flatnonzero(np.diff(np.r_[False, put_back].astype(np.int8)) > 0)
-        found.append(f"{behind(stream.lines, before, int(put_back.sum()))}; bridged from their neighbours")
+        told = f"{behind(stream.lines, before, int(put_back.sum()))}; bridged from their neighbours"
+        found.append(warning(Kind.DAMAGE, told))
     lost = lost_samples(stream.t, HOST_GAP if stream.struts is None else GAP)
     if lost.any():
-        found.append(f"{behind(stream.lines, np.flatnonzero(lost), int(lost.sum()))}; {NO_FILTER}")
+        told = f"{behind(stream.lines, np.flatnonzero(lost), int(lost.sum()))}; no filter reaches across"
+        found.append(warning(Kind.DAMAGE, told))
     return found
 
 
@@ -178,20 +181,22 @@ def _silent(recording: Recording) -> list[tuple[str, Rows]]:
     """Force channels that stop changing although the machine moves: a saturated amplifier, a bus that repeats."""
     if recording.t is None or recording.struts is None or len(recording.t) < LEAST_ROWS:
         return []
-    step = float(np.median(np.diff(recording.t)))
-    moves = np.abs(np.diff(recording.struts, axis=0)).max(axis=1) > TRAVELLING * step
+    travel = TRAVELLING * float(np.median(np.diff(recording.t)))
     found = []
     for k in range(6):
         still = np.diff(recording.forces[:, k]) == 0.0
         usual = float(np.clip(np.mean(still), 0.01, 0.999))
         least = int(np.ceil(np.log(NEVER / len(still)) / np.log(usual)))
         edges = np.flatnonzero(np.diff(np.r_[False, still, False].astype(np.int8)))
+        long = edges[1::2] - edges[::2] >= least
         rows = np.zeros(len(recording.forces), dtype=bool)
-        for first, last in zip(edges[::2], edges[1::2], strict=True):
+        for first, last in zip(edges[::2][long], edges[1::2][long], strict=True):
             # The other channels tell a sensor that is stuck from forces that are constant.
-            others = np.ptp(np.delete(recording.forces[first : last + 1], k, axis=1), axis=0).max()
-            if last - first >= least and others > 0.0 and moves[first:last].mean() > 0.5:
-                rows[first : last + 1] = True
+            here = slice(first, last + 1)
+            others = np.ptp(np.delete(recording.forces[here], k, axis=1), axis=0).max()
+            moves = np.abs(np.diff(recording.struts[here], axis=0)).max(axis=1) > travel
+            if others > 0.0 and moves.mean() > 0.5:
+                rows[here] = True
         if rows.any():
             value = recording.forces[np.argmax(rows), k]
             found.append((f"channel {k + 1} is stuck at {value:g} while the machine moves", rows))
@@ -203,72 +208,91 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     if recording.t is None or len(recording.t) < LEAST_ROWS:
         return []
     found = []
-    away = recording.forces[1:-1] - (recording.forces[:-2] + recording.forces[2:]) / 2
-    usual = 1.4826 * np.median(np.abs(away), axis=0)
-    # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
-    step_across = np.abs(recording.forces[2:] - recording.forces[:-2])
-    shaken = _shaken(recording)
+    count = len(recording.forces)
     for k in range(6):
-        least = max(OUTLIER * usual[k], 1e-9 * float(np.abs(recording.forces[:, k]).max()))
-        rows = _peaks(away[:, k], least)
-        rows[1:-1] &= step_across[:, k] < np.abs(away[:, k])
-        rows &= ~shaken
+        force = recording.forces[:, k]
+        away = np.abs(_from_neighbours(force))
+        usual = 1.4826 * _median(away)
+        # An acceleration that steps takes the force with it for good: the samples on both sides do not agree then.
+        leaps = _peaks(away, max(OUTLIER * usual, 1e-9 * max(float(force.max()), -float(force.min()))))
+        leaps = leaps[np.abs(force[leaps + 2] - force[leaps]) < away[leaps]]
+        leaps = leaps[~_shaken(recording, leaps + 1)]
         # A drive that ripples makes forces that leap again and again; a glitch stands alone.
-        leaps = np.flatnonzero(rows[1:-1])
-        rows[1 + leaps] = np.abs(away[leaps, k]) > LONELY * _around(np.abs(away[:, k]), leaps)
-        if usual[k] > 0.0 and rows.any():
-            found.append((f"channel {k + 1} jumps by up to {np.abs(away[:, k]).max():.4g} for single samples", rows))
+        leaps = leaps[away[leaps] > LONELY * _around(away, leaps)]
+        if usual > 0.0 and len(leaps):
+            found.append((f"channel {k + 1} jumps by up to {away.max():.4g} for single samples", _at(leaps + 1, count)))
     if recording.struts is None or case.limits is None:
         return found
     step = float(np.median(np.diff(recording.t)))
     limits = case.limits.motion
     most = SWIFT * max(limits.strut_acceleration_m_s2 * step**2, 0.1 * limits.strut_velocity_m_s * step)
-    away = recording.struts[1:-1] - (recording.struts[:-2] + recording.struts[2:]) / 2
-    lost = recording.lost > 0
-    away[lost[1:] | lost[:-1]] = 0.0  # neighbours that are no neighbours in time
+    lost = np.flatnonzero(recording.lost)
     for k in range(6):
-        rows = _peaks(away[:, k], most)
-        if rows.any():
-            size = np.abs(away[:, k]).max() / MM
-            text = f"strut {k + 1} jumps by up to {size:.4g} mm between samples {step * 1e3:.3g} ms apart, "
-            found.append((text + f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids", rows))
+        away = np.abs(_from_neighbours(recording.struts[:, k]))
+        for row in (lost - 1, lost):  # neighbours that are no neighbours in time
+            away[row[(row >= 0) & (row < len(away))]] = 0.0
+        leaps = _peaks(away, most)
+        if len(leaps):
+            text = f"strut {k + 1} jumps by up to {away.max() / MM:.4g} mm between samples {step * 1e3:.3g} ms apart, "
+            text += f"which its limit of {limits.strut_velocity_m_s:g} m/s forbids"
+            found.append((text, _at(leaps + 1, count)))
     return found
+
+
+def _from_neighbours(values: Array) -> Array:
+    """How far samples are from the middle of their neighbours, shape (n - 2,)."""
+    away = values[:-2] + values[2:]
+    away *= -0.5
+    away += values[1:-1]
+    return np.asarray(away)
+
+
+def _median(values: Array) -> float:
+    """The median, of a long series by many of its values."""
+    return float(np.median(values[:: max(1, len(values) // _TELLING)]))
+
+
+def _at(rows: NDArray[np.int64], count: int) -> Rows:
+    marked = np.zeros(count, dtype=bool)
+    marked[rows] = True
+    return marked
 
 
 def _around(size: Array, index: NDArray[np.int64]) -> Array:
     """What most samples around some of them stay below, shape of `index`."""
     half = LONELY_WIDTH // 2
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(size, half, mode="edge"), LONELY_WIDTH)
     rank = int(LONELY_WIDTH * LONELY_SHARE / 100.0)
     found = np.empty(len(index))
     for start in range(0, len(index), _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        found[part] = np.partition(windows[index[part]], rank, axis=1)[:, rank]
+        part = index[start : start + _AT_ONCE]
+        windows = size[np.clip(part[:, None] + np.arange(-half, half + 1), 0, len(size) - 1)]
+        found[start : start + _AT_ONCE] = np.partition(windows, rank, axis=1)[:, rank]
     return found
 
 
-def _shaken(recording: Recording) -> Rows:
-    """Samples at or shortly after which the acceleration of a strut leaves its neighbours too, shape (n,).
+def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
+    """Whether at or shortly before some samples the acceleration of a strut leaves its neighbours, shape of `rows`.
 
     Encoders see an acceleration through two differences of their steps, far less clearly than sensors feel it. The
     limit is low: noise of Gaussian struts hides one glitch in a hundred, but no motion is cut.
     """
-    rows = np.zeros(len(recording.forces), dtype=bool)
-    if recording.struts is None:
-        return rows
-    second = np.diff(recording.struts, 2, axis=0)
-    away = np.abs(second[1:-1] - (second[:-2] + second[2:]) / 2)
-    usual = 1.4826 * np.median(away, axis=0)
-    rows[2:-2] = np.any((away > SHAKEN * usual) & (usual > 0.0), axis=1)
-    return np.asarray(maximum_filter1d(rows, 2 * TOGETHER + 1))
+    if recording.struts is None or not len(rows):
+        return np.zeros(len(rows), dtype=bool)
+    near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.struts) - 3)
+    shaken = np.zeros(near.shape, dtype=bool)
+    for k in range(6):
+        away = np.abs(_from_neighbours(np.diff(recording.struts[:, k], 2)))
+        usual = 1.4826 * _median(away)
+        if usual > 0.0:
+            shaken |= away[near - 2] > SHAKEN * usual
+    return np.asarray(shaken.any(axis=1))
 
 
-def _peaks(away: Array, most: Array | float) -> Rows:
-    """Samples that are further away than `most` and than their neighbours, which see half of it."""
-    size = np.r_[0.0, np.abs(away), 0.0]
-    before, after = np.r_[0.0, size[:-1]], np.r_[size[1:], 0.0]
-    limit = np.pad(np.broadcast_to(most, away.shape), 1, mode="edge")
-    return np.asarray((size > limit) & (size >= before) & (size >= after))
+def _peaks(size: Array, most: float) -> NDArray[np.int64]:
+    """Places that are larger than `most` and not smaller than their neighbours, which see half of it."""
+    large = np.flatnonzero(size > most)
+    before, after = (size[np.clip(large + k, 0, len(size) - 1)] for k in (-1, 1))
+    return np.asarray(large[(size[large] >= before) & (size[large] >= after)])
 
 
 def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
@@ -276,9 +300,9 @@ def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     if recording.struts is None or case.workspace is None:
         return []
     low, high = case.workspace.strut_length
-    beyond = np.maximum(low - recording.struts, recording.struts - high)
-    if not (beyond > 0.0).any():
+    if all(low <= strut.min() and strut.max() <= high for strut in recording.struts.T):
         return []
+    beyond = np.maximum(low - recording.struts, recording.struts - high)
     row, worst = np.unravel_index(int(beyond.argmax()), beyond.shape)
     others = int((beyond > 0.0).any(axis=0).sum()) - 1
     also = f" (and {others} others)" if others else ""
@@ -290,12 +314,12 @@ def _outside(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     return [(text, (beyond > 0.0).any(axis=1))]
 
 
-def cut_off(recording: Recording) -> list[str]:
-    """What to say where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
+def cut_off(recording: Recording) -> list[Finding]:
+    """Where the recorder stopped before the run did: its trigger, which changes, is on in the last row."""
     if recording.t is None or recording.trigger is None or not recording.trigger[-1] or recording.trigger.all():
         return []
-    last = recording.lines.place(len(recording.trigger) - 1)
-    return [f"{last}: the recording ends while the trigger is on; its end is missing, record until the machine rests"]
+    told = "the recording ends while the trigger is on; its end is missing, record until the machine rests"
+    return [warning(Kind.WINDOW, told, recording.lines.place(len(recording.trigger) - 1))]
 
 
 def _require_standstills(recording: Recording) -> None:

@@ -17,12 +17,12 @@ from cases.schema import Case
 from identification.findings.plausibility import scan
 from identification.formats.assembly import force_columns
 from identification.hexapod import Hexapod
-from identification.long.decimation import decimated
 from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.wrist import wrist_run
+from identification.signals import decimated
 
 Array = NDArray[np.float64]
 
@@ -195,7 +195,7 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
         used = np.flatnonzero(~found.bad)
         forces = recording.forces[used]
         if recording.struts is None:
-            matrices = standstills(recording, case, model, found).regressors
+            matrices = standstills(recording, case, model, found).matrices
         else:
             struts = (recording.struts[used], np.zeros_like(forces), np.zeros_like(forces))
     elif recording.struts is None:

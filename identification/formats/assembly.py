@@ -1,6 +1,5 @@
 """From columns in a file's units and names to channels in SI: units, signs, order, offsets, mounting, clocks."""
 
-from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
 import numpy as np
@@ -27,12 +26,10 @@ from identification.formats.checks import (
     require_override,
     require_reach,
     require_rotations,
-    require_stamps,
     require_switch,
 )
 from identification.formats.header import without
-from identification.formats.lost import with_lost_rows
-from identification.formats.missing import Marked, marked
+from identification.formats.missing import Marked, marked, with_lost_rows
 from identification.formats.stream import Stream
 from identification.formats.table import Array, Table, listed
 
@@ -51,37 +48,23 @@ def force_columns(case: Case) -> tuple[str, ...]:
     return BAR_FORCES if case.sensor_frame.bars is not None else WRENCH
 
 
-def streams_of(
-    tables: Iterable[Table], case: Case, form: RecordingFormat, origin: Fraction | None = None
-) -> Iterator[Stream]:
-    """Channels in SI, table by table; batches of one file continue each other.
+def stream_of(table: Table, case: Case, form: RecordingFormat, origin: Fraction) -> Stream:
+    """Channels of a table in SI.
 
     Args:
-        tables: of one run.
+        table: of a run.
         case: the machine and its sensors.
-        form: how the files are written.
-        origin: what becomes time 0, see `start_of`; by default the first sample of the first table.
+        form: how the file is written.
+        origin: what becomes time 0, see `start_of`.
 
     Raises:
         RecordingError: a value cannot be what it should, columns are missing, or time runs backwards.
     """
-    last: dict[tuple[str, tuple[str, ...]], float | int] = {}
-    ends: dict[tuple[str, tuple[str, ...]], float] = {}
-    steps: dict[tuple[str, tuple[str, ...]], float] = {}
-    for table in tables:
-        require_stamps(table, form)
-        if table.stamps is None:
-            yield _stream(marked(table, form), None, case, form)
-            continue
-        key = table.source, tuple(table.values)
-        require_increasing(table, form, last.get(key))
-        last[key] = table.stamps[-1].item()
-        start = start_of(table, form)
-        origin = start if origin is None else origin
-        t = (table.stamps - table.stamps[0]) * table.tick + float(start - origin)
-        steps.setdefault(key, float(np.median(np.diff(t))) if len(t) > 1 else 0.0)
-        yield with_lost_rows(_stream(marked(table, form), t, case, form), ends.get(key), steps[key])
-        ends[key] = float(t[-1])
+    if table.stamps is None:
+        return _stream(marked(table, form), None, case, form)
+    require_increasing(table, form)
+    t = (table.stamps - table.stamps[0]) * table.tick + float(start_of(table, form) - origin)
+    return with_lost_rows(_stream(marked(table, form), t, case, form))
 
 
 def start_of(table: Table, form: RecordingFormat) -> Fraction:
@@ -154,7 +137,7 @@ def _group(table: Table, form: RecordingFormat, wanted: tuple[str, ...]) -> Arra
             f"{table.source}: column {missing} is missing; it has {listed(table.names)}: add it or map its name in "
             "[recording.columns] of the case"
         )
-    group = np.empty((table.rows, len(wanted)))
+    group = np.empty((len(wanted), table.rows)).T  # each channel in one piece, for it is worked on channel by channel
     for k, ours in enumerate(wanted):
         np.multiply(table.values[ours], form.factor(ours), out=group[:, k])
     return group

@@ -24,7 +24,9 @@ def require_stamps(table: Table, form: RecordingFormat) -> None:
     """Raises RecordingError at the first time stamp that is no number, or none of a clock."""
     if table.stamps is None:
         return
-    stamps = table.stamps.astype(float)
+    if np.issubdtype(table.stamps.dtype, np.integer):
+        return
+    stamps = table.stamps
     possible = np.abs(stamps) < _MOST
     if not possible.all():
         row = int(np.argmin(possible))
@@ -34,19 +36,16 @@ def require_stamps(table: Table, form: RecordingFormat) -> None:
         )
 
 
-def require_increasing(table: Table, form: RecordingFormat, before: float | int | None) -> None:
-    """Raises RecordingError where a time stamp is not later than the one above it; `before` is above the first."""
+def require_increasing(table: Table, form: RecordingFormat) -> None:
+    """Raises RecordingError where a time stamp is not later than the one above it."""
     assert table.stamps is not None
     stamps = table.stamps
-    back = np.flatnonzero(stamps[1:] <= stamps[:-1]) + 1
-    row = int(back[0]) if len(back) else None
-    above = None if row is None else stamps[row - 1].item()
-    if before is not None and stamps[0] <= before:
-        row, above = 0, before
-    if row is None or above is None:
+    later = stamps[1:] > stamps[:-1]
+    if later.all():
         return
+    row = int(np.argmin(later)) + 1
     unit = form.clock_unit
-    now, then = (f"{v:.6f} s" if unit == "s" else f"{v} {unit}" for v in (stamps[row].item(), above))
+    now, then = (f"{v:.6f} s" if unit == "s" else f"{v} {unit}" for v in (stamps[row].item(), stamps[row - 1].item()))
     name = shown(form.file_name(CLOCK))
     raise RecordingError(
         f"{table.source}, {table.lines.place(row)}, {name}: {now} comes after {then}; time must increase: sort the "

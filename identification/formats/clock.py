@@ -25,6 +25,8 @@ def lost_samples(t: Array | None, least: float = GAP, step: float | None = None)
         return np.zeros(0 if t is None else max(len(t) - 1, 0), dtype=np.int64)
     steps = np.diff(t)
     usual = float(np.median(steps)) if step is None else step
+    if not steps.max() > least * usual:
+        return np.zeros(len(steps), dtype=np.int64)
     lost = np.maximum(np.rint(steps / usual) - 1.0, 1.0)
     return np.where(steps > least * usual, lost, 0.0).astype(np.int64)
 
@@ -56,17 +58,6 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
         row = int(np.argmax(off & ~gaps)) if changed is None else changed
         raise RecordingError(_uneven(source, steps, usual, off, row, lines))
     return float(steps[~gaps].mean())
-
-
-def require_step(source: str, t: Array, lines: Lines, step: float) -> None:
-    """Raises RecordingError where a piece of a run, t of shape (n,) [s], is not sampled at its step [s], gaps apart."""
-    steps = np.diff(t)
-    off = np.abs(steps - step) > UNIFORMITY * step
-    if not off.any():
-        return
-    here = uniform_step(source, t, lines)
-    if abs(here - step) > UNIFORMITY * step:
-        raise RecordingError(_uneven(source, steps, step, off, int(np.argmax(off)), lines))
 
 
 def crowded(gaps: NDArray[np.bool_]) -> int | None:

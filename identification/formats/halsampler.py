@@ -16,11 +16,10 @@ from pathlib import Path
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from identification.formats.blocks import Block, read_blocks, read_head
 from identification.formats.delimited import rows_of
-from identification.formats.diagnosis import Dialect
 from identification.formats.header import select
 from identification.formats.table import Table
+from identification.formats.text import Block, Dialect, read_blocks, read_head
 
 _OVERRUN = b"overrun"
 _NUMBER_OF_SAMPLE = "sample number"

@@ -7,8 +7,8 @@ from pathlib import Path
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
 from cases.recording_columns import CLOCK, COLUMNS
-from identification.formats.diagnosis import Dialect, not_text
 from identification.formats.table import listed, shown
+from identification.formats.text import Dialect, not_text
 
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks", "|": "vertical bars"}
 _SEARCHED_LINES = 50  # no export known to us has a longer header

@@ -9,16 +9,15 @@ import pyarrow.parquet as pq
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from identification.formats.blocks import unreadable
 from identification.formats.header import select, unknown_columns
 from identification.formats.table import Array, Lines, Stamps, Table, shown
+from identification.formats.text import unreadable
 
-_BATCH = 1 << 15  # rows; a few MB of a recording
 _TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
-    """Reads a file batch by batch.
+    """Reads a file, row group by row group.
 
     Args:
         file: the file.
@@ -45,10 +44,12 @@ def _tables(file: Path, parquet: pq.ParquetFile, form: RecordingFormat) -> Itera
     if not chosen.values:
         raise RecordingError(f"{file}: {unknown_columns(names, form)}")
     clock = [] if chosen.clock is None else [names[chosen.clock]]
+    wanted = [*(names[k] for k in chosen.values.values()), *clock]
     count = 0
-    for batch in parquet.iter_batches(_BATCH, columns=[*(names[k] for k in chosen.values.values()), *clock]):
+    for group in range(parquet.num_row_groups):
+        batch = parquet.read_row_group(group, columns=wanted)
         values = {ours: _numbers(file, names[k], batch) for ours, k in chosen.values.items()}
-        stamps, tick = _stamps(file, clock[0], batch, form.tick) if clock else (None, 0.0)
+        stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
         if stamps is None and form.clock.period is not None:
             stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period
         yield Table(str(file), names, values, stamps, tick, Lines(count + 1, word="row"))
@@ -57,21 +58,21 @@ def _tables(file: Path, parquet: pq.ParquetFile, form: RecordingFormat) -> Itera
         raise RecordingError(f"{file}: has columns but no rows; record again")
 
 
-def _numbers(file: Path, name: str, batch: pa.RecordBatch) -> Array:
-    column = batch.column(batch.schema.get_field_index(name))
+def _numbers(file: Path, name: str, batch: pa.Table) -> Array:
+    column = batch.column(name)
     kind = column.type
     if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
         raise RecordingError(f"{file}, {shown(name)}: holds {shown(str(kind))}, not numbers; export it as double")
-    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False))
+    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
 
 
-def _stamps(file: Path, name: str, batch: pa.RecordBatch, tick: float) -> tuple[Stamps, float]:
-    """Time stamps and the duration of one unit of them [s]."""
-    column = batch.column(batch.schema.get_field_index(name))
+def _stamps(file: Path, name: str, batch: pa.Table, tick: float, above: int) -> tuple[Stamps, float]:
+    """Time stamps below so many rows, and the duration of one unit of them [s]."""
+    column = batch.column(name)
     kind = column.type
     if column.null_count:
-        row = int(np.argmin(column.is_valid().to_numpy(zero_copy_only=False)))
-        raise RecordingError(f"{file}, {shown(name)}: has no value in the batch's row {row + 1}; remove the row")
+        row = int(np.argmin(column.is_valid().to_numpy()))
+        raise RecordingError(f"{file}, {shown(name)}: has no value in row {above + row + 1}; remove the row")
     if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
         return column.cast(pa.int64()).to_numpy(), _TICKS[kind.unit]
     if pa.types.is_integer(kind):

@@ -1,7 +1,11 @@
-"""From a file to tables: the case names the format, the file's first bytes tell Parquet."""
+"""From a file to tables in memory: the case names the format, the file's first bytes tell Parquet.
 
-from collections.abc import Callable, Iterator
+From files to a run: each file in its format, streams told apart by their columns, on one time axis.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -9,50 +13,29 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from identification.formats import delimited, halsampler, sinumerik, twincat
-from identification.formats.blocks import require_file, unreadable
+from cases.recording_columns import POSE, ROTATION, STRUTS
+from cases.schema import Case
+from identification.formats import delimited, halsampler, twincat
+from identification.formats.assembly import force_columns, start_of, stream_of
+from identification.formats.checks import require_stamps
+from identification.formats.header import without
+from identification.formats.stream import Recording, Stream, either
 from identification.formats.table import Array, Stamps, Table
+from identification.formats.text import require_file, unreadable
 
-MOST_NUMBERS = 60_000_000  # read at once: 0.5 GB, an hour of 14 channels at 1 kHz
+BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"
 
 _READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[Table]]] = {
     "csv": delimited.tables,
     "halsampler": halsampler.tables,
     "twincat-scope": twincat.tables,
-    "sinumerik-trace": sinumerik.tables,
+    "sinumerik-trace": delimited.tables,
 }
 
 
-def read_batches(file: Path, form: RecordingFormat) -> Iterator[Table]:
-    """Reads a file batch by batch, in memory that does not grow with its length.
-
-    Args:
-        file: the file.
-        form: how it is written.
-
-    Returns:
-        Tables in the file's order; those of one clock have the same columns. Formats with several clocks in a file
-        give one table for each of them and batch.
-
-    Raises:
-        RecordingError: it cannot be read, with the place and the remedy.
-    """
-    require_file(file)
-    try:
-        with file.open("rb") as stream:
-            start = stream.read(len(_PARQUET))
-    except OSError as error:
-        raise unreadable(file, error) from error
-    if start == _PARQUET:
-        from identification.formats import parquet  # costs 50 ms, and few need it
-
-        return parquet.tables(file, form)
-    return _READERS[form.format](file, form)
-
-
 def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Table, ...]:
-    """Reads a whole file: one table for each clock in it.
+    """Reads a file: one table for each clock in it.
 
     Args:
         file: the file.
@@ -60,23 +43,43 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Table
         held: numbers of the run's other files that are in memory already.
 
     Raises:
-        RecordingError: it cannot be read, or the run holds more than `MOST_NUMBERS`.
+        RecordingError: it cannot be read, with the place and the remedy, or takes more than half of the free memory.
     """
+    require_file(file)
+    try:
+        with file.open("rb") as stream:
+            start = stream.read(len(_PARQUET))
+    except OSError as error:
+        raise unreadable(file, error) from error
+    reader = _READERS[form.format]
+    if start == _PARQUET:
+        from identification.formats import parquet  # costs 50 ms, and few need it
+
+        reader = parquet.tables
+    most = free_memory() // (2 * BYTES)
     piles: dict[tuple[str, ...], _Pile] = {}
     numbers = held
-    for table in read_batches(file, form):
+    for table in reader(file, form):
         pile = piles.setdefault(tuple(table.values), _Pile(table))
         pile.add(table)
         numbers += table.rows * len(table.values)
-        if numbers > MOST_NUMBERS:
-            others = " and the files before it hold" if held else ": holds"
+        if numbers > most:
+            others = " and the files before it" if held else ""
             raise RecordingError(
-                f"{file}{others} too much to be read at once (this one {file.stat().st_size / 1e9:.2g} GB; at most "
-                f"{MOST_NUMBERS // len(table.values):,} rows of {len(table.values)} columns); cut the run into parts, "
-                "or put time, struts and forces into one file, which may be of any length (--estimator gauss-markov, "
-                "without --prior, --biases, --period, --accelerated, --flexible, --plan)"
+                f"{file}{others}: {file.stat().st_size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
+                f"to evaluate these takes more than half of the free memory ({2e-9 * BYTES * most:.3g} GB); cut the "
+                f"run, at most {most // len(table.values):,} rows of {len(table.values)} columns fit, or free memory"
             )
     return tuple(pile.joined() for pile in piles.values())
+
+
+def free_memory() -> int:
+    """Memory that can be used without swapping [bytes]; where the system does not tell, as much as nobody has."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
+    except (OSError, StopIteration):
+        return 1 << 60
 
 
 class _Pile:
@@ -96,7 +99,157 @@ class _Pile:
         self._skipped += table.lines.skipped
 
     def joined(self) -> Table:
-        values = {name: np.concatenate(self._values.pop(name)) for name in list(self._values)}
-        stamps: Any = np.concatenate(self._stamps) if self._stamps else None
+        values = {name: _whole(self._values.pop(name)) for name in list(self._values)}
+        stamps: Any = _whole(self._stamps) if self._stamps else None
         lines = replace(self._first.lines, skipped=tuple(self._skipped))
         return replace(self._first, values=values, stamps=stamps, lines=lines)
+
+
+def _whole(parts: list[Any]) -> Any:
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def read_recording(path: Path, case: Case) -> Recording:
+    """Reads a recording: a file in the case's format, or the folder that `hexcite run` wrote.
+
+    Args:
+        path: file or folder.
+        case: says which columns to expect and how the file writes them.
+
+    Raises:
+        RecordingError: anything that keeps the run from being used, with line, column, value and remedy.
+    """
+    return read_run([path], case)
+
+
+def read_run(paths: Sequence[Path], case: Case) -> Recording:
+    """Reads the files of one run, told apart by their columns.
+
+    Args:
+        paths: in any order; at least one.
+        case: says which columns to expect and how the files write them.
+
+    Returns:
+        The run; files whose samples coincide are joined.
+
+    Raises:
+        RecordingError: anything that keeps the run from being used; several files of one kind; no common time.
+    """
+    if not paths:
+        raise RecordingError("no recording is named; give the files of one run")
+    tables: list[tuple[Table, RecordingFormat]] = []
+    for path in paths:
+        file, form = _file_of(path, case.recording)
+        held = sum(table.rows * len(table.values) for table, _ in tables)
+        tables += [(table, form) for table in read_tables(file, form, held)]
+    for table, form in tables:
+        require_stamps(table, form)  # before the first of them is taken for the run's beginning
+    starts = [start_of(table, form) for table, form in tables if table.stamps is not None]
+    origin = min(starts, default=Fraction(0))
+    streams = [stream_of(table, case, form, origin) for table, form in tables]
+    _require_whole(streams, case, [name for table, _ in tables for name in table.names])
+    streams = _joined(streams)
+    _require_one_time(streams)
+    main = next(s for s in streams if s.forces is not None)
+    if case.setup == "1a" and main.forces is not None:  # the frame stands where it stands
+        main = replace(main, rotations=np.tile(np.eye(3), (len(main.forces), 1, 1)))
+    if main.struts is None and main.poses is not None:
+        main = _with_kinematics(main, main.poses, case)
+    assert main.forces is not None
+    others = tuple(s for s in streams if s.forces is None)
+    return Recording(
+        main.source, main.t, main.struts, main.rotations, main.forces, main.trigger, main.strut_velocities, main.poses,
+        main.specific_forces, others, main.lines, override=main.override, missing=main.missing,
+        missing_in=main.missing_in, case=case, paths=tuple(paths),
+    )  # fmt: skip
+
+
+def files_of(paths: Sequence[Path]) -> list[Path]:
+    """The files that paths mean: a folder of `hexcite run` means the recording in it."""
+    return [_file_of(path, None)[0] for path in paths]
+
+
+def _file_of(path: Path, form: RecordingFormat | None) -> tuple[Path, RecordingFormat]:
+    """The file that a path means, and how it is written: what `hexcite run` wrote has our names and units."""
+    try:
+        if path.is_dir():
+            parquet = path / "recording.parquet"
+            path = parquet if parquet.is_file() else path / "recording.csv"
+        ours = path.stem == "recording" and path.with_name("recording.json").is_file()
+    except OSError:  # a name that the system refuses; the reader explains it
+        ours = False
+    return path, RecordingFormat() if ours or form is None else form
+
+
+def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) -> None:
+    """Raises RecordingError unless there are forces and a pose, each channel once."""
+    form = case.recording
+    owner: dict[str, str] = {}
+    for stream in streams:
+        for channel in stream.channels:
+            if channel in owner:
+                where = "and is given twice" if owner[channel] == stream.source else f"as {owner[channel]} does"
+                raise RecordingError(
+                    f"{stream.source}: has {channel.replace('_', ' ')}, {where}; give the files of one run, each once"
+                )
+            owner[channel] = stream.source
+    sources = ", ".join(dict.fromkeys(s.source for s in streams))
+    if "forces" not in owner:
+        wanted = [form.file_name(c) for c in force_columns(case)]
+        raise RecordingError(f"{sources}: no forces: {without(wanted, names)}")
+    if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
+        wanted = [form.file_name(c) for c in (STRUTS if case.machine is not None else (*ROTATION, *POSE))]
+        raise RecordingError(f"{sources}: no pose: {without(wanted, names)}")
+
+
+def _joined(streams: Sequence[Stream]) -> list[Stream]:
+    """Streams whose samples coincide as one."""
+    joined: list[Stream] = []
+    for stream in streams:
+        same = next((k for k, s in enumerate(joined) if _coincide(s, stream)), None)
+        if same is None:
+            joined.append(stream)
+        else:
+            more: dict[Any, Any] = {**stream.channels}
+            missing = either(joined[same].missing, stream.missing)
+            names = (*joined[same].missing_in, *stream.missing_in)
+            joined[same] = replace(joined[same], missing=missing, missing_in=names, **more)
+    return joined
+
+
+def _coincide(one: Stream, other: Stream) -> bool:
+    if one.t is None or other.t is None:
+        return one.t is other.t and one.rows == other.rows
+    return np.array_equal(one.t, other.t)
+
+
+def _require_one_time(streams: Sequence[Stream]) -> None:
+    """Raises RecordingError unless the streams of a run overlap in time."""
+    first = streams[0]
+    for stream in streams[1:]:
+        if stream.t is None or first.t is None:
+            without_clock, other = (stream, first) if stream.t is None else (first, stream)
+            reason = "has no time stamps" if other.t is not None else f"has {stream.rows} standstills"
+            against = "has" if other.t is not None else f"has {first.rows}"
+            raise RecordingError(
+                f"{without_clock.source}: {reason}, {other.source} {against}; give files of one run, recorded together"
+            )
+    spans = [(float(s.t[0]), float(s.t[-1]), s.source) for s in streams if s.t is not None]
+    start, _, late = max(spans, default=(0.0, 0.0, ""))
+    end, early = min(((end, source) for _, end, source in spans), default=(0.0, ""))
+    if len(spans) > 1 and start >= end:
+        raise RecordingError(
+            f"{late}: starts {start - end:.6g} s after {early} ends; give the files of one run, or state how their "
+            "clocks differ in recording.clock.offset_s"
+        )
+
+
+def _with_kinematics(stream: Stream, poses: np.ndarray, case: Case) -> Stream:
+    """The stream with what follows from its poses: strut lengths (7), or, without a machine, rotations."""
+    if case.machine is not None:
+        from identification.hexapod import Hexapod
+
+        return replace(stream, struts=Hexapod.of(case).strut_lengths(poses))
+    from scipy.spatial.transform import Rotation
+
+    return replace(stream, rotations=Rotation.from_euler("xyz", poses[:, 3:]).as_matrix())

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.shown import as_html
+from identification.finding import Finding, Kind, note
 from identification.formats.clock import lost_samples, uniform_step
 from identification.formats.table import Array, Lines
 
@@ -89,30 +90,27 @@ class Averaged(NamedTuple):
         """Noise of an average below the motion's Nyquist frequency if that of the samples is white, shape (6,)."""
         return np.asarray(self.noise / np.sqrt(self.ratio))
 
-    def note(self, w: Array, s0: float) -> str:
-        """What people are told: the noise that is left beside that which white samples would leave.
+    def finding(self, w: Array, s0: float) -> Finding:
+        """The noise that is left beside that which white samples would leave.
 
         Args:
             w: W of (24) for one sample, shape (6, 6).
             s0: of the fit.
         """
         expected = float(np.sqrt(np.trace(w @ np.diag(self.expected**2)) / 6.0))
-        return (
+        told = {
+            "ratio": self.ratio,
+            "interval_s": self.interval,
+            "sample_noise": self.noise.tolist(),
+            "expected_noise": self.expected.tolist(),
+        }
+        return note(
+            Kind.CLOCK,
             f"forces: {self.ratio:.4g} samples averaged for each of the motion ({self.interval * 1e3:.4g} ms, "
             f"centred: no group delay); noise of a sample {float(np.median(self.noise)):.3g} N; were it white, s0 "
-            f"would be {expected:.3g}, it is {s0:.3g}"
+            f"would be {expected:.3g}, it is {s0:.3g}",
+            averaged=told,
         )
-
-    def to_json(self) -> dict[str, Any]:
-        """As it stands in `result.json`."""
-        return {
-            "averaged": {
-                "ratio": self.ratio,
-                "interval_s": self.interval,
-                "sample_noise": self.noise.tolist(),
-                "expected_noise": self.expected.tolist(),
-            }
-        }
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -22,11 +22,9 @@ import pyarrow as pa
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
 from cases.recording_columns import CLOCK
-from identification.formats.blocks import Block, read_blocks, read_head
-from identification.formats.diagnosis import Dialect, is_number
 from identification.formats.header import cells, decoded, select, unknown_columns
-from identification.formats.parsing import Fields, lines_of, parse
 from identification.formats.table import Stamps, Table
+from identification.formats.text import Block, Dialect, Fields, is_number, lines_of, parse, read_blocks, read_head
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
 _MISSING = ("", " ")

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaincinv, ndtri
 
-from identification.noise.memory import LEAST_SAMPLES, autoregressive, slow_noises, toeplitz
+from identification.finding import Finding, Kind, note
+from identification.noise.coloured import LEAST_SAMPLES, autoregressive, slow_noises, toeplitz
 from identification.noise.pose_field import PoseField, matern, squared_distances
 from identification.noise.restricted import Family, Left, likeliest, mixtures, shares_by_channel
 from identification.noise.turned import Turned
@@ -52,11 +53,12 @@ class ByPose(NamedTuple):
         return PoseField(float(np.sqrt(self.share * np.mean(residuals**2))), self.length)
 
     @property
-    def note(self) -> str:
+    def finding(self) -> Finding:
         """For the user."""
-        return (
+        return note(
+            Kind.NOISE,
             f"errors depend on the pose, {np.sqrt(self.share):.2g} times as large as the residuals, for the parameters "
-            "take a part of them: std_robust allows for them"
+            "take a part of them: std_robust allows for them",
         )
 
 
@@ -98,7 +100,7 @@ def covariance_by_pose(found: Turned, struts: Array) -> ByPose | None:
     answer = found.series(found.answer)
     for share, memory in zip(by_channel[:, :-1].T, memories, strict=True):
         felt = toeplitz(memory, answer.reshape(len(answer), -1)).reshape(answer.shape)
-        meat += np.tensordot(answer * share[:, None], felt, ((0, 1), (0, 1)))
+        meat += found.share * np.tensordot(answer * share[:, None], felt, ((0, 1), (0, 1)))
     return ByPose(found.covariance(meat), float(by_channel[:, -1].mean()), length)
 
 

@@ -7,17 +7,16 @@ leaves is counted as one of them.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from identification.estimation.fit import Fit
+from identification.finding import Finding, Kind, note
 from identification.model import Model
 from identification.noise.stated import acceleration_to_force, inverse_root
 from identification.runs.evaluation import Run
-from identification.signals import Filter
 
 Array = NDArray[np.float64]
 
@@ -44,28 +43,24 @@ class NoiseComponents:
     angular: float
     share: float
 
-    def notes(self, weights: str) -> list[str]:
-        """What is to be told of it, `weights` being those of the identification."""
-        if self.share < TELLING or weights == "stated":
-            return []
+    def finding(self, weights: str) -> Finding:
+        """What is to be told of it, `weights` being those of the identification; keys as in the case."""
         moments = "" if self.moment is None else f" and {self.moment:.3g} N m"
-        return [
+        told = (
             f"the residuals look like noise of {self.force:.3g} N{moments} in the channels and of "
             f"{self.acceleration:.3g} m/s^2 and {self.angular:.3g} rad/s^2 in the accelerations: if that is the "
             "machine's, state it in [sensors] of the case (force_noise_N, acceleration_noise_m_s2, "
             "angular_acceleration_noise_rad_s2), for smaller deviations with --weights stated"
-        ]
-
-    def to_json(self) -> dict[str, Any]:
-        """Keys as in the case."""
-        moments = {} if self.moment is None else {"moment_noise_Nm": self.moment}
-        return {
+        )
+        entries = {
             "force_noise_N": self.force,
-            **moments,
+            **({} if self.moment is None else {"moment_noise_Nm": self.moment}),
             "acceleration_noise_m_s2": self.acceleration,
             "angular_acceleration_noise_rad_s2": self.angular,
             "share_of_accelerations": self.share,
         }
+        silent = self.share < TELLING or weights == "stated"
+        return note(Kind.NOISE, "" if silent else told, noise_components=entries)
 
 
 def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None:
@@ -76,30 +71,13 @@ def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None
         fit: its values begin with u; its residuals are those of the forces behind the filter.
         wrench: whether the channels are three forces and three moments.
     """
-    products = fit.residuals.T @ fit.residuals
-    return components_of(products, len(run.rows), run.filter, run.model, fit.values, wrench)
-
-
-def components_of(
-    products: Array, rows: int, low_pass: Filter, model: Model, values: Array, wrench: bool
-) -> NoiseComponents | None:
-    """The same from the sums of the residuals' products.
-
-    Args:
-        products: over the samples, of each channel with each other, shape (6, 6).
-        rows: samples.
-        low_pass: that they went through.
-        model: of the first of the values.
-        values: of all that was estimated, shape (k,).
-        wrench: whether the channels are three forces and three moments.
-    """
-    freedom = rows * low_pass.noise_gain * low_pass.stride - len(values) / 6
+    freedom = len(run.rows) * run.filter.noise_gain * run.filter.stride - len(fit.values) / 6
     if freedom < LEAST:
         return None
-    found = products * low_pass.stride / freedom
+    found = fit.residuals.T @ fit.residuals * run.filter.stride / freedom
     if np.linalg.matrix_rank(found) < len(found):
         return None
-    return _taken_apart(found, model, values[: len(model.parameters)], wrench)
+    return _taken_apart(found, run.model, fit.values[: len(run.model.parameters)], wrench)
 
 
 def _taken_apart(found: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:

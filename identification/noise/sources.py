@@ -6,6 +6,14 @@ With forces f = A u, a regressor A + dA and D = E[dA^T W dA], the estimate is dr
 -((A + dA)^T W (A + dA) - D)^-1 D times itself for long runs (Fuller, Measurement Error Models, 1987, section 2.2).
 Stated noise of the accelerations themselves leaves the same residuals whether the accelerations that are evaluated err
 or the platform vibrates; only the former draws the estimate, so that the bias told is the largest there can be.
+
+How noise of the accelerations changes the regressor: exactly, for A is affine in them.
+
+What noise of the struts does to the regressor of a periodic run, whose acceleration is a Fourier series.
+
+With dA = G(t) e''(t), G periodic and e'' of harmonics up to H + B, the harmonics up to H of dA hold those of e'' that G
+shifts there: sum_t dA^T W dA has the mean (2 H + 1) sum_m G_m^* W G_m sum_h s_h over |h| <= H + B and |h + m| <= H, G_m
+being the Fourier coefficients of G and s_h the power of e'' at the harmonic h.
 """
 
 from dataclasses import dataclass
@@ -13,11 +21,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import fft
 
 from cases.sensors import Sensors
 from identification.estimation.fit import Filtered, Fit
-from identification.noise.effects import acceleration_effects, twist_rate_effects
-from identification.noise.periodic import strut_noise_moment
+from identification.evaluate import over_samples
+from identification.finding import Finding, Kind, warning
+from identification.hexapod import Hexapod, Kinematics
+from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
 from identification.periodic.averaging import PeriodicRun
 from identification.runs.evaluation import Run
@@ -72,21 +83,21 @@ class NoiseSources:
         return (self.force_sensors or 0.0) + (self.accelerations or 0.0)
 
     @property
-    def doubts(self) -> list[str]:
+    def findings(self) -> list[Finding]:
         """What speaks against the statement of the case."""
-        doubts = []
+        found = []
         if self.accelerations is not None and self.bias is None:
-            doubts.append(
+            found.append(
                 "the stated noise of struts or accelerations would make up half or more of what the run tells of a "
                 "parameter, whose attenuation is not told: check sensors.encoder_resolution_um, strut_noise_um and "
                 "acceleration_noise_m_s2"
             )
         if self.explained > EXCESS:
-            doubts.append(
+            found.append(
                 f"the noise that the case states explains {100 * self.explained:.0f} % of s0^2: there is less of it; "
                 "check sensors.force_noise_N, encoder_resolution_um, strut_noise_um and acceleration_noise_m_s2"
             )
-        return doubts
+        return [warning(Kind.NOISE, told) for told in found]
 
     def to_json(self) -> dict[str, Any]:
         """All but the bias, which is told for physical parameters."""
@@ -111,7 +122,10 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
     """
     effect = None
     if sensors.strut_variance is not None or sensors.acceleration_noise is not None:
-        effect = regressor_noise(run, w, delay, sensors)
+        part = run.excerpt()
+        effect = regressor_noise(part, w, delay, sensors)
+        if isinstance(run, Run):
+            effect = effect.of_samples(len(run.rows))
     return sources_of(effect, fit, w, run.filtered, sensors)
 
 
@@ -127,12 +141,6 @@ class RegressorNoise(NamedTuple):
     moment: Array
     samples: int
     variance: float
-
-    def joined(self, other: "RegressorNoise | None") -> "RegressorNoise":
-        """That of both."""
-        if other is None:
-            return self
-        return RegressorNoise(self.moment + other.moment, self.samples + other.samples, self.variance)
 
     def of_samples(self, samples: int) -> "RegressorNoise":
         """That of more samples, of which these are a fair choice."""
@@ -217,3 +225,53 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
         p.name: Attenuation(float(b), float(b / v) if v != 0.0 else None, float(b / s) if s > GIVEN * abs(v) else None)
         for p, v, b, s in zip(form.parameters, values, drawn, std, strict=True)
     }
+
+
+def acceleration_effects(hexapod: Hexapod, model: Model, motion: Kinematics) -> list[Array]:
+    """dA/dq''_s for each strut s, shape (n, 6, u) [per m/s^2]."""
+    to_twist_rate = np.linalg.inv(over_samples(hexapod.inverse_jacobian, motion.pose)[1])
+    return _effects(model, motion, to_twist_rate.astype(np.float64))
+
+
+def twist_rate_effects(model: Model, motion: Kinematics) -> list[Array]:
+    """The same for each component of the twist rate [per m/s^2, rad/s^2]."""
+    return _effects(model, motion, np.tile(np.eye(6), (len(motion.pose), 1, 1)))
+
+
+def _effects(model: Model, motion: Kinematics, directions: Array) -> list[Array]:
+    """What a step of the twist rate along each column of `directions`, shape (n, 6, 6), changes A by."""
+    here = regressors(model, motion)
+    return [
+        regressors(model, Kinematics(motion.pose, motion.twist, motion.twist_rate + directions[:, :, k])) - here
+        for k in range(6)
+    ]
+
+
+SAME_STEP = 0.2  # of an encoder's step, by which struts of periods differ if their steps are the same; else 0.4 or more
+
+
+def strut_noise_moment(run: PeriodicRun, motion: Kinematics, sensors: Sensors, w: Array) -> tuple[Array, float]:
+    """Expected sum of dA^T W dA over the evaluated instants, shape (u, u), and the variance of e'' [m^2/s^4].
+
+    Steps of encoders are averaged over periods like noise where the struts do not repeat to a part of a step; where
+    they do, the steps repeat with them.
+
+    Args:
+        run: the run.
+        motion: at its fine instants.
+        sensors: with noise of the struts.
+        w: W for one sample, shape (6, 6).
+    """
+    periods = len(run.scatter.series) if run.scatter is not None else 1
+    repeats = periods if run.part.misfit < SAME_STEP * sensors.strut_step else 1
+    recorded = (sensors.strut_variance or 0.0) + (repeats - 1) * sensors.strut_step**2 / 12.0
+    orders = np.arange(-run.struts.harmonics, run.struts.harmonics + 1)
+    power = recorded / run.samples * (orders * run.struts.omega) ** 4.0
+    shifts = np.arange(-run.harmonics - run.struts.harmonics, run.harmonics + run.struts.harmonics + 1)
+    passed = np.abs(orders + shifts[:, None]) <= run.harmonics
+    root = np.linalg.cholesky(w).T
+    moment = np.zeros((len(run.model.parameters),) * 2)
+    for change in acceleration_effects(run.hexapod, run.model, motion):
+        seen = fft(root @ change, axis=0)[shifts] / len(change)
+        moment += np.einsum("m,mku,mkv->uv", passed @ power, seen.conj(), seen, optimize=True).real
+    return run.points * moment, float(power.sum())

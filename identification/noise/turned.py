@@ -21,6 +21,7 @@ class Turned(NamedTuple):
         noise: residuals, of variance 1 but for degrees of freedom, shape (n, 6).
         freedom: degrees of freedom of a channel.
         places: of the samples in a series of equal steps, from 0 upwards, shape (n,).
+        share: of the run's samples that these are; noise in all of them tells that much more.
     """
 
     half: Array
@@ -29,6 +30,7 @@ class Turned(NamedTuple):
     noise: Array
     freedom: float
     places: Places
+    share: float = 1.0
 
     @property
     def length(self) -> int:

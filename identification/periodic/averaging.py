@@ -8,7 +8,6 @@ stays white. What differs between periods is noise whatever the model says, and 
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,17 +19,24 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Filtered, Fit, Robust
+from identification.finding import Finding, Kind, note, warning
 from identification.findings.plausibility import Scan, bridged
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
-from identification.periodic.choosing import FEWEST, kept_periods, longest_window, telling_harmonics
-from identification.periodic.finding import Part, find_part, given_part
 from identification.periodic.fourier import FourierSeries, fit_series
-from identification.periodic.periods import PeriodScatter, each_period
+from identification.periodic.periods import (
+    FEWEST,
+    PeriodScatter,
+    each_period,
+    kept_periods,
+    longest_window,
+    telling_harmonics,
+)
+from identification.periodic.repeating import Part, find_part, given_part
 from identification.recording import Recording
-from identification.runs.conditioning import Periodic
 from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
+from identification.samples import Periodic
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -56,7 +62,7 @@ class PeriodicRun:
         scatter: of the periods' forces; None where there is one period.
         chosen: whether the number of harmonics was chosen here.
         limited: whether the filter's cut-off bounded it.
-        warnings: sentences.
+        window: what is found about the window.
     """
 
     model: Model
@@ -69,7 +75,7 @@ class PeriodicRun:
     scatter: PeriodScatter | None
     chosen: bool
     limited: bool
-    warnings: tuple[str, ...] = ()
+    window: tuple[Finding, ...] = ()
 
     @property
     def samples(self) -> int:
@@ -140,10 +146,15 @@ class PeriodicRun:
         """Names of what is estimated beside the model."""
         return ("delay",)
 
-    def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
-        """How the expected forces A u change with the delay, shape (2 H + 1, 6, 1)."""
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A, and how the expected forces A u change with the delay, shape (2 H + 1, 6, u + 1)."""
         change = (self.regressors(delay + DELAY_STEP) - self.regressors(delay - DELAY_STEP)) @ values
-        return np.asarray(change[:, :, None] / (2.0 * DELAY_STEP))
+        return np.dstack([self.regressors(delay), change / (2.0 * DELAY_STEP)])
+
+    def excerpt(self, times: int = 1) -> "PeriodicRun":
+        """All of it: a period is short."""
+        del times
+        return self
 
     def left(self, matrices: Array, values: Array) -> Array:
         """Recorded forces less the model behind the filter, at all samples of the periods, shape (samples, 6)."""
@@ -176,31 +187,21 @@ class PeriodicRun:
         meat = np.einsum("h,hki,hkl,hlj->ij", share, seen.conj(), spectra, seen).real
         return Robust(np.asarray(half @ (meat + meat.T) / 2.0 @ half.T))
 
-    def doubts(self, fit: Fit, w: Array) -> list[str]:
-        """What the model leaves of the forces beyond what does not repeat.
-
-        Args:
-            fit: of this run.
-            w: W for one sample, shape (6, 6).
-        """
-        if self.scatter is None:
-            return []
-        noise = float(np.trace(w @ self.scatter.covariance(self.harmonics))) / 6.0
-        ratio = fit.s0**2 / max(noise, np.finfo(float).tiny)
-        free = 6 * (len(self.scatter.series) - 1) * self.points
-        if ratio < MODEL_ERROR**2 or float(fdtrc(fit.freedom, free, ratio)) > UNLIKELY:
-            return []
-        return [
-            f"what the model leaves of the forces is {np.sqrt(ratio):.1f} times what differs between periods: it "
-            "repeats, so it is no noise but an error of the model, the geometry or the encoders"
-        ]
+    def without(self, left_out: Rows) -> "PeriodicRun":
+        """As it is: whole periods are left out before, see `kept_periods`."""
+        del left_out
+        return self
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """What people are told."""
-        p, series = self.part, self.struts
+    def consecutive(self) -> bool:
+        """They are averages; periods that a contact makes strange are left out before."""
+        return False
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """What repeats, how it was evaluated, and what the model leaves beyond what does not repeat."""
+        p, series, scatter = self.part, self.struts, self.scatter
         t = self._clock[self.used]
-        count = len(self.scatter.series) if self.scatter is not None else 1
+        count = 1 if scatter is None else len(scatter.series)
         repeats = (
             f"struts repeat within {p.misfit * 1e3:.2g} mm rms, {100 * p.relative:.2g} % of their motion"
             if p.periods > 1
@@ -212,19 +213,9 @@ class PeriodicRun:
         averaged = (
             f"{count} periods of {series.period:.6g} s averaged" if count > 1 else f"1 period of {p.period:.6g} s"
         )
-        return (
-            f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}",
-            f"forces and regressor as {self.harmonics} harmonics, up to {self.harmonics / series.period:.3g} Hz, "
-            f"{how}; velocities and accelerations from the Fourier series of the struts",
-        )
-
-    @property
-    def told(self) -> dict[str, Any]:
-        """The same for programs."""
-        t, p = self._clock[self.used], self.part
-        found = {
-            "period_s": self.struts.period,
-            "periods": len(self.scatter.series) if self.scatter is not None else 1,
+        told = {
+            "period_s": series.period,
+            "periods": count,
             "periods_found": p.periods,
             "from_s": float(t[0]),
             "to_s": float(t[-1]),
@@ -233,10 +224,35 @@ class PeriodicRun:
             "misfit_m": p.misfit,
             "misfit_of_motion": p.relative,
             "noise_between_periods": None
-            if self.scatter is None
-            else np.sqrt(np.diag(self.scatter.covariance(self.harmonics))).tolist(),
+            if scatter is None
+            else np.sqrt(np.diag(scatter.covariance(self.harmonics))).tolist(),
         }
-        return {"periodic": found}
+        return (
+            *self.window,
+            note(Kind.WINDOW, f"periodic: {averaged}, from {t[0]:.3f} to {t[-1]:.3f} s; {repeats}", periodic=told),
+            note(
+                Kind.WINDOW,
+                f"forces and regressor as {self.harmonics} harmonics, up to {self.harmonics / series.period:.3g} Hz, "
+                f"{how}; velocities and accelerations from the Fourier series of the struts",
+            ),
+            *self._beyond_noise(fit, w),
+        )
+
+    def _beyond_noise(self, fit: Fit, w: Array) -> list[Finding]:
+        if self.scatter is None:
+            return []
+        noise = float(np.trace(w @ self.scatter.covariance(self.harmonics))) / 6.0
+        ratio = fit.s0**2 / max(noise, np.finfo(float).tiny)
+        free = 6 * (len(self.scatter.series) - 1) * self.points
+        if ratio < MODEL_ERROR**2 or float(fdtrc(fit.freedom, free, ratio)) > UNLIKELY:
+            return []
+        return [
+            warning(
+                Kind.MODEL,
+                f"what the model leaves of the forces is {np.sqrt(ratio):.1f} times what differs between periods: it "
+                "repeats, so it is no noise but an error of the model, the geometry or the encoders",
+            )
+        ]
 
 
 def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic, found: Scan | None) -> PeriodicRun:

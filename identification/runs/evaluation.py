@@ -5,44 +5,31 @@ controller's blocks and the encoders' steps add above the cut-off then disturbs 
 the rate that it still needs.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.estimation.fit import Filtered, Robust
+from identification.estimation.compressed import joint_triangle
+from identification.estimation.fit import Filtered, Fit, Robust
+from identification.finding import Finding
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
-from identification.long.decimation import decimated
-from identification.model import Model, regressors
+from identification.model import Model, expected_forces, regressors
 from identification.noise.by_pose import covariance_by_pose
 from identification.noise.coloured import coloured_covariance
 from identification.noise.turned import turned
 from identification.recording import Recording
-from identification.signals import Filter
+from identification.samples import fair_part
+from identification.signals import Filter, decimated
 
 Array = NDArray[np.float64]
 
 MOST_DELAY = 0.04  # [s] between forces and motion that is looked for, either way
 SMOOTHING_STEP = 1e-3  # [s] for the second derivative: far below the periods that pass
+PIECE = 6_000  # samples that go from struts to regressors together: what lies between stays in the cache
+FORGOTTEN = 100  # samples after which noise counts as new
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below what the filter lets pass
-
-
-@dataclass(frozen=True, slots=True)
-class Standstills:
-    """Averaged standstills: nothing moves, nothing is filtered.
-
-    Args:
-        forces: shape (n, 6) [N, or N and N m].
-        regressors: A, shape (n, 6, u).
-    """
-
-    forces: Array
-    regressors: Array
-
-    @property
-    def samples(self) -> int:
-        """Recorded samples that are evaluated."""
-        return len(self.forces)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +43,7 @@ class Run:
         filter: for both sides.
         rows: samples that are evaluated, counted after the filter's margin, shape (n,).
         samples: recorded samples of the window that they stand for.
-        warnings: sentences about the window.
+        window: what is found about the window.
         smoothing: whether it is estimated by how much more the forces are smoothed than the motion.
         spoilt: filtered samples that feel damage or a gap, shape (samples of the recording less two margins,).
     """
@@ -67,7 +54,7 @@ class Run:
     filter: Filter
     rows: NDArray[np.int64]
     samples: int
-    warnings: tuple[str, ...] = ()
+    window: tuple[Finding, ...] = ()
     smoothing: bool = False
     spoilt: NDArray[np.bool_] | None = None
 
@@ -106,79 +93,69 @@ class Run:
 
     def regressors(self, delay: float) -> Array:
         """A at the instants t_k - delay, shape (n, 6, u)."""
-        return regressors(self.model, self.kinematics(delay))
+        return np.concatenate([regressors(self.model, motions[0]) for _, motions in self._motions(delay)])
 
     def kinematics(self, delay: float) -> Kinematics:
         """Motion of the platform at the instants t_k - delay, of n samples."""
-        return self.kinematics_at(delay)[0]
+        pieces = [motions[0] for _, motions in self._motions(delay)]
+        return Kinematics(*(np.concatenate([getattr(p, f) for p in pieces]) for f in ("pose", "twist", "twist_rate")))
 
-    def kinematics_at(self, *delays: float) -> list[Kinematics]:
-        """The same at several delays; from the second one on poses are found from those at the first.
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances).
+
+        Derivatives are those of a shifted filter, not differences of neighbouring samples, between which the window may
+        have a gap.
+        """
+        late, room = inwards(delay), MOST_DELAY - SMOOTHING_STEP  # where the filter still reaches to both sides
+        middle, unknowns = float(np.clip(delay, -room, room)), len(values)
+        around = (middle, middle - SMOOTHING_STEP, middle + SMOOTHING_STEP) if self.smoothing else ()
+        columns = np.empty((len(self.rows), 6, unknowns + len(self.nuisances)))
+        for piece, (here, there, *others) in self._motions(delay, late, *around):
+            matrices, own = regressors(self.model, here), columns[piece]
+            own[:, :, :unknowns] = matrices
+            own[:, :, -1] = (expected_forces(self.model, there, values) - matrices @ values) / (late - delay)
+            if others:
+                now, before, after = (expected_forces(self.model, motion, values) for motion in others)
+                own[:, :, unknowns] = (before + after - 2.0 * now) / SMOOTHING_STEP**2
+        return columns
+
+    def _motions(self, *delays: float) -> Iterator[tuple[slice, list[Kinematics]]]:
+        """Motion of the platform at several delays, for one piece of the samples after the other.
+
+        From the second delay on poses are found from those at the first.
 
         Raises:
             StrutsDoNotClose: with the place in the file.
         """
         assert self.recording.struts is not None
         wanted = [(order, delay) for delay in delays for order in range(3)]
-        motions = decimated(self.filter, self.recording.struts, self.rows, wanted)
-        found: list[Kinematics] = []
-        try:
-            for k, delay in enumerate(delays):
-                near = self.hexapod.earlier(found[0], delay - delays[0]) if found else None
-                lengths, velocities, accelerations = motions[3 * k : 3 * k + 3]
-                found.append(self.hexapod.kinematics(lengths, velocities, accelerations, near))
-            return found
-        except StrutsDoNotClose as error:  # say where in the file it is
-            row = int(self.filter.margin + self.rows[error.sample])
-            raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
+        struts = decimated(self.filter, self.recording.struts, self.rows, wanted)
+        for begin in range(0, len(self.rows), PIECE):
+            piece, found = slice(begin, begin + PIECE), list[Kinematics]()
+            try:
+                for k, delay in enumerate(delays):
+                    near = self.hexapod.earlier(found[0], delay - delays[0]) if found else None
+                    lengths, velocities, accelerations = (s[piece] for s in struts[3 * k : 3 * k + 3])
+                    found.append(self.hexapod.kinematics(lengths, velocities, accelerations, near))
+            except StrutsDoNotClose as error:  # say where in the file it is
+                row = int(self.filter.margin + self.rows[begin + error.sample])
+                raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
+            yield piece, found
 
-    def effect_of_delay(self, delay: float, matrices: Array, values: Array) -> Array:
-        """How the expected forces A u change with the delay, shape (n, 6) [N/s, or N/s and N m/s].
+    @property
+    def consecutive(self) -> bool:
+        """They are."""
+        return True
 
-        By shifting the filter, not by differences of neighbouring samples, between which the window may have a gap.
-
-        Args:
-            delay: where [s].
-            matrices: A there, shape (n, 6, u).
-            values: u, shape (u,).
-        """
-        shifted = inwards(delay)
-        return np.asarray((self.regressors(shifted) - matrices) @ values / (shifted - delay))
-
-    def linearised(self, delay: float, values: Array) -> tuple[Array, Array]:
-        """A, shape (n, 6, u), and the columns of the nuisances at values u, shape (n, 6, nuisances)."""
-        here, there = self.kinematics_at(delay, inwards(delay))
-        matrices = regressors(self.model, here)
-        late = (regressors(self.model, there) - matrices) @ values / (inwards(delay) - delay)
-        return matrices, self._columns(delay, matrices, values, late)
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """About the window."""
+        del fit, w
+        return self.window
 
     @property
     def nuisances(self) -> tuple[str, ...]:
         """Names of what is estimated beside the model."""
         return ("smoothing", "delay") if self.smoothing else ("delay",)
-
-    def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
-        """Their columns, shape (n, 6, nuisances)."""
-        return self._columns(delay, matrices, values, self.effect_of_delay(delay, matrices, values))
-
-    def _columns(self, delay: float, matrices: Array, values: Array, late: Array) -> Array:
-        if not self.smoothing:
-            return late[:, :, None]
-        return np.stack([self.effect_of_smoothing(delay, matrices, values), late], axis=2)
-
-    def effect_of_smoothing(self, delay: float, matrices: Array, values: Array) -> Array:
-        """Second derivative of the expected forces A u with respect to time, shape (n, 6) [N/s^2, N m/s^2].
-
-        Args:
-            delay: where [s].
-            matrices: A there, shape (n, 6, u).
-            values: u, shape (u,).
-        """
-        room = MOST_DELAY - SMOOTHING_STEP  # where the filter still reaches to both sides
-        middle = float(np.clip(delay, -room, room))
-        here = matrices if middle == delay else self.regressors(middle)
-        around = self.regressors(middle + SMOOTHING_STEP) + self.regressors(middle - SMOOTHING_STEP)
-        return np.asarray((around - 2.0 * here) @ values / SMOOTHING_STEP**2)
 
     @property
     def noise_correlation(self) -> float:
@@ -193,13 +170,36 @@ class Run:
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
         """Covariance of u for noise of any colour and errors of the pose, from A and residuals; None for short runs."""
-        found = turned(matrices, residuals, weights, self.places)
+        part, share = fair_part(len(residuals)), 1.0
+        if len(part) < len(residuals):  # what a fit to the part would leave
+            share, matrices, residuals = len(part) / len(residuals), matrices[part], residuals[part]
+            top = joint_triangle(matrices, residuals, np.sqrt(weights))
+            residuals = residuals - matrices @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=None)[0]
+        found = turned(matrices, residuals, weights, self._places_of(part))._replace(share=share)
         assert self.recording.struts is not None
-        placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows])
+        placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows[part]])
         if placed is not None:
-            return Robust(placed.covariance, (placed.note,), placed.field(residuals) if whitening is None else None)
+            field = placed.field(residuals) if whitening is None else None
+            return Robust(placed.covariance, (placed.finding,), field)
         coloured = coloured_covariance(found)
         return None if coloured is None else Robust(coloured)
+
+    def _places_of(self, part: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Places of a part of the samples; its stretches follow each other, so far apart that noise forgets."""
+        places = self.places[part]
+        apart = np.flatnonzero(np.diff(part) > 1)
+        shift = np.zeros(len(part), dtype=np.int64)
+        shift[apart + 1] = np.maximum(np.diff(places)[apart] - FORGOTTEN, 0)
+        return np.asarray(places - np.cumsum(shift))
+
+    def excerpt(self, times: int = 1) -> "Run":
+        """A part of the run that stands for it, `fair_part`; the run itself where that is all of it."""
+        part = fair_part(len(self.rows), times)
+        if len(part) == len(self.rows):
+            return self
+        left_out = np.ones(len(self.rows), dtype=bool)
+        left_out[part] = False
+        return self.without(left_out)
 
     def without(self, left_out: NDArray[np.bool_]) -> "Run":
         """The run without some of its evaluated samples, shape (n,)."""

@@ -7,12 +7,14 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import Scan, bridged
-from identification.formats.lost import MOST_PUT_BACK
+from identification.formats.missing import MOST_PUT_BACK
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.recording import Recording
-from identification.runs.evaluation import MOST_DELAY, Run, Standstills
+from identification.runs.evaluation import MOST_DELAY, Run
+from identification.samples import Standstills
 from identification.signals import Filter
 
 Array = NDArray[np.float64]
@@ -27,7 +29,7 @@ MOST_BRIDGED = MOST_PUT_BACK
 
 
 def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:
-    """Regressors of averaged standstills.
+    """Averaged standstills, ready to be evaluated.
 
     Args:
         recording: one row a standstill.
@@ -41,17 +43,19 @@ def standstills(recording: Recording, case: Case, model: Model, found: Scan | No
     require_position(recording, model)
     used = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
     still = np.zeros((int(used.sum()), 6))
-    count, forces = len(still), recording.forces[used]
     if recording.struts is not None:
         try:
             poses = Hexapod.of(case).poses(recording.struts[used])
         except StrutsDoNotClose as error:
             row = int(np.flatnonzero(used)[error.sample])
             raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
-        return Standstills(forces, regressors(model, Kinematics(poses, still, still)))
-    assert recording.rotations is not None  # the reader admits no recording without a pose
-    matrices = model.matrices(np.zeros((count, 3)), recording.rotations[used], still, still)
-    return Standstills(forces, matrices)
+        matrices = regressors(model, Kinematics(poses, still, still))
+    else:
+        assert recording.rotations is not None  # the reader admits no recording without a pose
+        matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[used], still, still)
+    t = np.arange(1.0, len(used) + 1.0) if recording.t is None else recording.t
+    scale = np.ones(len(used)) if recording.weights is None else recording.weights
+    return Standstills(model, t[used], recording.forces[used], matrices, scale[used], recording.t is not None)
 
 
 def moving_run(recording: Recording, case: Case, model: Model, whole: bool = False, found: Scan | None = None) -> Run:
@@ -77,14 +81,14 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         )
     low_pass = checked_filter(recording, case)
     count = len(recording.struts) - 2 * low_pass.margin
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Finding, ...] = ()
     bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
     spoilt = spoilt_by(bad, recording.lost, low_pass)
     if bad.any():
         recording = replace(recording, struts=bridged(recording.struts, bad), forces=bridged(recording.forces, bad))
     assert recording.struts is not None
     if whole:
-        low_pass.apply(recording.struts)  # raises where the run is shorter than the filter
+        low_pass.require(recording.struts, 0.0)
         window = np.arange(max(count, 0))
     else:
         window, warnings = _window(recording, low_pass)
@@ -155,7 +159,7 @@ def spoilt_by(bad: NDArray[np.bool_], lost: NDArray[np.int64], low_pass: Filter)
     return np.asarray(spoilt[margin : count - margin])
 
 
-def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[str, ...]:
+def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding, ...]:
     """What to say where damage, with the filter's reach around it, takes a share of the motion.
 
     Raises:
@@ -170,8 +174,11 @@ def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[str, ..
     if share <= 0.0:
         return ()
     return (
-        f"{100 * share:.2g} % of the motion is left out: damage longer than {MOST_BRIDGED} samples, gaps, and "
-        f"{reach:.3g} s on either side, as far as the filter reaches",
+        warning(
+            Kind.DAMAGE,
+            f"{100 * share:.2g} % of the motion is left out: damage longer than {MOST_BRIDGED} samples, gaps, and "
+            f"{reach:.3g} s on either side, as far as the filter reaches",
+        ),
     )
 
 
@@ -184,25 +191,29 @@ def require_position(recording: Recording, model: Model) -> None:
         )
 
 
-def _window(recording: Recording, low_pass: Filter) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+def _window(recording: Recording, low_pass: Filter) -> tuple[NDArray[np.int64], tuple[Finding, ...]]:
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
     assert recording.struts is not None
     margin = low_pass.margin
-    speed = low_pass.apply(recording.struts, 1)  # raises where the run is shorter than the filter
-    warnings: tuple[str, ...] = ()
+    low_pass.require(recording.struts, 0.0)
+    warnings: tuple[Finding, ...] = ()
     if recording.trigger is not None:
         rows = np.flatnonzero(recording.trigger[margin:-margin])
         if not len(rows):
             raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
     else:
+        speed = low_pass.apply(recording.struts, 1)
         moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)
         rows = np.arange(moving[0], moving[-1] + 1) if len(moving) else np.arange(len(speed))
         if not len(moving):
             warnings = (
-                f"the struts are never faster than {MOVING * 1e3:g} mm/s, so that all of the recording is evaluated; "
-                "record a trigger where only a part is meant",
+                warning(
+                    Kind.WINDOW,
+                    f"the struts are never faster than {MOVING * 1e3:g} mm/s, so that all of the recording is "
+                    "evaluated; record a trigger where only a part is meant",
+                ),
             )
-    travel = np.ptp(recording.struts[margin + rows], axis=0).max()
+    travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
     if travel < LEAST_TRAVEL:
         raise IdentificationError(
             f"{recording.source}: the pose is constant (struts move by {travel * 1e3:.3g} mm, at least "

@@ -127,28 +127,6 @@ def _samples(recording: Recording, rhythm: Rhythm) -> Stream:
     )  # fmt: skip
 
 
-def released(recording: Recording, rhythm: Rhythm, case: Case) -> Recording | None:
-    """A piece of a run whose struts are held, at their samples, with forces averaged; None where it is too short.
-
-    Its first two and last two samples of the struts only serve the averages, as in a whole run.
-
-    Args:
-        recording: struts and forces of one clock.
-        rhythm: counted from its first row.
-        case: range of the sensors.
-
-    Raises:
-        RecordingError: as `on_one_clock`.
-    """
-    motion = _samples(recording, rhythm)
-    assert motion.t is not None
-    assert recording.t is not None
-    if len(motion.t) < 5:
-        return None
-    interval, step = (float(np.median(np.diff(t))) for t in (motion.t, recording.t))
-    return _at_the_motion(recording, motion, interval, step, case)
-
-
 def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: float, case: Case) -> Recording:
     assert motion.t is not None
     assert recording.t is not None

@@ -6,15 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import rfft, rfftfreq
 
-from cases.schema import Case
-from identification.findings.plausibility import scan
-from identification.model import identification_model
-from identification.periodic.averaging import periodic_run
-from identification.recording import Recording
+from identification.periodic.averaging import PeriodicRun
 from identification.result import Estimate
-from identification.runs.evaluation import MOST_DELAY
-from identification.runs.preparation import moving_run, standstills
-from identification.runs.wrist import wrist_run
+from identification.runs.evaluation import Run
+from identification.runs.wrist import WristRun
+from identification.samples import Standstills
 
 Array = NDArray[np.float64]
 
@@ -75,31 +71,22 @@ class Residuals:
         return rfftfreq(size, self.step), np.sqrt(power)
 
 
-def residuals_of(recording: Recording, case: Case, estimate: Estimate) -> Residuals:
-    """What a run recorded beside what its own estimate says, at most the first `MOST_SAMPLES`.
-
-    Args:
-        recording: the run of the estimate.
-        case: its case.
-        estimate: gives model, parameters and delay.
-    """
-    model = identification_model(case, estimate.model, estimate.terms)
-    if recording.t is None or case.setup == "1a":
-        data = standstills(recording, case, model, scan(recording, case))
-        count = np.arange(1.0, data.samples + 1.0)
-        return Residuals(count, data.forces, data.regressors @ estimate.values, None)
-    if recording.struts is None:
-        wrist = wrist_run(recording, case, model, MOST_DELAY, estimate.how.biases, bad=scan(recording, case).bad)
-        values = wrist.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
-        return Residuals(wrist.t, wrist.recorded_forces, values, wrist.filter.step * wrist.filter.stride)
-    if estimate.conditioning.periodic is not None:
-        periodic = periodic_run(recording, case, model, estimate.conditioning.periodic, scan(recording, case))
-        t = recording.t[periodic.used][:MOST_SAMPLES]
-        expected = periodic.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
-        recorded = recording.forces[periodic.used][:MOST_SAMPLES]
-        return Residuals(t, recorded, periodic.predicted(expected, t), recording.step)
-    run = moving_run(recording, case, model, found=scan(recording, case))
-    rows = np.arange(run.rows[0], run.rows[-1] + 1)
-    every = replace(run, rows=(rows if run.spoilt is None else rows[~run.spoilt[rows]])[:MOST_SAMPLES])
-    predicted = every.regressors(estimate.delay.value if estimate.delay else 0.0) @ estimate.values
-    return Residuals(every.t, every.recorded_forces, predicted, run.filter.step, every.forces)
+def residuals_of(estimate: Estimate) -> Residuals:
+    """What a run recorded beside what its own estimate says, at most the first `MOST_SAMPLES`."""
+    samples = estimate.evaluated
+    delay = 0.0 if estimate.delay is None else estimate.delay.value
+    if isinstance(samples, Standstills):
+        return Residuals(samples.t, samples.recorded, samples.matrices @ estimate.values, None)
+    if isinstance(samples, WristRun):
+        values, step = samples.regressors(delay) @ estimate.values, samples.filter.step * samples.filter.stride
+        return Residuals(samples.t, samples.recorded_forces, values, step)
+    if isinstance(samples, PeriodicRun):
+        assert samples.recording.t is not None
+        t = samples.recording.t[samples.used][:MOST_SAMPLES]
+        expected = samples.predicted(samples.regressors(delay) @ estimate.values, t)
+        return Residuals(t, samples.recording.forces[samples.used][:MOST_SAMPLES], expected, samples.recording.step)
+    assert isinstance(samples, Run)
+    rows = np.arange(samples.rows[0], samples.rows[-1] + 1)
+    every = replace(samples, rows=(rows if samples.spoilt is None else rows[~samples.spoilt[rows]])[:MOST_SAMPLES])
+    predicted = every.regressors(delay) @ estimate.values
+    return Residuals(every.t, every.recorded_forces, predicted, samples.filter.step, every.forces)

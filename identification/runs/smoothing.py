@@ -6,16 +6,24 @@ T^2/24 more than the struts, by where in a step they are sampled; averaging over
 sampling, adds half its variance. To first order f = A u + b d^2(A u)/dt^2: beside the delay, the first moment of the
 smoothing, b, half the second, is one more unknown. Left out, it draws the mass of a clean ten-second run by two of its
 standard deviations.
+
+The lowest structural mode of a machine, seen in a run: forces grow with frequency beyond what the motion asks for.
+
+A platform behind a spring of circular frequency w feels accelerations amplified by 1 / (1 - (f/w)^2), to first order
+f = A u - w^-2 d^2(A u)/dt^2: the smoothing of `identification.runs.smoothing` with a negative sign. The series holds
+well below the mode alone, so that the low-pass is set to half of it.
 """
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.schema import Case
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
+from identification.finding import Finding, Kind, note
 from identification.runs.evaluation import Run
 
 Array = NDArray[np.float64]
@@ -31,18 +39,18 @@ class Smoothing(NamedTuple):
     std: float
 
     @property
-    def notes(self) -> list[str]:
-        """What is to be told of it."""
-        if abs(self.value) < CLEAR * self.std:
-            return []
-        return [
+    def finding(self) -> Finding:
+        """What is to be told of it; people only where it is clear."""
+        told = (
             f"forces are {'smoothed' if self.value > 0.0 else 'sharpened'} against the motion by "
             f"{self.value * 1e6:+.3g} +- {self.std * 1e6:.2g} ms^2, half a second moment (leaps between samples, "
             "averaging or a low-pass of the channels): estimated and compensated"
-        ]
+        )
+        clear = abs(self.value) >= CLEAR * self.std
+        return note(Kind.CLOCK, told if clear else "", smoothing_s2=self._asdict())
 
 
-def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float, share: float = 1.0) -> Run:
+def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     """The run with its smoothing to be estimated, where that is worth it; as it is elsewhere.
 
     It is where the run tells b more closely than sampling can make it; elsewhere leaving it out draws parameters by
@@ -54,12 +62,12 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float, share: fl
         basis: of the free parameters, shape (u, free).
         w: W for one sample, shape (6, 6).
         delay: as estimated [s].
-        share: of a longer run that this one stands for.
     """
-    matrices, (size, free) = run.regressors(delay), basis.shape
+    part, (size, free) = run.excerpt(), basis.shape
+    matrices, share = part.regressors(delay), len(part.rows) / len(run.rows)
     expected = matrices @ fit.values[:size]
     # Differences of evaluated samples are near enough to choose by: at the cut-off they see seven tenths of the bend.
-    even = np.diff(run.rows) == run.filter.stride
+    even = np.diff(part.rows) == run.filter.stride
     inner = 1 + np.flatnonzero(even[1:] & even[:-1])
     if len(inner) <= free:
         return run
@@ -78,3 +86,47 @@ def smoothing_of(run: Run, fit: Fit) -> Smoothing:
     place = len(run.model.parameters) + run.nuisances.index("smoothing")
     std = max(float(fit.covariance[place, place]), float(fit.covariance_robust[place, place])) ** 0.5
     return Smoothing(float(fit.values[place]), std)
+
+
+SHARE = 0.5  # of the mode's frequency: there the first term that is left out is a sixteenth
+
+
+class Mode(NamedTuple):
+    """Frequency of a structural mode and its standard deviation [Hz]."""
+
+    frequency: float
+    std: float
+
+
+def mode_found(found: Smoothing, case: Case) -> list[Finding]:
+    """What is to be told of the mode that sharpens the forces so, behind the low-pass of a case."""
+    entries = {"smoothing_s2": found._asdict()}
+    mode = mode_of(found)
+    if mode is None:
+        told = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
+        return [note(Kind.MODEL, told, **entries)]
+    told = f"a structural mode at {mode.frequency:.3g} +- {mode.std:.2g} Hz amplifies the forces: estimated and "
+    told += f"compensated, behind a low-pass at {case.recording.filter_cutoff_Hz:.3g} Hz"
+    return [note(Kind.MODEL, told, **entries, structural_mode_Hz={"value": mode.frequency, "std": mode.std})]
+
+
+def mode_of(found: Smoothing) -> Mode | None:
+    """The mode that sharpens the forces so; None where they are not clearly sharpened."""
+    if -found.value < CLEAR * found.std:
+        return None
+    frequency = 1.0 / (2.0 * np.pi * np.sqrt(-found.value))
+    return Mode(float(frequency), float(frequency * found.std / (2.0 * -found.value)))
+
+
+def below(case: Case, told: Any) -> Case | None:
+    """The case with a low-pass at half the mode that an estimate was told of; None where it is as low already.
+
+    Args:
+        case: with a filter.
+        told: `structural_mode_Hz` of the estimate; None where none is seen.
+    """
+    cutoff = case.recording.filter_cutoff_Hz
+    if told is None or cutoff is None or cutoff <= SHARE * told["value"]:
+        return None
+    recording = case.recording.model_copy(update={"filter_cutoff_Hz": SHARE * float(told["value"])})
+    return case.model_copy(update={"recording": recording})

@@ -16,7 +16,8 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.biases import Biases
-from identification.estimation.fit import Filtered, Robust
+from identification.estimation.fit import Filtered, Fit, Robust
+from identification.finding import Finding
 from identification.findings.plausibility import bridged
 from identification.formats.clock import HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
@@ -49,7 +50,7 @@ class WristRun:
         quaternion: of R over time, filtered.
         specific_force: in the axes of {P} over time, filtered [m/s^2].
         samples: recorded samples that they stand for.
-        warnings: sentences.
+        window: what is found about the window.
     """
 
     model: Model
@@ -60,12 +61,22 @@ class WristRun:
     quaternion: CubicSpline
     specific_force: CubicSpline
     samples: int
-    warnings: tuple[str, ...] = ()
+    window: tuple[Finding, ...] = ()
 
     @property
     def filtered(self) -> Filtered:
         """What the filter did to white noise."""
         return Filtered(self.filter.noise_gain, self.filter.stride)
+
+    @property
+    def consecutive(self) -> bool:
+        """They are."""
+        return True
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """About the window."""
+        del fit, w
+        return self.window
 
     @property
     def nuisances(self) -> tuple[str, ...]:
@@ -86,6 +97,16 @@ class WristRun:
         still = np.zeros((len(t), 3))
         acceleration = np.einsum("nij,nj->ni", turn, specific) + self.model.gravity
         return self.model.matrices(still, turn, np.hstack([still, omega]), np.hstack([acceleration, alpha]))
+
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A, and how A u changes with small turns of the accelerometer and with the delay, shape (n, 6, u + 4)."""
+        matrices = self.regressors(delay)
+        return np.dstack([matrices, self.nuisance_columns(delay, matrices, values)])
+
+    def excerpt(self, times: int = 1) -> "WristRun":
+        """All of it: such runs are short."""
+        del times
+        return self
 
     def nuisance_columns(self, delay: float, matrices: Array, values: Array) -> Array:
         """How A u changes with three small turns of the accelerometer and with the delay, shape (n, 6, 4)."""

@@ -67,20 +67,6 @@ def identify(
     harmonics: Annotated[
         int | None, typer.Option(help="Of that series; by default as many as stand out of the struts' noise.")
     ] = None,
-    accelerated: Annotated[
-        str | None,
-        typer.Option(
-            help="Evaluate the samples of highest strut acceleration only: a share of them, 30%, or those above a "
-            "threshold, 3m/s^2; the standard deviations are compared with those of all samples."
-        ),
-    ] = None,
-    plan: Annotated[
-        Path | None,
-        typer.Option(
-            help="Plan folder or program that the run followed: tells where its feed was another, as by an override. "
-            "A folder of hexcite run knows its program."
-        ),
-    ] = None,
     flexible: Annotated[
         bool,
         typer.Option(
@@ -105,18 +91,17 @@ def identify(
     larger of the two is what to report.
     """
     from cases.files import RESULT, check_folder, output_place
-    from identification.formats.blocks import require_file
+    from identification.formats.text import require_file
     from identification.recording import files_of
     from planner.cli.conditioning import read_conditioning
     from planner.cli.identified import answer_of_result, show_result, verify_result
     from planner.cli.saving import save_with_page
     from planner.cli.wishes import Typed, method_of
     from planner.poses.expected import poses_of_plan
-    from planner.runs.followed import followed_plan
     from planner.runs.identified import Wish, identified_file
     from planner.runs.recorded import Still, case_of
 
-    conditioning = read_conditioning(period, harmonics, accelerated, flexible)
+    conditioning = read_conditioning(period, harmonics, flexible)
     if verify is not None:
         require_file(files_of([verify])[0])  # before a result is written
     loaded, changed = case_of(recordings[0], case, stale)
@@ -128,7 +113,6 @@ def identify(
         words,
         conditioning,
         Still(None if poses is None else poses_of_plan(poses, loaded), standstills),
-        None if plan is None else followed_plan(plan, loaded),
     )
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)

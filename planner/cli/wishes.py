@@ -24,7 +24,7 @@ class Typed(NamedTuple):
         prior: uncertain values.
         weights: instead of the case's.
         biases: result whose offsets are taken.
-        stale: go on although the machine has changed since these were identified.
+        stale: go on although the case has changed since the biases were identified.
     """
 
     estimator: str = "gauss-markov"

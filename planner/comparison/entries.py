@@ -250,7 +250,7 @@ def _matrices(recording: Recording, case: Case, model: Model) -> tuple[Array, Ar
     found = scan(recording, case)
     if recording.t is None:
         struts = None if recording.struts is None else recording.struts[~found.bad]
-        return standstills(recording, case, model, found).regressors, struts, int(np.sum(~found.bad))
+        return standstills(recording, case, model, found).matrices, struts, int(np.sum(~found.bad))
     run = moving_run(recording, case, model, found=found)
     struts = run.filter.apply(run.recording.struts)[run.rows] if run.recording.struts is not None else None
     return run.regressors(0.0), struts, run.samples

@@ -11,28 +11,21 @@ from cases.basis import KEPT, result_basis
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.estimation.estimators import Method
+from identification.finding import Kind, warning
+from identification.fitting import GAUSS_MARKOV
 from identification.hexapod import StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
-from identification.long.blocks import fits_blocks
-from identification.long.streaming import identify_long, in_blocks, is_long
 from identification.model import Model, identification_model
 from identification.outcome import TOLD_OF_RUNS, Result
 from identification.provenance import provenance
-from identification.recording import Recording, files_of, read, record_of
+from identification.recording import Recording, files_of, read
 from identification.result import Estimate
-from identification.runs.conditioning import USUAL, Conditioning
-from identification.runs.moving import GAUSS_MARKOV
 from identification.runs.rates import on_one_clock
 from identification.runs.residuals import residuals_of
+from identification.samples import USUAL, Conditioning
 from planner.plan import Plan
-from planner.runs.followed import Followed
-from planner.runs.recorded import UNSAID, Still, fitting_case, knows_poses, standing_of, with_feed
-
-NOT_COMPARED = (
-    "the run is too long to be compared with its program at once: a feed other than 100 % is told where the recording "
-    "has the override; --plan compares a run that fits into memory"
-)
+from planner.runs.recorded import UNSAID, Still, fitting_case, shorter_than_planned, standing_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +38,6 @@ class Wish:
         terms: forms of the error compensation instead of the model's: K1 to K5.
         conditioning: what is done to a moving run beforehand.
         still: what is known of standstills in a run with a clock.
-        followed: the motion that the run was to follow, where its feed is to be compared.
     """
 
     model: int | None = None
@@ -53,7 +45,6 @@ class Wish:
     terms: tuple[str, ...] = ()
     conditioning: Conditioning = USUAL
     still: Still = UNSAID
-    followed: Followed | None = None
 
 
 def identify(
@@ -109,8 +100,8 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
         if other := fitting_case(error.lengths, case, case.origin or None):
             raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
         raise
-    estimate = with_feed(estimate, run, case, wish.followed)
-    return result_of(run, case, estimate, standing, stale)
+    estimate = replace(estimate, findings=(*estimate.findings, *shorter_than_planned(whole)))
+    return result_of(run, case, estimate, standing, (*stale, *(() if how.biases is None else how.biases.stale)))
 
 
 def result_of(
@@ -125,9 +116,8 @@ def result_of(
         standing: what is to be said of averaged standstills.
         stale: what has changed in the case since the run.
     """
-    if estimate.how.biases is not None:
-        stale = (*stale, *estimate.how.biases.stale)
-    estimate = replace(estimate, warnings=(*estimate.warnings, *stale))
+    changed = tuple(warning(Kind.CASE, sentence) for sentence in stale)
+    estimate = replace(estimate, findings=(*estimate.findings, *changed))
     record = {
         **estimate.to_json(),
         KEPT: result_basis(case),
@@ -137,8 +127,8 @@ def result_of(
         **({"run": {k: run.record[k] for k in ("simulated", *TOLD_OF_RUNS) if k in run.record}} if run.record else {}),
         **({} if standing is None else {"standstills": standing}),
     }
-    found = identifiability(run, case, estimate)
-    return Result(case, record, found, estimate, residuals_of(run, case, estimate))
+    found = identifiability(estimate)
+    return Result(case, record, found, estimate, residuals_of(estimate))
 
 
 def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]:
@@ -150,15 +140,5 @@ def _about_run(run: Recording, case: Case, estimate: Estimate) -> dict[str, Any]
 
 
 def identified_file(paths: Sequence[Path], case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:
-    """`identified` for the files of one run; one that is too long to be read at once is read in blocks."""
-    record = record_of(paths[0])
-    blocks = len(paths) == 1 and wish.followed is None and not knows_poses(record, wish.still) and is_long(paths[0])
-    if not blocks:
-        return identified(read(paths, case), case, wish, stale)
-    how = wish.how(identification_model(case, 9 if wish.model is None else wish.model, wish.terms))
-    if not (in_blocks(how, wish.conditioning) and fits_blocks(paths[0], case)):
-        return identified(read(paths, case), case, wish, stale)
-    estimate, head = identify_long(paths[0], case, wish.model, how, wish.terms)
-    if record.get("plan_hash") is not None:
-        estimate = replace(estimate, notes=(*estimate.notes, NOT_COMPARED))
-    return result_of(replace(head, case=case, paths=tuple(paths), record=record), case, estimate, None, stale)
+    """`identified` for the files of one run."""
+    return identified(read(paths, case), case, wish, stale)

@@ -1,7 +1,5 @@
-"""What stands beside a recording: its case, the poses it was to stand at, the motion it was to follow."""
+"""What stands beside a recording: its case, the poses it was to stand at, how long it was to last."""
 
-from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,16 +11,13 @@ from cases.errors import HexciteError, RecordingError
 from cases.files import another_kind
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
-from identification.findings.feed import about_feed, against_plan
+from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
-from identification.identify import placed
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
-from identification.result import Estimate
 from identification.runs.standing import average, find_standstills, match, stands_only
 from identification.saved import load_result
 from planner.poses.expected import poses_of_record
-from planner.runs.followed import Followed, followed_by_record
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 Array = NDArray[np.float64]
@@ -99,53 +94,19 @@ def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
     return None
 
 
-def with_feed(estimate: Estimate, recording: Recording, case: Case, named: Followed | None) -> Estimate:
-    """The estimate with a warning where the run went at another feed than its plan or program.
-
-    Args:
-        estimate: of the recording.
-        recording: the run.
-        case: its case.
-        named: what it followed, as the user says; else what a run of hexcite says of its program counts.
-
-    Raises:
-        HexciteError: a plan that was named and cannot be compared, or is not of this run.
-    """
-    followed = named if named is not None else followed_by_record(recording.record, case)
-    if followed is None or (named is None and (recording.t is None or recording.struts is None)):
-        return estimate
-    cut = () if recording.t is None else shorter_than_planned(recording, followed)
-    estimate = replace(estimate, warnings=(*estimate.warnings, *cut))
-    try:
-        stretches = against_plan(recording, case, followed.motion, followed.name)
-    except RecordingError as error:
-        if named is not None and not cut:
-            raise RecordingError(placed(recording.source, error)) from error
-        return estimate if cut else replace(estimate, warnings=(*estimate.warnings, str(error)))
-    sentences, entries = about_feed(recording, stretches, f"comparison with {followed.name}")
-    if named is not None and not stretches:
-        entries = {"feed": {"found_by": f"comparison with {followed.name}", "stretches": []}}
-    return replace(estimate, warnings=(*estimate.warnings, *sentences), told={**estimate.told, **entries})
-
-
-def shorter_than_planned(recording: Recording, followed: Followed) -> tuple[str, ...]:
-    """What to say of a run whose trigger was on for less than its plan lasts, at the feed that was recorded."""
-    if recording.trigger is None or recording.trigger.all():
+def shorter_than_planned(recording: Recording) -> tuple[Finding, ...]:
+    """A trigger that was on for less than the program lasts, at the feed that was recorded, of a run of hexcite."""
+    planned = recording.record.get("planned_s")
+    if recording.record.get("poses_m_rad"):  # there it is on in the dwells only
+        return ()
+    if planned is None or recording.t is None or recording.trigger is None or recording.trigger.all():
         return ()
     feed = 1.0 if recording.override is None else recording.override[recording.trigger]
     lasted = float(np.sum(np.ones(int(recording.trigger.sum())) * feed) * recording.step)
-    planned = followed.motion.duration
     if lasted >= planned - max(SHORTER_BY, SHORTER * planned):
         return ()
-    return (
-        f"the trigger is on for {lasted:.3g} s, {followed.name} lasts {planned:.3g} s: the run or its recording was "
-        "cut off; what the plan promises is not of this run",
-    )
-
-
-def knows_poses(recording: Mapping[str, Any], still: Still) -> bool:
-    """Whether a run is said to stand at poses, by what `recording.json` says or by the user."""
-    return still.asked or still.poses is not None or poses_of_record(recording) is not None
+    told = f"the trigger is on for {lasted:.3g} s, the program lasts {planned:.3g} s: the run or its recording was cut "
+    return (warning(Kind.WINDOW, f"{told}off; what the plan promises is not of this run"),)
 
 
 def standing_of(recording: Recording, case: Case, still: Still = UNSAID) -> tuple[Recording, dict[str, Any] | None]:

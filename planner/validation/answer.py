@@ -60,14 +60,14 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     struts, run, forces = recording.struts, None, recording.forces
     assert struts is not None
     if recording.t is None:
-        matrices = columns = standstills(recording, case, model).regressors
+        matrices = columns = standstills(recording, case, model).matrices
         weights = np.ones(len(matrices)) if recording.weights is None else recording.weights
     else:
         run = moving_run(recording, case, model, found=scan(recording, case))
         run = replace(run, smoothing="smoothing_s2" in estimate.told)
         delay = 0.0 if estimate.delay is None else estimate.delay.value
-        matrices, forces = run.regressors(delay), run.forces
-        columns = np.dstack([matrices, run.nuisance_columns(delay, matrices, estimate.values)])
+        forces, columns = run.forces, run.linearised(delay, estimate.values)
+        matrices = columns[:, :, : len(estimate.values)]
         weights = np.ones(len(matrices))
         struts = struts[np.asarray(run.rows) + run.filter.margin]
     scale = weights[:, None] * np.sqrt(estimate.w)

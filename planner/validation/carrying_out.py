@@ -69,6 +69,9 @@ class Settings:
     plans: Path | None = None
 
 
+USUAL = Settings()
+
+
 @contextmanager
 def unfinished(output: Path, case: Case, settings: Settings, overwrite: bool = False) -> Iterator[Path]:
     """Yields the folder that keeps plans, programs, runs and steps until the validation is written, whatever ends it.

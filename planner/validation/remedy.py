@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from cases.disturbances import Disturbances
 from identification.identify import identify
-from identification.runs.conditioning import Conditioning
+from identification.samples import Conditioning
 from planner.validation.causes import BODY, MODE, SUSPICIOUS
 from planner.validation.experiment import Excitation
 from planner.validation.step import Identified, Step

@@ -15,8 +15,8 @@ from identification.recording import Recording, read_recording, record_of
 from identification.runs.rates import on_one_clock
 from planner.runs.recorded import standing_of
 from planner.runs.running import require_controller
-from planner.validation.carrying_out import Count, Settings, carry_out, make_places
-from planner.validation.experiment import recorded_steps
+from planner.validation.carrying_out import USUAL, Count, Settings, carry_out, make_places
+from planner.validation.experiment import METHODS, mounted_weights, recorded_steps
 from planner.validation.remedy import Remedy
 from planner.validation.step import Identified, Step
 from planner.validation.verdict import Finding, findings, to_json
@@ -92,9 +92,9 @@ class Validation:
 
 def validate(
     case: Case,
-    methods: Sequence[str],
-    mounted: Sequence[int],
-    settings: Settings,
+    methods: Sequence[str] = tuple(METHODS),
+    mounted: Sequence[int] | None = None,
+    settings: Settings = USUAL,
     *,
     undisturbed: bool = False,
     folder: Path | None = None,
@@ -105,7 +105,7 @@ def validate(
     Args:
         case: with payloads and a simulated machine.
         methods: names of the methods.
-        mounted: numbers of weights, from 0 on.
+        mounted: numbers of weights, from 0 on; by default none, and each up to all.
         settings: how methods are carried out.
         undisturbed: whether the simulated structure is an ideal one.
         folder: that keeps plans, programs, runs and finished steps, and what it holds is not made again; a temporary
@@ -116,6 +116,7 @@ def validate(
         HexciteError: no method could be carried out, an unknown controller, or a case without simulation.
     """
     disturbances = disturbances_of(case, settings, undisturbed)
+    mounted = mounted_weights(case, None) if mounted is None else mounted
     with ExitStack() as places:
         work = folder or Path(places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)

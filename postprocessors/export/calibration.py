@@ -87,6 +87,7 @@ def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool
     """
     result = load_result(path)
     case = result.artefact.case(case_name)
+    result.model_of(case)  # a case of another name is another machine, whatever changed
     remarks = result.remarks(case, stale)
     return _calibration(result, case, Path(result.source).read_bytes(), force, remarks)
 

@@ -6,7 +6,7 @@ from cases.loading import load_case
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
-from identification.runs.conditioning import Conditioning, Periodic
+from identification.samples import Conditioning, Periodic
 from tests.helpers import simulated
 from tests.identification.repeating import Repeating, recorded
 

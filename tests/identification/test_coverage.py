@@ -11,7 +11,6 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
-from identification.runs.conditioning import Accelerated, Conditioning
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, ideal, simulated
 from tests.simulated_machine import PoseExecution
@@ -57,19 +56,3 @@ def test_the_delay_is_as_sure_as_it_says_also_under_noise_with_memory(colour: fl
 @pytest.mark.slow
 def test_of_100_runs_about_95_percent_of_the_intervals_hold_the_truth() -> None:
     assert 0.92 <= coverage(100) <= 0.98
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("colour", [0.0, 20.0])
-def test_of_accelerated_sections_at_least_91_percent_of_the_intervals_hold_the_truth(colour: float) -> None:
-    """Noise forgets itself in the gaps between sections, which one series would not show; intervals are rather wide."""
-    execution, inside = PoseExecution(Hexapod.of(CASE), Harmonic(seed=1, duration=4.0)), []
-    clean = simulate_recording(simulated(CASE, force_noise_N=0.0), execution, np.array([[0.1, 3.9]]), 0)
-    keep = np.exp(-2 * np.pi * colour / 1000.0) if colour else 0.0
-    for seed in range(20):
-        drawn = np.random.default_rng(seed).normal(size=(len(clean.forces) + 1000, 6))
-        noise = np.sqrt(1 - keep**2) * lfilter([1.0], [1.0, -keep], drawn, axis=0)[1000:]
-        wish = Conditioning(accelerated=Accelerated(0.3))
-        found = identify(replace(clean, forces=clean.forces + noise), CASE, conditioning=wish).physical.values()
-        inside.append([abs(v.value - true) <= 1.96 * v.std_robust for v, true in zip(found, PHYSICAL, strict=True)])
-    assert np.mean(inside) >= 0.91

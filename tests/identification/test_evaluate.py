@@ -4,7 +4,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from identification.evaluate import CHUNK, over_samples
+from cases.loading import load_case
+from identification.evaluate import CHUNK, PART, over_samples
+from identification.hexapod import Hexapod
+from identification.model import identification_model
 
 X, Y = ca.SX.sym("x", 3), ca.SX.sym("y", 2)
 MATRIX = ca.Function("matrix", [X, Y], [ca.densify(X @ Y.T), X + ca.vertcat(Y, 0)])
@@ -40,3 +43,26 @@ def test_arguments_are_left_as_they_are() -> None:
 def test_wrong_shapes_are_refused_before_casadi_reads_beyond_them(x: tuple, y: tuple, says: str) -> None:
     with pytest.raises(ValueError, match=says):
         over_samples(MATRIX, np.zeros(x), np.zeros(y))
+
+
+def test_many_samples_are_evaluated_as_few_are() -> None:
+    """Instruction by instruction in NumPy, or by CasADi's interpreter: the same functions, to rounding."""
+    case = load_case("hexapod")
+    hexapod, model = Hexapod.of(case), identification_model(case, 9)
+    draw, count = np.random.default_rng(0), PART + 1001
+    pose = hexapod.home + 0.02 * draw.normal(size=(count, 6))
+    rates, accelerations, u = draw.normal(size=(count, 6)), draw.normal(size=(count, 6)), draw.normal(size=(count, 20))
+    for function, arguments in (
+        (hexapod.inverse_jacobian, (pose,)),
+        (hexapod.jacobian_drift, (pose, rates)),
+        (hexapod.newton_step, (pose, 1e-3 * rates)),
+        (hexapod.joint_cosines, (pose,)),
+        (hexapod.strut_motion, (pose, rates, accelerations)),
+        (model.coordinate_regressor, (pose, rates, accelerations)),
+        (model.pose_forces, (pose, rates, accelerations, u)),
+    ):
+        many = over_samples(function, *arguments)
+        pieces = [slice(k, k + CHUNK) for k in range(0, count, CHUNK)]
+        few = zip(*(over_samples(function, *(a[p] for a in arguments)) for p in pieces), strict=True)
+        for one, other in zip(many, few, strict=True):
+            np.testing.assert_allclose(one, np.concatenate(other), rtol=1e-13, atol=1e-13)

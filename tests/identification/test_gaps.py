@@ -13,8 +13,6 @@ from identification.findings.plausibility import scan
 from identification.force import external_force
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.long import blocks
-from identification.long.streaming import identify_long
 from identification.model import identification_model
 from identification.recording import read_recording, write_recording
 from identification.result import Estimate
@@ -146,31 +144,12 @@ def test_places_of_samples_count_what_is_missing(lines: list[str], tmp_path: Pat
     assert np.all(np.diff(run.places) >= 1)
 
 
-@pytest.mark.parametrize("damage", [*DAMAGES, "a few at the edge of blocks"])
-def test_blocks_give_what_the_whole_run_gives(
-    damage: str, lines: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def at_edges(rows: list[str]) -> None:
-        for first in (701, 1399, 2102, 2799):
-            emptied(first, first + 3)(rows)
-
-    monkeypatch.setattr(blocks, "LEAST", 700)
-    monkeypatch.setattr("identification.formats.blocks.SIZE", 20_000)
-    file = damaged(lines, tmp_path, DAMAGES[damage][0] if damage in DAMAGES else at_edges)
-    whole, streamed = identified(file), identify_long(file, CASE).estimate
-    assert streamed.samples == whole.samples
-    std = np.sqrt(np.diag(whole.covariance))
-    assert np.abs((streamed.values - whole.values) / std).max() < 1e-5
-    assert {w for w in whole.warnings if "left out" in w or "missing" in w} <= set(streamed.warnings)
-
-
 @pytest.mark.parametrize("edit", [without(600, 3500), emptied(1200, 2700), emptied(30, 1300, 5)])
 def test_a_run_that_is_mostly_damage_is_refused_with_the_limit(edit: Edit, lines: list[str], tmp_path: Path) -> None:
     file = damaged(lines, tmp_path, edit)
-    for of in (identified, lambda file: identify_long(file, CASE)):
-        with pytest.raises(RecordingError, match=r"at most (30|50) % may be") as caught:
-            of(file)
-        assert one_line(caught.value).startswith(str(file))
+    with pytest.raises(RecordingError, match=r"at most (30|50) % may be") as caught:
+        identified(file)
+    assert one_line(caught.value).startswith(str(file))
 
 
 def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Path) -> None:
@@ -185,12 +164,9 @@ def test_external_force_leaves_the_same_rows_out(lines: list[str], tmp_path: Pat
     assert any("80 samples are missing" in w for w in force.warnings)
 
 
-def test_periods_and_plans_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) -> None:
-    from identification.findings.feed import against_plan
-    from identification.runs.conditioning import Conditioning, Periodic
+def test_periods_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) -> None:
+    from identification.samples import Conditioning, Periodic
 
     recording = read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE)
     with pytest.raises(RecordingError, match=r"line 1500: samples are missing before this one, .*leave --period out"):
         identify(recording, CASE, conditioning=Conditioning(Periodic(None, None)))
-    with pytest.raises(RecordingError, match=r"run.csv: has gaps; how fast it went cannot be compared with plan"):
-        against_plan(recording, CASE, Harmonic(seed=1, duration=4.0), "plan")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import long_run_covariance
 
@@ -43,7 +44,8 @@ def test_it_is_a_covariance() -> None:
 
 def robust_ratio(noise: np.ndarray) -> float:
     """Robust over plain standard deviation of the mean of six equal, constant forces."""
-    fit = gauss_markov(np.ones((len(noise), 6, 1)), noise, ["mean"], np.ones(6))
+    ones = np.ones((len(noise), 6, 1))
+    fit = with_kernel(gauss_markov(ones, noise, ["mean"], np.ones(6)), ones)
     return float(np.sqrt(fit.covariance_robust[0, 0] / fit.covariance[0, 0]))
 
 

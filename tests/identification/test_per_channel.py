@@ -67,7 +67,7 @@ def test_a_few_poses_do_not_praise_themselves() -> None:
         forces = few @ U + spread * np.random.default_rng(seed).normal(size=(8, 6))
         fit = gauss_markov(few, forces, NAMES, np.ones(6))
         errors.append((fit.values - U) ** 2)
-        variances.append(np.diag(independent_poses(few, fit)))
+        variances.append(np.diag(independent_poses(few, fit.residuals, fit.weights)))
     ratio = np.mean(variances, axis=0) / np.mean(errors, axis=0)
     assert np.all(ratio > 0.9)  # on the safe side, as leave-one-out is
     assert np.all(ratio < 2.5)

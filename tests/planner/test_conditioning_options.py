@@ -51,20 +51,6 @@ def test_people_are_told_which_part_was_used(run: Path, tmp_path: Path) -> None:
     assert "3 periods of 1.5 s averaged" in (tmp_path / "result" / "report.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("words", ["40%", "2.5 m/s^2"])
-def test_accelerated_samples_are_selected_and_compared(words: str, run: Path, tmp_path: Path) -> None:
-    answer = call(*identify(run, tmp_path, "--json", "--accelerated", words)).json()
-    found = answer["accelerated"]
-    assert found["samples"] == answer["samples"] == pytest.approx(found["share"] * found["samples_of_all"], abs=5)
-    if "%" in words:
-        assert found["share"] == pytest.approx(0.4, abs=0.01)
-    else:
-        assert found["threshold_m_s2"] == 2.5
-    assert found["std_ratio"] > 1.0
-    assert found["favours"] == "all samples"
-    assert "favours all samples" in answer["notes"][0]
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -76,12 +62,6 @@ def test_accelerated_samples_are_selected_and_compared(words: str, run: Path, tm
         (("--harmonics", "5"), "add --period auto"),
         (("--flexible", "--period", "auto"), "--flexible: lowers the low-pass, which --period does without"),
         (("--flexible", "--prior", "m=33+-0.5kg"), "--flexible sees a mode in struts behind the low-pass"),
-        (("--accelerated", "3"), "--accelerated 3: is neither a share nor an acceleration; write --accelerated 30%"),
-        (("--accelerated", "120%"), "is neither a share"),
-        (("--accelerated", "0m/s^2"), "is neither a share"),
-        (("--accelerated", "99m/s^2"), "--accelerated 99m/s^2: no strut is accelerated so much, at most"),
-        (("--accelerated", "0.01%"), "no strut is accelerated so much"),
-        (("--accelerated", "30%", "--period", "auto"), "leave one of them out"),
         (("--period", "auto", "--harmonics", "0"), "--harmonics 0: is no number of harmonics"),
         (("--period", "auto", "--harmonics", "999"), "give 1 to 60"),
     ],

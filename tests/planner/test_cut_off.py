@@ -12,10 +12,7 @@ from cases.loading import built_in_cases
 from cases.schema import Case
 from identification.findings.plausibility import cut_off
 from identification.hexapod import Hexapod
-from identification.motion import Trajectory
-from planner.runs.followed import Followed
 from planner.runs.recorded import fitting_case, shorter_than_planned
-from tests.helpers import Harmonic
 from tests.identification.test_findings import CASE, run
 from tests.planner.command_line import refused
 
@@ -25,22 +22,22 @@ def test_a_recording_that_ends_with_its_trigger_on_is_told() -> None:
     end = int(np.flatnonzero(whole.trigger)[-1]) - 200
     columns = ("t", "struts", "forces", "trigger")
     cut = replace(whole, **{name: getattr(whole, name)[:end] for name in columns})
-    assert any(re.match(r"line \d+: the recording ends while the trigger is on", w) for w in cut_off(cut))
+    assert any(re.match(r"line \d+: the recording ends while the trigger is on", str(f)) for f in cut_off(cut))
     assert cut_off(whole) == []
     assert cut_off(replace(cut, trigger=np.ones(end, dtype=bool))) == []  # a column that says nothing
 
 
 @pytest.mark.parametrize(("duration", "told"), [(2.6, False), (2.65, False), (3.0, True), (8.0, True)])
-def test_a_run_shorter_than_its_plan_is_told(duration: float, told: bool) -> None:
-    motion: Trajectory = Harmonic(duration=duration)
-    found = shorter_than_planned(run(), Followed("plan", motion))
+def test_a_run_shorter_than_its_program_is_told(duration: float, told: bool) -> None:
+    found = shorter_than_planned(replace(run(), record={"planned_s": duration}))
+    assert shorter_than_planned(replace(run(), record={"planned_s": duration, "poses_m_rad": [[0.0] * 6]})) == ()
     assert bool(found) == told
-    assert all(sentence.startswith("the trigger is on for 2.6 s, plan lasts ") for sentence in found)
+    assert all(str(f).startswith("the trigger is on for 2.6 s, the program lasts ") for f in found)
 
 
 def test_an_override_that_was_recorded_explains_a_short_run() -> None:
     fast = replace(run(), override=np.full(len(run().forces), 1.2))
-    assert shorter_than_planned(fast, Followed("plan", Harmonic(duration=3.0))) == ()
+    assert shorter_than_planned(replace(fast, record={"planned_s": 3.0})) == ()
 
 
 def test_a_machine_whose_struts_fit_is_named(tmp_path: Path) -> None:

@@ -140,11 +140,9 @@ def test_a_series_whose_highest_harmonics_do_next_to_nothing_says_which_order_wo
     used: int, wanted: list[str], hexapod_case: Case
 ):
     share = np.where(np.arange(1, 6) <= used, 1.0, 0.01)[:, None] * np.full(6, 0.1)
-    found = SimpleNamespace(
-        motion=FourierMotion(np.zeros(6), share, 0.5 * share, 3.0, 4), starts=(), family="fourier",
-        settings={"order": 5}, noise_note=(), laws=None, request=Request(), limits=LimitReport(()),
-    )  # fmt: skip
-    assert vars(Plan)["notes"].fget(found) == notes
+    motion = FourierMotion(np.zeros(6), share, 0.5 * share, 3.0, 4)
+    found = Found(motion, {"order": 5}, LimitReport(()))
+    assert list(notes(found, Request(), hexapod_case, {})) == wanted
 
 
 @pytest.mark.parametrize(("knots", "advice"), [(60, 1), (100, 1), (110, 0), (120, 0), (150, 0)])

@@ -125,7 +125,7 @@ def test_a_faster_motion_that_somebody_typed_into_the_plan_is_not_written(copy: 
         (("predicted_std", "m"), 1e-9),
         (("predicted_std",), {}),
         (("predicted_std",), 3),
-        (("payload",), 1),
+        (("payload",), 5),
         (("payload",), 99),
         (("model",), 8),
         (("model",), 42),

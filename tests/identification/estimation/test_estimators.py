@@ -6,6 +6,7 @@ import pytest
 from cases.errors import IdentificationError
 from identification.estimation.estimators import ESTIMATORS, Problem, method
 from identification.estimation.priors import Prior
+from identification.finding import Severity
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, PHYSICAL, SAMPLES, A, U, forces
 
@@ -40,26 +41,28 @@ def test_the_robust_one_survives_gross_errors_and_says_how_many_samples_lost_wei
             (fit.values - U) / np.sqrt(np.diag(method().estimator(PROBLEM)(A, forces(2), NAMES).covariance))
         )
     assert errors["robust"].max() < 5.0 < errors["gauss-markov"].max()
-    (note,) = fit.notes
-    assert "count less" in note
+    (found,) = fit.findings
+    assert "count less" in found.sentence
 
 
 def test_consistency_says_whether_it_bound() -> None:
-    (free,) = method("consistent").estimator(PROBLEM)(A, forces(3), NAMES).notes
-    assert "did not bind" in free
+    (free,) = method("consistent").estimator(PROBLEM)(A, forces(3), NAMES).findings
+    assert "did not bind" in free.sentence
     thin = U.copy()
     thin[NAMES.index("I33")] = 10.0  # larger than the sum of the others, as no body has it
     bound = method("consistent").estimator(PROBLEM)(A, forces(3, thin), NAMES)
-    assert "the constraint bound" in bound.notes[0]
-    assert "no real body" in bound.doubts[0]
+    told, doubt = bound.findings
+    assert "the constraint bound" in told.sentence
+    assert "no real body" in doubt.sentence
+    assert doubt.severity is Severity.WARNING
 
 
 def test_a_prior_that_disagrees_is_told() -> None:
     quiet = method(priors=[Prior("m", float(U[0]), 1.0)]).estimator(PROBLEM)(A, forces(4), NAMES)
     loud = method(priors=[Prior("m", float(U[0]) + 10.0, 1.0)]).estimator(PROBLEM)(A, forces(4), NAMES)
-    assert quiet.doubts == ()
-    assert "prior m disagrees" in loud.doubts[0]
-    assert "moved the estimate by" in quiet.notes[0]
+    (told,) = quiet.findings
+    assert "moved the estimate by" in told.sentence
+    assert "prior m disagrees" in loud.findings[1].sentence
 
 
 REFUSED = {

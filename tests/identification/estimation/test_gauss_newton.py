@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from identification.estimation.gauss_newton import STEPS, gauss_newton
+from identification.estimation.nonlinear import STEPS, gauss_newton
 
 Array = np.ndarray
 MATRIX = np.random.default_rng(0).normal(size=(9, 3))

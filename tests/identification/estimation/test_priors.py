@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation import gauss_newton
+from identification.estimation import nonlinear as solver
+from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Filtered, Fit
-from identification.estimation.prior_estimation import PriorFit, with_priors
-from identification.estimation.priors import Prior, PseudoMeasurements
+from identification.estimation.priors import Prior, PriorFit, PseudoMeasurements, with_priors
 from tests.helpers import one_line, paper_poses, taylor_slope
 from tests.identification.moving_run import (
     FORM,
@@ -60,7 +60,7 @@ def test_linear_priors_give_the_mean_of_data_and_prior_weighted_by_their_informa
 
 
 def test_a_prior_that_says_nothing_changes_nothing() -> None:
-    free = gauss_markov(A, forces(0), NAMES, ONES)
+    free = with_kernel(gauss_markov(A, forces(0), NAMES, ONES), A)
     found = estimated(0, [Prior("m", 0.0, 1e9), Prior("zC", 0.0, 1e9)])
     np.testing.assert_allclose(found.fit.values, free.values, rtol=1e-8)
     np.testing.assert_allclose(found.fit.covariance, free.covariance, rtol=1e-8, atol=1e-14)
@@ -175,7 +175,7 @@ def test_without_priors_it_is_gauss_markov() -> None:
 
 
 def test_failure_is_a_value_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(gauss_newton, "STEPS", 1)
+    monkeypatch.setattr(solver, "STEPS", 1)
     found = with_priors(A, forces(0), MODEL, ONES, CAD)
     assert (found.fit, found.effects) == (None, ())
     assert "did not become small within 1" in found.failure

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from identification.recording import Recording, read_batches, read_recording
+from identification.recording import Recording, read_recording
 from tests.helpers import one_line
 from tests.identification.formats.runs import NAMES, Truth, case_with, number, written
 
@@ -132,13 +132,12 @@ def test_a_comment_of_several_lines_does_no_harm(tmp_path: Path) -> None:
     require_the_run(read_recording(written(tmp_path, text), case()))
 
 
-def test_a_long_export_is_read_in_batches(tmp_path: Path) -> None:
+def test_a_long_export_is_read_whole(tmp_path: Path) -> None:
     long = Truth(count=70_000)
     groups = [(STRUTS, 1e3 * long.t, long.struts * 1e3), (FORCES, 1e3 * long.t, long.forces)]
-    batches = list(read_batches(written(tmp_path, exported(groups)), case()))
-    assert len(batches) > 1
-    np.testing.assert_allclose(np.concatenate([b.t for b in batches]), long.t, atol=1e-9)
-    np.testing.assert_allclose(np.vstack([b.forces for b in batches]), long.forces, rtol=1e-8)
+    recording = read_recording(written(tmp_path, exported(groups)), case())
+    np.testing.assert_allclose(recording.t, long.t, atol=1e-9)
+    np.testing.assert_allclose(recording.forces, long.forces, rtol=1e-8)
 
 
 GOOD = exported(both())

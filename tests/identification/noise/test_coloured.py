@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from cases.loading import load_case
+from identification.estimation.compressed import with_kernel
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Fit
 from identification.hexapod import Hexapod
@@ -107,7 +108,7 @@ def test_25_to_60_samples_tell_enough_of_their_memory(stride: int) -> None:
     """Where the kernel estimate holds the truth in four of five intervals only."""
     few, held, kernel = A[::stride], [], []
     for seed in range(60):
-        fit = gauss_markov(few, few @ U + memory(seed, 0.6)[: len(few)], NAMES, ONES)
+        fit = with_kernel(gauss_markov(few, few @ U + memory(seed, 0.6)[: len(few)], NAMES, ONES), few)
         covariance = coloured_covariance(turned(few, fit.residuals, ONES))
         assert covariance is not None
         held.append(np.abs(fit.values - U) <= 1.96 * np.sqrt(np.diag(covariance)))

@@ -8,7 +8,7 @@ import pytest
 from cases.loading import load_case
 from identification.identify import identify
 from identification.recording import Recording
-from identification.runs.conditioning import Conditioning, Periodic
+from identification.samples import Conditioning, Periodic
 from tests.helpers import ideal, simulated
 from tests.identification.noise.test_sources import noisy, stated
 from tests.identification.repeating import Repeating, recorded

@@ -12,7 +12,7 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model, regressors
 from identification.motion import Motion
-from identification.noise.effects import acceleration_effects
+from identification.noise.sources import acceleration_effects
 from identification.recording import Recording
 from identification.runs.preparation import moving_run
 from identification.signals import Filter

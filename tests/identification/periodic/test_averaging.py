@@ -11,11 +11,11 @@ from cases.loading import load_case
 from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
+from identification.periodic.averaging import periodic_run
 from identification.periodic.periods import each_period
 from identification.result import Estimate
-from identification.runs.conditioning import Conditioning, Periodic
-from identification.runs.moving import run_of
 from identification.runs.residuals import residuals_of
+from identification.samples import Conditioning, Periodic
 from tests.helpers import ideal, one_line, simulated
 from tests.identification.repeating import LEAD, Repeating, recorded
 
@@ -120,7 +120,7 @@ def test_clean_runs_lose_no_period() -> None:
     model, run = MODEL, recorded(ideal(CASE), Repeating())
     for seed in range(4):
         noisy = replace(run, forces=run.forces + np.random.default_rng(seed).normal(size=run.forces.shape))
-        assert run_of(noisy, CASE, model, AUTO).warnings == ()
+        assert periodic_run(noisy, CASE, model, AUTO.periodic, None).window == ()
 
 
 def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
@@ -136,7 +136,7 @@ def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
 
 def test_the_scatter_between_periods_gives_the_covariance_of_coloured_noise() -> None:
     """Noise behind a 20 Hz first-order filter: the robust covariance is that of the estimates, (28) is too small."""
-    run = run_of(recorded(ideal(CASE), Repeating(periods=6)), CASE, MODEL, AUTO)
+    run = periodic_run(recorded(ideal(CASE), Repeating(periods=6)), CASE, MODEL, AUTO.periodic, None)
     matrices, t = run.regressors(0.0), run.recording.t
     flat = matrices.reshape(-1, 20)
     inverse = np.linalg.pinv(flat)
@@ -156,7 +156,7 @@ def test_the_scatter_between_periods_gives_the_covariance_of_coloured_noise() ->
 
 
 def test_residuals_are_told_at_every_sample_of_the_periods(clean: Estimate) -> None:
-    left = residuals_of(recorded(CASE, Repeating()), CASE, clean)
+    left = residuals_of(clean)
     assert len(left.t) == clean.samples == 8000
     assert left.values.std() == pytest.approx(CASE.simulation.force_noise_N, rel=0.05)
     assert clean.s0_N == pytest.approx(left.values.std(), rel=1e-3)

@@ -14,7 +14,7 @@ from identification.loaded import Circumstances
 from identification.motion import Motion
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.conditioning import Conditioning
+from identification.samples import Conditioning
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, simulated
 from tests.simulated_machine import PoseExecution, simulate_standstills

@@ -42,13 +42,13 @@ class Pretended:
             if len(self.jobs) == self.stop_after:
                 raise KeyboardInterrupt
             self.jobs.append(job)
-            plan = {"noise_seed": PLANNED, "status": DONE, "score": float(job.request.order), "converged": True}
+            plan = {"noise_seed": PLANNED, "status": DONE, "score": float(job.request.family.order), "converged": True}
             plan |= {"seconds": 2.0, "iterations": 10}
             noise = [
                 {"noise_seed": s, "status": DONE, "parameters": 20, "inside_95": 19, "seconds": 0.1}
                 for s in job.noise_seeds
             ]
-            failed = job.request.order == 7
+            failed = job.request.family.order == 7
             yield Outcome(key, None if failed else [plan, *noise], "no\troot" if failed else None, 1, 2.0, "tcp://w")
 
 
@@ -76,7 +76,7 @@ def test_an_extended_study_computes_only_what_is_new(
 ) -> None:
     run(study(2, [2]), hexapod_case, tmp_path, monkeypatch)
     more = run(study(3, [2, 3]), hexapod_case, tmp_path, monkeypatch)
-    assert sorted((j.request.order, j.request.seed) for j in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
+    assert sorted((j.request.family.order, j.request.seed) for j in more.jobs) == [(2, 2), (3, 0), (3, 1), (3, 2)]
 
 
 def test_more_seeds_of_the_noise_are_added_to_the_same_cells(
@@ -97,7 +97,7 @@ def test_a_failed_cell_is_a_row_with_its_reason_and_is_tried_again_on_request_on
     again = Pretended()
     monkeypatch.setattr(running, "run_tasks", again)
     run_study(None, study(1, [2, 7]), hexapod_case, tmp_path, lambda outcome: None, retry=True)
-    assert [j.request.order for j in again.jobs] == [7]
+    assert [j.request.family.order for j in again.jobs] == [7]
     rows = {r["order"]: r for r in read_rows(tmp_path, schema()).to_pylist()}
     assert (rows[2]["status"], rows[7]["status"]) == (DONE, FAILED)
     assert rows[7]["reason"] == "no\troot"

@@ -3,7 +3,7 @@
 import pytest
 
 from identification.identify import identify
-from identification.runs.conditioning import Conditioning
+from identification.samples import Conditioning
 from planner.validation.causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from planner.validation.experiment import steps
 from planner.validation.remedy import remedy_of

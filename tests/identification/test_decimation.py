@@ -4,21 +4,20 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from identification.long import decimation
-from identification.long.decimation import decimated
-from identification.signals import Filter
+from identification import signals
+from identification.signals import Filter, decimated
 
 RNG = np.random.default_rng(4)
 WANTED = [(order, delay) for delay in (0.0, 0.0123, -0.04) for order in range(3)]
 
 
 @pytest.mark.parametrize(("cutoff", "count"), [(40.0, 5000), (40.0, 20_011), (15.0, 4001), (190.0, 3000)])
-@pytest.mark.parametrize("part", [1000, decimation.PART])
+@pytest.mark.parametrize("part", [1000, signals.PART])
 def test_they_are_those_of_the_whole_signal(
     cutoff: float, count: int, part: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Rows as blocks and gaps leave them: every stride-th, in stretches that begin anywhere; also no stride at all."""
-    monkeypatch.setattr(decimation, "PART", part)
+    monkeypatch.setattr(signals, "PART", part)
     low_pass = Filter(cutoff, 1e-3)
     values = 1.0 + 0.05 * np.cumsum(RNG.normal(size=(count, 6)), axis=0) / 50
     most = count - 2 * low_pass.margin

@@ -1,0 +1,220 @@
+"""What every fit is looked at for, in one list: findings that residuals, samples and recording give rise to.
+
+A new check is one more function in `CHECKS`. What cannot be at all is refused.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError
+from cases.schema import Case
+from identification.estimation.estimators import Method
+from identification.estimation.fit import Fit
+from identification.finding import Finding, Kind, note, warning
+from identification.findings.plausibility import cut_off
+from identification.fitting import SANDWICHED, Fitted
+from identification.model import Model
+from identification.noise.components import noise_components
+from identification.periodic.averaging import PeriodicRun
+from identification.recording import Recording
+from identification.regressor_blocks import MASS
+from identification.runs.evaluation import Run
+
+Array = NDArray[np.float64]
+
+SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
+SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
+LEAST_SERIES = 50  # samples that tell an autocorrelation
+THOUSANDTH = (3e-4, 1e-2)  # of the nominal mass, with weights of up to some times it
+GRAM = 1e-3  # [kg]
+OTHER_MASS = 1.0 / 3.0  # of the nominal mass
+LEAST_EXPLAINED = 0.5  # of the forces' variance; a model that leaves more does not belong to the run
+RATE_TOLERANCE = 0.02  # of the rate of a recording
+SUSPICIOUS_DELAY = 0.02  # [s]; more than any filter of a force channel, and a sign of unrelated streams
+
+
+def systematic(fit: Fit, usual: float) -> list[Finding]:
+    """Whether neighbouring residuals are more alike than the filter makes those of white noise."""
+    left = fit.residuals
+    alike = np.sum(left[1:] * left[:-1], axis=0) / np.maximum(np.sum(left**2, axis=0), np.finfo(float).tiny)
+    if len(left) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
+        return []
+    told = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
+    told += "contact, a model without what moves the forces, or coloured noise; look at plots/residuals.svg"
+    return [warning(Kind.MODEL, told)]
+
+
+def require_scale(model: Model, values: Array, case: Case) -> None:
+    """Raises IdentificationError where the mass in u, shape (u,), is a thousandth or a thousand times the expected."""
+    if MASS not in model.blocks or case.nominal is None:
+        return
+    mass, expected = float(values[model.names.index("m")]), case.nominal.mass_kg
+    low, high = THOUSANDTH
+    if low < mass / expected < high or low < expected / max(mass, GRAM) < high:
+        unit = "kN" if mass < expected else "mN"
+        raise IdentificationError(
+            f"the mass comes out as {mass:.4g} kg where nominal.mass_kg is {expected:g}: forces seem to be in {unit}; "
+            f"set recording.units.forces = '{unit}' in the case"
+        )
+
+
+def other_mass(model: Model, values: Array, case: Case) -> list[Finding]:
+    """What to say where the mass in u, shape (u,), is far from nominal, with any number of the case's payloads."""
+    if MASS not in model.blocks or case.nominal is None or case.setup == "1a":
+        return []
+    mass = float(values[model.names.index("m")])
+    expected = min((body.mass_kg for body in case.bodies), key=lambda known: abs(mass - known))
+    if abs(mass - expected) <= OTHER_MASS * expected:
+        return []
+    what = "nominal.mass_kg" if expected == case.nominal.mass_kg else "nominal.mass_kg with payloads"
+    told = f"the mass comes out as {mass:.3g} kg where {what} is {expected:.3g} kg, more than a third off: correct "
+    return [warning(Kind.CASE, f"{told}nominal, or check gravity, units and what is mounted")]
+
+
+def unlikely(fit: Fit, forces: Array) -> list[Finding]:
+    """What an estimate of forces, shape (n, 6), itself says against its standard deviations, or against its model."""
+    found = []
+    white, robust = (np.diag(c) for c in (fit.covariance, fit.covariance_robust))
+    ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
+    if ratio > SUSPICIOUS_RATIO:
+        told = f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
+        told += "the evaluation leaves something systematic; trust the robust ones at most"
+        found.append(warning(Kind.NOISE, told))
+    spread = np.sum(fit.weights * forces.var(axis=0))
+    left = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))
+    moves = bool(np.ptp(forces, axis=0).max() > 0.0) and len(fit.values) > forces.shape[1]
+    if moves and len(forces) > len(fit.values) and left > (1.0 - LEAST_EXPLAINED) * spread:
+        told = f"the model explains only {100 * max(0.0, 1.0 - left / spread):.0f} % of the forces' variance; check "
+        found.append(warning(Kind.MODEL, f"{told}order, sign and unit of forces and struts"))
+    return found
+
+
+STEP = 0.07  # of the feed, by which neighbouring stretches differ
+MOST_NAMED = 3
+CONSEQUENCE = (
+    "the parameters are valid, for they come from the measured motion; figures of the plan (duration, predicted "
+    "standard deviations, efficiency) are not of this run, whose accelerations go with the square of its feed"
+)
+
+
+class Stretch(NamedTuple):
+    """Samples that went at one feed: a slice of the recording, and the feed over the programmed one."""
+
+    rows: slice
+    scale: float
+
+
+def recorded_overrides(recording: Recording) -> tuple[Stretch, ...]:
+    """Stretches of the motion that the recording's own column says went at another feed than 100 %."""
+    if recording.override is None or recording.t is None:
+        return ()
+    on = np.ones(len(recording.forces), dtype=bool) if recording.trigger is None else recording.trigger
+    rows = np.flatnonzero(on & (np.abs(recording.override - 1.0) > 1e-6))
+    return tuple(
+        Stretch(slice(int(part[0]), int(part[-1]) + 1), float(np.median(recording.override[part])))
+        for group in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+        for part in np.split(group, 1 + np.flatnonzero(np.abs(np.diff(recording.override[group])) > STEP))
+        if len(part)
+    )
+
+
+def other_feed(recording: Recording) -> list[Finding]:
+    """What went at another feed than 100 %."""
+    stretches = recorded_overrides(recording)
+    if not stretches:
+        return []
+    assert recording.t is not None
+    told, named = [], []
+    for rows, scale in stretches:
+        first, last = (recording.lines.place(k) for k in (rows.start, rows.stop - 1))
+        word, number = first.rsplit(" ", 1)
+        where = first if first == last else f"{word}s {number} to {last.rsplit(' ', 1)[1]}"
+        start, end = float(recording.t[rows.start]), float(recording.t[rows.stop - 1])
+        told.append({"from_s": start, "to_s": end, "feed": scale, "where": where})
+        named.append(f"{where} ({start:.3f} to {end:.3f} s) at {100 * scale:.3g} %")
+    more = f" and {len(named) - MOST_NAMED} more stretches" if len(named) > MOST_NAMED else ""
+    found_by = "the recorded override"
+    sentence = f"feed other than 100 %, by {found_by}: {', '.join(named[:MOST_NAMED])}{more}; {CONSEQUENCE}"
+    return [warning(Kind.FEED, sentence, feed={"found_by": found_by, "stretches": told})]
+
+
+def other_rate(recording: Recording, case: Case) -> list[Finding]:
+    """A rate that is not the one that predictions assume."""
+    if recording.t is None or recording.struts is None:
+        return []
+    rate, assumed = 1.0 / float(np.median(np.diff(recording.t))), case.recording.rate_Hz
+    if recording.averaged is not None or abs(rate / assumed - 1.0) <= RATE_TOLERANCE:
+        return []
+    told = f"recorded at {rate:.4g} Hz; predictions assume {assumed:g} Hz, and standard deviations of this run are "
+    told += f"{np.sqrt(assumed / rate):.3g} times as large for it; set recording.rate_Hz = {rate:.4g}"
+    return [note(Kind.CLOCK, told)]
+
+
+def _cut_off(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+    """A recorder that stopped before the run did."""
+    return cut_off(recording) if fitted.samples.nuisances else []
+
+
+def _own(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+    """What samples and estimator themselves tell."""
+    return [*fitted.fit.findings, *fitted.samples.findings(fitted.fit, fitted.w)]
+
+
+def _placed(_recording: Recording, case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+    """Errors that depend on the pose, in the keys by which a case states them."""
+    field = fitted.fit.field
+    if field is None:
+        return []
+    stated = ", ".join(f"{key} = {value:g}" for key, value in field.keys.items())
+    told = f"[sensors] {stated}: with this in the case, plans count on the errors that depend on the pose"
+    return [note(Kind.NOISE, "" if case.sensors.pose_error_N else told, pose_errors=field.keys)]
+
+
+def _late(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+    """A delay that no filter of a force channel has."""
+    if abs(fitted.at) < SUSPICIOUS_DELAY:
+        return []
+    return [warning(Kind.CLOCK, f"delay of {fitted.at * 1e3:.1f} ms: do the streams match?")]
+
+
+def _unlikely(_recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+    """Residuals that the standard deviations or the model do not fit."""
+    own = systematic(fitted.fit, fitted.samples.noise_correlation) if fitted.samples.nuisances else []
+    return [*unlikely(fitted.fit, fitted.samples.forces), *own]
+
+
+def _not_compared(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
+    """Noise that the case states and that this estimator's s0 is not compared with."""
+    told = "the noise that the case states is compared with s0 for gauss-markov and consistent without priors only"
+    compared = how.name in SANDWICHED and not how.priors
+    if compared or not case.sensors.state_noise or not isinstance(fitted.samples, Run | PeriodicRun):
+        return []
+    return [warning(Kind.NOISE, told)]
+
+
+def _looks_like(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
+    """What noise the residuals look like."""
+    if not isinstance(fitted.samples, Run):
+        return []
+    found = noise_components(fitted.samples, fitted.fit, case.sensor_frame.bars is None)
+    return [] if found is None else [found.finding(how.weights or case.sensors.weights)]
+
+
+def _fed(recording: Recording, _case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+    """Another feed than programmed."""
+    return other_feed(recording) if fitted.samples.nuisances else []
+
+
+def _rated(recording: Recording, case: Case, _how: Method, fitted: Fitted) -> list[Finding]:
+    """Rates: another than predictions assume, or averages of faster forces."""
+    averaged = recording.averaged
+    told = [] if averaged is None else [averaged.finding(fitted.w, fitted.fit.s0)]
+    return [*other_rate(recording, case), *told] if fitted.samples.nuisances else []
+
+
+Check = Callable[[Recording, Case, Method, Fitted], list[Finding]]
+CHECKS: tuple[Check, ...] = (_cut_off, _own, _placed, _late, _unlikely, _not_compared, _looks_like, _fed, _rated)
+"""What is looked at after every fit, in the order in which it is told."""

@@ -1,0 +1,236 @@
+"""A fit to samples: the delay between forces and motion, where there is one, is found together with the parameters."""
+
+from contextlib import suppress
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+
+from cases.errors import IdentificationError, NegativeMass
+from identification.estimation.biases import Biases, gain, widened, with_uncertain_offsets
+from identification.estimation.compressed import joint_triangle
+from identification.estimation.estimators import Method, Problem, gauss_markov_of, method
+from identification.estimation.fit import Fit, of_forces, w_of, whitened
+from identification.model import Model
+from identification.regressor_blocks import MASS
+from identification.result import Delay
+from identification.runs.evaluation import MOST_DELAY
+from identification.runs.wrist import WristRun
+from identification.samples import Samples
+
+Array = NDArray[np.float64]
+
+DELAY_STEPS = 8
+DELAY_TOLERANCE = 1e-9  # [s]; the step that is left is in the fit's own nuisance
+CLOSE = 1e-5  # [s] the same where the search began near by: of the noise in so many samples its square is a hundredth
+EXCERPTS = (1, 8)  # parts of a long run by which the search begins, see `fair_part`
+SANDWICHED = ("gauss-markov", "consistent")  # whose robust covariance is the sandwich of the weights alone
+GAUSS_MARKOV = method()
+
+
+class Fitted(NamedTuple):
+    """Samples with their fit.
+
+    Args:
+        samples: that were evaluated.
+        fit: to their forces.
+        delay: of the forces; None where nothing moves.
+        residuals: of the forces as recorded, shape (m, 6).
+        whitening: W is its square, where it is given.
+        columns: A and the nuisances, shape (n, 6, u + nuisances).
+    """
+
+    samples: Samples
+    fit: Fit
+    delay: Delay | None
+    residuals: Array
+    whitening: Array | None
+    columns: Array
+
+    @property
+    def at(self) -> float:
+        """The delay, 0 where nothing moves [s]."""
+        return 0.0 if self.delay is None else self.delay.value
+
+    @property
+    def matrices(self) -> Array:
+        """A, shape (n, 6, u)."""
+        return self.columns[:, :, : len(self.samples.model.parameters)]
+
+    @property
+    def w(self) -> Array:
+        """W for one sample, shape (6, 6)."""
+        return w_of(self.whitening, self.fit)
+
+
+def fit_samples(
+    samples: Samples, how: Method, problem: Problem, delay: float = 0.0, held: Delay | None = None
+) -> Fitted:
+    """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
+
+    A long run is fitted from where a part of it ends.
+
+    Args:
+        samples: to be evaluated.
+        how: estimator.
+        problem: the samples' model, and which channels have the same noise.
+        delay: to start from [s].
+        held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
+    """
+    model, forces = samples.model, samples.forces
+    beside = len(samples.nuisances) - (held is not None)
+    delay = delay if held is None else held.value
+    problem = replace(problem, nuisance=beside, filtered=samples.filtered)
+    names = [*model.names, *samples.nuisances[:beside]]
+    near = None
+    for times in EXCERPTS:
+        part = samples.excerpt(times)
+        if part is not samples:
+            with suppress(IdentificationError):  # where a part tells too little, the whole is asked alone
+                delay, _, near, _ = _converged(part, part.forces, how, problem, delay, held, near)
+    delay, columns, _, whitening = _converged(samples, forces, how, problem, delay, held, near)
+    selection = how.selection(model)
+    basis = block_diag(selection.basis, np.eye(beside))
+    white = whitened(whitening, columns, forces)
+    fit = how.estimator(problem)(*white, names)
+    if how.name in SANDWICHED and not how.priors:
+        free = white[0] if np.array_equal(basis, np.eye(len(basis))) else white[0] @ basis
+        robust = samples.robust_covariance(free, fit.residuals, fit.weights, whitening)
+        if robust is not None:
+            findings = (*fit.findings, *robust.findings)
+            covariance = basis @ robust.covariance @ basis.T
+            fit = replace(fit, covariance_robust=covariance, findings=findings, field=robust.field)
+    fit = of_forces(whitening, fit, columns, forces)
+    require_sense(model, fit)
+    late = bool(samples.nuisances) and held is None  # the last of the values is a step of the delay
+    residuals = samples.left(columns[:, :, : len(names) - late], fit.values[: len(names) - late])
+    if how.biases is not None:
+        fit = with_uncertain_offsets(fit, model, basis, columns, w_of(whitening, fit), how.biases)
+    if isinstance(samples, WristRun):
+        fit = _with_uncertain_motion(samples, fit, columns, basis, w_of(whitening, fit), how.biases, delay, held)
+    if late:
+        value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
+        held = Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
+    return Fitted(samples, fit, held, residuals, whitening, columns)
+
+
+class _Converged(NamedTuple):
+    """Where Gauss-Newton over the delay ended.
+
+    Args:
+        delay: of the linearisation [s].
+        columns: A and the nuisances there, shape (n, 6, u + nuisances).
+        values: u, shape (u,).
+        whitening: root of W, where the case states noise.
+    """
+
+    delay: float
+    columns: Array
+    values: Array
+    whitening: Array | None
+
+
+def _converged(
+    run: Samples,
+    forces: Array,
+    how: Method,
+    problem: Problem,
+    delay: float,
+    held: Delay | None,
+    near: Array | None = None,
+) -> _Converged:
+    """Gauss-Newton over the delay.
+
+    Args:
+        run: to be evaluated.
+        forces: of that, shape (n, 6).
+        how: what is known beforehand.
+        problem: with the nuisances and the filter of the run.
+        delay: to start from [s].
+        held: a delay that is not estimated.
+        near: u that a part of the run told, shape (u,), with its delay: one step is then enough.
+
+    Raises:
+        IdentificationError: no delay brings forces and motion together.
+    """
+    search, beside = gauss_markov_of(problem), problem.nuisance
+    channels = forces.std(axis=0)
+    scale = 1.0 / np.where(channels > 0.0, channels, 1.0) if not problem.pooled else np.ones(6)
+    selection, whitening, values = how.selection(run.model), None, near
+    if not run.nuisances:
+        still = run.regressors(delay)
+        if problem.noise is not None:
+            whitening = problem.noise.whitening_from(still, forces, selection)
+        return _Converged(delay, still, np.zeros(0), whitening)
+    names = [*selection.names, *run.nuisances[:beside]]
+    whole = selection.basis.shape[0] == selection.basis.shape[1]
+    for _ in range(DELAY_STEPS):
+        columns = free = None  # of a long run there is room for one
+        if values is None:
+            # The effect of the delay is that of the best forces of the moment, whatever parameters make them.
+            matrices = run.regressors(delay)
+            right = forces - matrices @ selection.offset
+            top = joint_triangle(matrices @ selection.basis, right, scale)
+            values = (
+                selection.offset
+                + selection.basis @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=forces.size * np.finfo(float).eps)[0]
+            )
+        columns = run.linearised(delay, values)
+        matrices, nuisances = np.split(columns, [len(values)], axis=2)
+        if len(run.nuisances) > beside:
+            columns = columns[:, :, : len(values) + beside]
+        if problem.noise is not None:
+            whitening = problem.noise.whitening(values)
+        rest = forces - matrices @ selection.offset
+        free = columns if whole else np.dstack([matrices @ selection.basis, nuisances[:, :, :beside]])
+        fit = search(*whitened(whitening, free, rest), names)
+        values = selection.offset + selection.basis @ fit.values[: selection.basis.shape[1]]
+        if held is not None:
+            break
+        step = float(np.clip(fit.values[-1], -MOST_DELAY / 2, MOST_DELAY / 2))
+        if abs(step) < (DELAY_TOLERANCE if near is None else CLOSE):
+            break
+        delay = float(np.clip(delay + step, -MOST_DELAY, MOST_DELAY))
+    if abs(delay) >= MOST_DELAY:
+        raise IdentificationError(
+            f"no delay up to {MOST_DELAY * 1e3:.0f} ms brings forces and motion together; are they "
+            "of one run, and struts and forces in the order of the case?"
+        )
+    assert columns is not None
+    assert values is not None
+    return _Converged(delay, columns, values, whitening)
+
+
+def _with_uncertain_motion(
+    run: WristRun,
+    fit: Fit,
+    augmented: Array,
+    basis: Array,
+    w: Array,
+    biases: Biases | None,
+    delay: float,
+    held: Delay | None,
+) -> Fit:
+    """The fit with the uncertainty of a held delay and of biases that were taken from the accelerometer."""
+    count = len(run.model.names)
+    columns = run.known_columns(delay, augmented[:, :, :count], fit.values[:count])
+    covariance = np.zeros((4, 4))
+    covariance[0, 0] = 0.0 if held is None else held.std**2
+    if biases is not None:
+        covariance[1:, 1:] = biases.require_accelerometer().covariance
+    return widened(fit, basis @ gain(augmented @ basis, w, columns), covariance)
+
+
+def require_sense(model: Model, fit: Fit) -> None:
+    """Raises NegativeMass where the mass is negative for certain."""
+    if MASS not in model.blocks:
+        return
+    mass = model.names.index("m")
+    value, std = float(fit.values[mass]), float(np.sqrt(fit.covariance[mass, mass]))
+    if std > 0.0 and value < -3.0 * std:
+        raise NegativeMass(
+            f"the mass comes out as {value:.4g} +- {std:.2g} kg; check the sign of the forces, "
+            "sensor_frame.transducer.sense and gravity_m_s2 of the case"
+        )

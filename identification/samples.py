@@ -1,0 +1,220 @@
+"""What an estimate is made from, whatever the recording was: times, forces, regressors at a delay, how noise came in.
+
+Runs behind a low-pass, periodic runs, runs of wrist sensors and averaged standstills are such samples; estimators and
+checks ask for nothing else.
+
+What is done to a moving run before the estimate, beyond the low-pass that every run passes.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identification.estimation.estimator import independent_poses
+from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust
+from identification.finding import Finding
+from identification.model import Model
+from identification.noise.coloured import coloured_covariance
+from identification.noise.turned import turned
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+PART = 8_000  # samples of a long run that stand for it where their number only costs time: two minutes behind 20 Hz
+STRETCHES = 8  # that these are in
+
+
+class Samples(Protocol):
+    """Samples that are ready to be evaluated at any delay between forces and motion."""
+
+    @property
+    def model(self) -> Model:
+        """Gives A."""
+
+    @property
+    def t(self) -> Array:
+        """Times, shape (n,) [s]; of standstills their number from 1."""
+
+    @property
+    def forces(self) -> Array:
+        """As the estimator sees them, shape (n, 6) [N, or N and N m]."""
+
+    @property
+    def samples(self) -> int:
+        """Recorded samples that they stand for."""
+
+    @property
+    def consecutive(self) -> bool:
+        """Whether neighbours follow each other in time, so that a contact is a stretch of them."""
+
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """Names of what is estimated beside the model, the delay last; none where nothing moves."""
+
+    @property
+    def filtered(self) -> Filtered:
+        """What was done to white noise of the recorded forces."""
+
+    @property
+    def noise_correlation(self) -> float:
+        """Of white noise, between neighbours."""
+
+    def regressors(self, delay: float) -> Array:
+        """A at the instants t_k - delay, shape (n, 6, u)."""
+
+    def linearised(self, delay: float, values: Array) -> Array:
+        """A and the columns of the nuisances at values u, shape (n, 6, u + nuisances)."""
+
+    def left(self, matrices: Array, values: Array) -> Array:
+        """Recorded forces less the model, A u, shape (m, 6)."""
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Robust | None:
+        """Covariance of u for noise that is not white; None where too few samples tell."""
+
+    def without(self, left_out: Rows) -> Self:
+        """The same without some samples, shape (n,)."""
+
+    def excerpt(self, times: int = 1) -> Self:
+        """A part that stands for all of them, `fair_part`; all of them where they are no more."""
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """What they themselves tell, with a fit to them and W for one sample, shape (6, 6)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standstills:
+    """Averaged standstills: nothing moves, nothing is filtered.
+
+    Args:
+        model: gives A.
+        t: times, or numbers from 1, shape (n,).
+        recorded: forces, shape (n, 6) [N, or N and N m].
+        matrices: A, shape (n, 6, u).
+        scale: what forces and A of each are multiplied by in a fit, shape (n,).
+        clocked: whether they have a clock, so that noise may have memory.
+    """
+
+    model: Model
+    t: Array
+    recorded: Array
+    matrices: Array
+    scale: Array
+    clocked: bool = False
+
+    @property
+    def consecutive(self) -> bool:
+        """They may stand in any order."""
+        return False
+
+    @property
+    def forces(self) -> Array:
+        """Weighted, shape (n, 6)."""
+        return self.recorded * self.scale[:, None]
+
+    @property
+    def samples(self) -> int:
+        """Their number."""
+        return len(self.recorded)
+
+    @property
+    def nuisances(self) -> tuple[str, ...]:
+        """None."""
+        return ()
+
+    @property
+    def filtered(self) -> Filtered:
+        """Not at all."""
+        return UNFILTERED
+
+    @property
+    def noise_correlation(self) -> float:
+        """Nothing is said of neighbours, which may stand in any order."""
+        return 1.0
+
+    def regressors(self, delay: float) -> Array:
+        """A, weighted, shape (n, 6, u)."""
+        del delay
+        return self.matrices * self.scale[:, None, None]
+
+    def linearised(self, delay: float, values: Array) -> Array:
+        """The same: there are no nuisances."""
+        del values
+        return self.regressors(delay)
+
+    def left(self, matrices: Array, values: Array) -> Array:
+        """Recorded forces less the model, not weighted, shape (n, 6)."""
+        return np.asarray(self.recorded - matrices @ values / self.scale[:, None])
+
+    def robust_covariance(
+        self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
+    ) -> Robust | None:
+        """For standstills that err each for itself, or, with a clock, for noise with memory."""
+        del whitening
+        if not self.clocked:
+            return Robust(independent_poses(matrices, residuals, weights))
+        part = fair_part(self.samples)
+        found = coloured_covariance(turned(matrices[part], residuals[part], weights))
+        return None if found is None else Robust(len(part) / self.samples * found)
+
+    def without(self, left_out: Rows) -> "Standstills":
+        """Without some, shape (n,)."""
+        keep = ~left_out
+        return Standstills(
+            self.model, self.t[keep], self.recorded[keep], self.matrices[keep], self.scale[keep], self.clocked
+        )
+
+    def excerpt(self, times: int = 1) -> "Standstills":
+        """All of them."""
+        del times
+        return self
+
+    def findings(self, fit: Fit, w: Array) -> tuple[Finding, ...]:
+        """Nothing."""
+        del fit, w
+        return ()
+
+
+def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
+    """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all.
+
+    Args:
+        count: of the samples.
+        times: so many `PART` is the part.
+    """
+    most = times * PART
+    if count <= most:
+        return np.arange(count)
+    size = most // STRETCHES
+    return np.concatenate([k + np.arange(size) for k in np.linspace(0, count - size, STRETCHES).astype(np.int64)])
+
+
+class Periodic(NamedTuple):
+    """Evaluate a repeating run by Fourier series.
+
+    Args:
+        period: of the run [s]; None: to be found.
+        harmonics: of the series; None: as many as stand out of the noise.
+    """
+
+    period: float | None = None
+    harmonics: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Conditioning:
+    """What a user asks to be done.
+
+    Args:
+        periodic: by Fourier series instead of the low-pass.
+        flexible: estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency.
+    """
+
+    periodic: Periodic | None = None
+    flexible: bool = False
+
+
+USUAL = Conditioning()
