@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.parts import LARGEST
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.polynomial import Piece, PolynomialMotion
@@ -96,14 +97,14 @@ def motion_of_entries(data: dict[str, Any]) -> Trajectory:
 
 def _numbers(entry: dict[str, Any], key: str, *shape: int) -> Array:
     value = np.array(entry[key], dtype=float)
-    if value.shape != shape or not np.isfinite(value).all():
+    if value.shape != shape or not (np.abs(value) <= LARGEST).all():
         raise ValueError(key)
     return value
 
 
 def _positive(entry: dict[str, Any], key: str, zero: bool = False) -> float:
     value = float(entry[key])
-    if not (np.isfinite(value) and (value > 0.0 or (zero and value == 0.0))):
+    if not (value <= LARGEST and (value > 0.0 or (zero and value == 0.0))):
         raise ValueError(key)
     return value
 
