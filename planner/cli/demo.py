@@ -1,5 +1,6 @@
 """`hexcite demo`: the whole chain on one case, from its description to a report."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,6 +25,7 @@ def demo(
         Path | None, typer.Option("-o", "--output", help="Folder for everything; hexcite-demo by default.")
     ] = None,
     overwrite: Overwrite = False,
+    verbose: Annotated[bool, typer.Option("-v", "--verbose", help="Print all that each command says.")] = False,
     json: Json = False,
 ) -> None:
     """Plan, program, prove, execute, identify and report, end to end."""
@@ -49,37 +51,47 @@ def demo(
 
     def step(text: str) -> None:
         if not json:
-            print(f"\n[{len(answer) + 1}/6] {text}", flush=True)
+            print("\n" if verbose else "", f"[{len(answer) + 1}/6] {text}", sep="", flush=True)
+
+    def told(line: str, at_length: Callable[[], None]) -> None:
+        if verbose and not json:
+            at_length()
+        elif not json:
+            print(f"      {line}")
 
     def done(value: "Plan | Program | Outcome | Result") -> None:
         if isinstance(value, Plan):
-            answer["plan"] = answer_of_plan(value, place / "plan")
+            made = answer["plan"] = answer_of_plan(value, place / "plan")
             report(value, place / "plan" / "report.html")
-            if not json:
-                show_plan(answer["plan"], value)
+            moves = f"{made['settings']['moves']} moves, {made['duration_s']:.3g} s"
+            line = f"{moves}, D-efficiency {made['d_efficiency']:.3f} of what any motion can reach, found in {made['solve_s']:.0f} s"
+            told(line, lambda: show_plan(made, value))
             step(f"post: for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name")
         elif isinstance(value, Program):
-            answer["post"] = answer_of_program(value)
-            if not json:
-                show_program(answer["post"])
+            written = answer["post"] = answer_of_program(value)
+            line = f"{written['blocks']} blocks, {written['duration_s']:.2f} s with the way to the first pose and home"
+            told(line, lambda: show_program(written))
             step("check: the text read back, independently of its writer")
-            answer["check"] = answer_of_proof(value)
-            if not json:
-                show_check(answer["check"])
+            checked = answer["check"] = answer_of_proof(value)
+            told(checked["verdict"], lambda: show_check(checked))
             step(f"run: on {on or best_controller()[0]} ({'as asked' if on else best_controller()[1]})")
         elif isinstance(value, Outcome):
-            answer["run"] = answer_of_run(value, place / "recording")
-            if not json:
-                show_run(answer["run"], value)
+            ran = answer["run"] = answer_of_run(value, place / "recording")
+            line = f"{ran['controller']}: {ran['duration_s']:.3f} s of {ran['planned_s']:.3f} s planned, "
+            line += f"{ran['path_error_mm']:.3f} mm from the path, D-efficiency {ran['d_efficiency']:.3f} as executed"
+            told(line, lambda: show_run(ran, value))
             step("identify: model 9 from the recording alone")
         else:
-            answer["identify"] = answer_of_result(value, place / "result")
+            found = answer["identify"] = answer_of_result(value, place / "result")
             report(value, place / "result" / "report.html")
-            if not json:
-                show_result(answer["identify"])
+            line = (
+                f"{len(found['parameters'])} parameters from {found['samples']} samples, residuals {found['s0']:.3g} N"
+            )
+            told(line, lambda: show_result(found))
 
     step("plan: the most informative moves inside the limits, with the time law of LinuxCNC")
     chain = whole_chain(loaded, place, on, seed=seed, starts=starts, done=done)
+    step("compare with the truth of the simulated machine")
     answer["truth"] = list(chain.truth)
     if not json:
         _show_truth(answer["truth"])
@@ -96,8 +108,9 @@ def demo(
 def _show_truth(rows: list[dict[str, Any]]) -> None:
     from planner.reports.demo import truth_cells
 
+    cells = [truth_cells(row) for row in rows]
     print_table(
-        "Truth of the simulated machine against the estimate",
-        ("parameter", "truth", "estimate", "std", "error", "error/std", "unit"),
-        [truth_cells(row) for row in rows],
+        "Identified, beside the truth",
+        ("parameter", "identified", "+-", "unit", "truth", "error / +-"),
+        [(name, found, std, unit, truth, ratio) for name, truth, found, std, _, ratio, unit in cells],
     )
