@@ -64,7 +64,8 @@ def demo(
             made = answer["plan"] = answer_of_plan(value, place / "plan")
             report(value, place / "plan" / "report.html")
             moves = f"{made['settings']['moves']} moves, {made['duration_s']:.3g} s"
-            line = f"{moves}, D-efficiency {made['d_efficiency']:.3f} of what any motion can reach, found in {made['solve_s']:.0f} s"
+            line = f"{moves}, D-efficiency {made['d_efficiency']:.3f} against the certified bound, "
+            line += f"found in {made['solve_s']:.0f} s"
             told(line, lambda: show_plan(made, value))
             step(f"post: for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name")
         elif isinstance(value, Program):
