@@ -38,6 +38,7 @@ from tests.bench.reliability.everything import reliability_rows
 from tests.bench.reliability.interrupted import interrupted_rows
 from tests.bench.retiming import retiming_table
 from tests.bench.single_moves import single_moves_rows
+from tests.bench.size import sizes
 from tests.bench.study import study_rows
 from tests.bench.under_load import under_load_rows
 from tests.bench.validation import validation_rows
@@ -132,6 +133,7 @@ def sections() -> Iterator[tuple[str, list[list[str]]]]:
 
 def main() -> None:
     """Prints all figures, each table as soon as it is measured."""
+    sizes()
     for title, rows in sections():
         print_table(title, ("figure", "measured", "wanted"), rows)
         sys.stdout.flush()

@@ -143,7 +143,6 @@ def portfolio(names: Sequence[str] = tuple(DESIGNED), families: Sequence[str] = 
             reach = f"{100 * reachable(case).all_limits:.0f} %"
             rows.append([name, reach, "its bound alone", "", "", *command(("bound", str(folder))).cost, ""])
             for family in families:
-                print(f"planning: {name}, {family}", file=sys.stderr, flush=True)
                 words = ("plan", str(folder), "--family", family, *shlex.split(options))
                 done = command((*words, "-o", str(Path(temporary) / f"{name}-{family}")))
                 if done.answer is None:
@@ -156,6 +155,7 @@ def portfolio(names: Sequence[str] = tuple(DESIGNED), families: Sequence[str] = 
                 share = "-" if best is None else f"{efficiency / best:.3f}"
                 binding = ", ".join(done.answer["bound_by"]) or "-"
                 rows.append([name, reach, family, f"{efficiency:.3f}", share, *done.cost, binding])
+                print(*rows[-1], sep=", ", file=sys.stderr, flush=True)
     columns = ("machine", "box reachable", "family", "efficiency", "of best known", "time", "memory", "what binds")
     print_table("Planning on machines that differ in kind", columns, rows)
     if shares:
