@@ -3,19 +3,19 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.shown import as_html
-from identification.force import ExternalForce, external_force
-from identification.force import tare as new_offsets
 from identification.identifiability import Identifiability
 from identification.recording import Recording
 from identification.result import Estimate, Value
-from identification.runs.rates import on_one_clock
-from identification.runs.residuals import Residuals
 from identification.saved import SavedResult, load_result, solution_of, with_tare
+
+if TYPE_CHECKING:
+    from identification.force import ExternalForce
+    from identification.runs.residuals import Residuals
 
 # Of what recording.json says of a run, what a result keeps.
 TOLD_OF_RUNS = ("controller", "program", "program_hash", "plan_hash", "seed", "payload", "simulation_source")
@@ -38,7 +38,7 @@ class Result:
     record: Mapping[str, Any]
     identifiability: Identifiability | None = None
     estimate: Estimate | None = None
-    residuals: Residuals | None = None
+    residuals: "Residuals | None" = None
 
     def __getitem__(self, name: str) -> Value:
         """A physical parameter [SI]: `result["m"].value`, `.std` by (28), `.std_robust`, `.unit`."""
@@ -117,7 +117,7 @@ class Result:
         return as_html(repr(self))
 
 
-def force(recording: Recording, result: Result, whole: bool = True) -> ExternalForce:
+def force(recording: Recording, result: Result, whole: bool = True) -> "ExternalForce":
     """External force and moment over a recording, in {P}; of a moving run behind the filter of the case.
 
     Args:
@@ -128,6 +128,9 @@ def force(recording: Recording, result: Result, whole: bool = True) -> ExternalF
     Raises:
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
+    from identification.force import external_force
+    from identification.runs.rates import on_one_clock
+
     return external_force(on_one_clock(recording, result.case), result.case, result.solution, whole)
 
 
@@ -141,6 +144,9 @@ def tare(recording: Recording, result: Result) -> Result:
     Raises:
         IdentificationError: the machine moves, or there are fewer than two samples.
     """
+    from identification.force import tare as new_offsets
+    from identification.runs.rates import on_one_clock
+
     known = result.solution
     found = new_offsets(on_one_clock(recording, result.case), result.case, known)
     return Result(result.case, with_tare(known, result.case, found.values, found.covariance, recording.source))

@@ -13,8 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.csv as pacsv
 from numpy.typing import NDArray
 
 from cases.basis import KEPT, Artefact, recording_basis
@@ -126,6 +124,9 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
         recording: with one clock.
         case: for the names of the forces.
     """
+    import pyarrow as pa
+    import pyarrow.csv as pacsv
+
     table = {name: np.round(values, _DECIMALS.get(name, FINE)) for name, values in _columns(recording, case).items()}
     if recording.trigger is not None:
         table[TRIGGER] = recording.trigger.astype(np.int8)

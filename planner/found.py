@@ -1,6 +1,6 @@
 """What came of a search, and what a user should know of it."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,9 @@ from planner.request import Request
 from planner.search.last_words import solver_text
 from planner.search.solving import DRAWN_BACK, Failed, Start
 from planner.target import parse_targets
-from planner.vibration import BothLaws
+
+if TYPE_CHECKING:
+    from planner.vibration import BothLaws
 
 RIVALS = 1.02  # times the D-efficiency of a plan, from which another family is worth a word
 FULL = 0.9  # share of a limit that a good motion uses of at least one
@@ -104,7 +106,7 @@ def notes(
     request: Request,
     case: Case,
     worst: dict[str, tuple[float, int]],
-    laws: BothLaws | None = None,
+    laws: "BothLaws | None" = None,
 ) -> tuple[str, ...]:
     """What the user should know before running it.
 

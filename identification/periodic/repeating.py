@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from cases.errors import RecordingError
 from identification.periodic.fourier import refined_period
@@ -197,6 +196,8 @@ def _a_period_later(t: Array, struts: Array, rows: NDArray[np.int64], period: fl
     now = inside[inside + period <= inside[-1]]
     if not len(now):
         return np.zeros(0)
+    from scipy.interpolate import CubicSpline
+
     away = CubicSpline(inside, struts[rows])(now + period) - struts[rows[: len(now)]]
     return np.asarray(np.sqrt(np.mean(away**2, axis=1)))
 

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from cases.errors import RecordingError
 from cases.schema import Case
@@ -225,6 +224,8 @@ def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: 
 
 def _at_the_forces(recording: Recording, motion: Stream) -> Recording:
     """Struts as fast as the forces or faster, on a clock of their own."""
+    from scipy.interpolate import CubicSpline
+
     if recording.struts is not None:
         return recording
     assert motion.t is not None

@@ -1,13 +1,15 @@
 """A motion as a controller executed it: continuous in time, with struts and platform kinematics at any instant."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import BSpline, make_interp_spline
 
 from identification.hexapod import Hexapod, Kinematics
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 Array = NDArray[np.float64]
 
@@ -52,11 +54,13 @@ class StrutExecution:
     """
 
     hexapod: Hexapod
-    spline: BSpline
+    spline: "BSpline"
 
     @classmethod
     def of_log(cls, hexapod: Hexapod, period: float, lengths: Array) -> "StrutExecution":
         """Through logged lengths, shape (n, 6) [m], one each `period` [s]."""
+        from scipy.interpolate import make_interp_spline
+
         return cls(hexapod, make_interp_spline(np.arange(len(lengths)) * period, lengths, k=3))
 
     @classmethod

@@ -1,12 +1,16 @@
 """Data and page in one folder, which appears whole."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cases.files import FolderKind, atomic_folder
-from planner.reports.report import Shown, figures, report
+from planner.reports.report import figures, report
+
+if TYPE_CHECKING:
+    from planner.reports.report import Shown
 
 
-def save_with_page(value: Shown, kind: FolderKind, folder: Path, overwrite: bool, plots: bool) -> None:
+def save_with_page(value: "Shown", kind: FolderKind, folder: Path, overwrite: bool, plots: bool) -> None:
     """Writes a value with its page report.html and, where asked for, figures for papers in plots/.
 
     Raises:

@@ -11,6 +11,8 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+AXES = ("x", "y", "z", "a", "b", "c")
+
 
 class Chart:
     """An interactive figure, traces and layout; keyword arguments are attributes of plotly's reference."""

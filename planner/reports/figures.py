@@ -15,9 +15,8 @@ from identification.identifiability import Identifiability
 from identification.motion import Motion
 from identification.runs.residuals import Residuals
 from planner.precision import bounds_text, std_text, value_text
-from planner.reports.charts import Chart
+from planner.reports.charts import AXES, Chart
 from planner.reports.page import Plot, plain, thinned
-from planner.reports.plots import AXES
 
 Array = NDArray[np.float64]
 

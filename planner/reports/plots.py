@@ -14,10 +14,10 @@ from cases.units import DEG, MM
 from identification.identifiability import Identifiability
 from identification.motion import Motion
 from identification.result import Estimate
+from planner.reports.charts import AXES
 
 Array = NDArray[np.float64]
 
-AXES = ("x", "y", "z", "a", "b", "c")
 PNG_DPI = 160
 
 

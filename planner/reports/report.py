@@ -5,30 +5,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cases.files import write_text
-from identification.identifiability import Identifiability, analyse
-from identification.model import Model, identification_model
-from identification.motion import sample
 from identification.outcome import Result
-from planner.comparison.beside_manual import beside_manual
-from planner.comparison.compare import Comparison
-from planner.plan import SAMPLE_RATE, Plan
-from planner.poses.plan import candidates_of
-from planner.poses.regressors import pose_regressors
-from planner.poses.request import PoseRequest
-from planner.reports.identify import identify_page
 from planner.reports.page import Page, render
-from planner.reports.plan import plan_page
-from planner.reports.poses import poses_page
-from planner.validation.validate import Validation
-from planner.worth import PoseWorth
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Shown = Plan | Result | Comparison | Validation
+    from identification.identifiability import Identifiability
+    from identification.model import Model
+    from planner.comparison.compare import Comparison
+    from planner.plan import Plan
+    from planner.validation.validate import Validation
+
+    Shown = Plan | Result | Comparison | Validation
+
+# What only one kind of value needs is imported for that: SciPy and Matplotlib take a second.
 
 
-def report(value: Shown, file: Path | str) -> None:
+def report(value: "Shown", file: Path | str) -> None:
     """Writes the page of a value, one HTML file that needs no network.
 
     Args:
@@ -38,36 +32,52 @@ def report(value: Shown, file: Path | str) -> None:
     write_text(Path(file), render(page(value)))
 
 
-def page(value: Shown) -> Page:
+def page(value: "Shown") -> Page:
     """The page of a value."""
     if isinstance(value, Result):
+        from planner.reports.identify import identify_page
+
         return identify_page(value)
+    from planner.plan import Plan
+
+    if isinstance(value, Plan):
+        return _page_of_plan(value)
+    from planner.comparison.compare import Comparison
+
     if isinstance(value, Comparison):
-        from planner.reports.compare import compare_page  # Matplotlib takes a second
+        from planner.reports.compare import compare_page
 
         return compare_page(value.groups, value.advice)
-    if isinstance(value, Validation):
-        from planner.reports.validation import validation_page
+    from planner.reports.validation import validation_page
 
-        return validation_page(
-            value.case, value.steps, value.findings, value.columns, value.machine, value.failed, value.remedies
-        )
-    if not len(value.poses):
-        return plan_page(value, beside_manual(value))
-    return poses_page(value, _of_poses(value)[1])
+    return validation_page(
+        value.case, value.steps, value.findings, value.columns, value.machine, value.failed, value.remedies
+    )
 
 
-def figures(value: Shown, folder: Path) -> None:
+def _page_of_plan(plan: "Plan") -> Page:
+    if len(plan.poses):
+        from planner.reports.poses import poses_page
+
+        return poses_page(plan, _of_poses(plan)[1])
+    from planner.comparison.beside_manual import beside_manual
+    from planner.reports.plan import plan_page
+
+    return plan_page(plan, beside_manual(plan))
+
+
+def figures(value: "Shown", folder: Path) -> None:
     """Writes figures for papers as SVG and PNG into a folder."""
-    from planner.reports.plots import save_figure  # Matplotlib takes a second
+    from planner.reports.plots import save_figure
 
     for name, figure in _figures(value):
         save_figure(figure, folder, name)
 
 
-def _figures(value: Shown) -> "Iterator[tuple[str, Figure]]":
-    from planner.poses.plots import density_figure, pose_figure
-    from planner.reports.plots import identifiability_figure, residual_figure, trajectory_figure
+def _figures(value: "Shown") -> "Iterator[tuple[str, Figure]]":
+    from planner.comparison.compare import Comparison
+    from planner.plan import Plan
+    from planner.reports.plots import identifiability_figure, residual_figure
 
     if isinstance(value, Result):
         if value.estimate is not None:
@@ -78,20 +88,37 @@ def _figures(value: Shown) -> "Iterator[tuple[str, Figure]]":
         from planner.reports.compare import compare_figure
 
         yield "standard_deviations", compare_figure(value.groups)
-    elif isinstance(value, Validation):
+    elif isinstance(value, Plan):
+        yield from _figures_of_plan(value)
+    else:
         from planner.reports.validation import std_figure
 
         yield "standard_deviations", std_figure(value.steps)
-    elif isinstance(value.request, PoseRequest) and isinstance(value.worth, PoseWorth):
-        case, (model, found) = value.case, _of_poses(value)
-        yield "poses", pose_figure(case, candidates_of(value.request, case).poses, value.poses)
-        yield "densities", density_figure(case, model, value.predicted_std, dict(value.worth.std_of_all))
+
+
+def _figures_of_plan(plan: "Plan") -> "Iterator[tuple[str, Figure]]":
+    from identification.motion import sample
+    from planner.plan import SAMPLE_RATE
+    from planner.poses.plan import candidates_of
+    from planner.poses.plots import density_figure, pose_figure
+    from planner.poses.request import PoseRequest
+    from planner.reports.plots import identifiability_figure, trajectory_figure
+    from planner.worth import PoseWorth
+
+    if isinstance(plan.request, PoseRequest) and isinstance(plan.worth, PoseWorth):
+        model, found = _of_poses(plan)
+        yield "poses", pose_figure(plan.case, candidates_of(plan.request, plan.case).poses, plan.poses)
+        yield "densities", density_figure(plan.case, model, plan.predicted_std, dict(plan.worth.std_of_all))
         yield "identifiability", identifiability_figure(found)
     else:
-        yield "trajectory", trajectory_figure(sample(value.motion, SAMPLE_RATE), value.case)
+        yield "trajectory", trajectory_figure(sample(plan.motion, SAMPLE_RATE), plan.case)
 
 
-def _of_poses(plan: Plan) -> tuple[Model, Identifiability]:
+def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
     """The model of a plan of poses, and what its poses determine."""
+    from identification.identifiability import analyse
+    from identification.model import identification_model
+    from planner.poses.regressors import pose_regressors
+
     model = identification_model(plan.case, plan.model)
     return model, analyse(pose_regressors(model, plan.poses), model.names)
