@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 
 FACTOR = 2.0  # by which another order must lower the residuals: chance does not, with so many forces to judge by
 ALIKE = 1.2  # ratio of residuals below which nothing tells struts from force channels
+SMALL = 0.01  # share of what varies in the forces: a model that leaves less has its cables in order
 LEAST = 60  # forces beyond the unknowns
 INSTANTS = 150  # that are tried
 
@@ -114,6 +115,8 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
         return None
     mass = model.names.index("m") if "m" in model.names else None
     now = _left(data, data.regressors)
+    if not negative and now.newtons < SMALL * float(np.sqrt(data.forces.var(axis=0).mean())):
+        return None
     found: list[tuple[Explained, str, Order]] = []
     for order in _orders(signs=True):
         found.append((_left(data, data.regressors, order, mass), "force", order))
