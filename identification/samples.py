@@ -12,12 +12,11 @@ from typing import NamedTuple, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from identification.estimation.compressed import inverse_root, joint_triangle, scores
 from identification.estimation.estimator import independent_poses
-from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust
+from identification.estimation.fit import UNFILTERED, Filtered, Fit, Robust, long_run_covariance
 from identification.finding import Finding
 from identification.model import Model
-from identification.noise.coloured import coloured_covariance
-from identification.noise.turned import turned
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -152,13 +151,17 @@ class Standstills:
     def robust_covariance(
         self, matrices: Array, residuals: Array, weights: Array, whitening: Array | None
     ) -> Robust | None:
-        """For standstills that err each for itself, or, with a clock, for noise with memory."""
+        """For standstills that err each for itself, or, with a clock, for noise with memory, by Bartlett's kernel.
+
+        One pose looks at the lowest frequencies alone, of which a short run knows nothing: models of the noise that
+        extrapolate to them would find memory in white noise, in one of five runs.
+        """
         del whitening
         if not self.clocked:
             return Robust(independent_poses(matrices, residuals, weights))
-        part = fair_part(self.samples)
-        found = coloured_covariance(turned(matrices[part], residuals[part], weights))
-        return None if found is None else Robust(len(part) / self.samples * found)
+        half = inverse_root(joint_triangle(matrices, residuals, np.sqrt(weights))[:-1, :-1])
+        inverse = half @ half.T
+        return Robust(inverse @ long_run_covariance(scores(matrices, residuals, weights)) @ inverse)
 
     def without(self, left_out: Rows) -> "Standstills":
         """Without some, shape (n,)."""

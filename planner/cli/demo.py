@@ -47,6 +47,7 @@ def demo(
     loaded = load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)
     check_folder(place, DEMO, overwrite=overwrite)
+    loaded.need_simulation("the demo")  # before anything is said
     answer: dict[str, Any] = {}
 
     def step(text: str) -> None:

@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cases.files import FolderKind, atomic_folder
-from planner.reports.report import figures, report
+from planner.reports.page import render
+from planner.reports.report import figures, page
 
 if TYPE_CHECKING:
     from planner.reports.report import Shown
@@ -18,6 +19,6 @@ def save_with_page(value: "Shown", kind: FolderKind, folder: Path, overwrite: bo
     """
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)
-        report(value, part / "report.html")
+        (part / "report.html").write_text(render(page(value)), encoding="utf-8")
         if plots:
             figures(value, part / "plots")
