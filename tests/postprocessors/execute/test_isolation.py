@@ -105,7 +105,8 @@ def test_a_process_that_cannot_be_killed_is_named(
 
 
 SCRIPT = """
-import sys, tempfile
+import signal, sys, tempfile
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background inherits that it is ignored
 from pathlib import Path
 from cases.loading import load_case
 from postprocessors.execute.linuxcnc import isolation
