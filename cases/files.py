@@ -175,13 +175,18 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
     for source in inputs:
         if path.resolve() in (source.resolve(), *source.resolve().parents):
             raise FileProblem(f"{path}: holds {source}, which is read; choose another place with -o")
-    try:
-        held = {entry.name for entry in path.iterdir()} if path.is_dir() else None
-        there = path.exists() or path.is_symlink()
+    no_folder = FileProblem(f"{path}: exists and is no folder; choose another place with -o")
+    held = set[str]()
+    try:  # one look: another command may be writing here
+        held = {entry.name for entry in path.iterdir()}
+    except NotADirectoryError as error:
+        if os.path.lexists(path):  # not where a file stands above it, which is told below
+            raise no_folder from error
+    except FileNotFoundError as error:
+        if path.is_symlink():
+            raise no_folder from error
     except OSError as error:
         raise FileProblem(f"{path}: cannot be read ({_reason(error)}); choose another place with -o") from error
-    if held is None and there:
-        raise FileProblem(f"{path}: exists and is no folder; choose another place with -o")
     if held and not held <= kind.contents:
         other = sorted(held - kind.contents)[0]
         raise FileProblem(f"{path}: is not {kind.name} of hexcite's (it holds {other}); choose another place with -o")
