@@ -43,8 +43,11 @@ class Controller(Part):
     """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
     1 they keep their time, and nobody but the program keeps the limits."""
     sinumerik: Sinumerik | None = None
+    """Settings of SINUMERIK programs."""
     twincat: TwinCat | None = None
+    """Settings of TwinCAT CNC (TF5200) and ISG programs."""
     setpoints: Setpoints | None = None
+    """Settings of tables of set points."""
 
     @property
     def cycle(self) -> float:

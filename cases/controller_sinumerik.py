@@ -94,11 +94,13 @@ class Sinumerik(Part):
     poly_block_ms: Positive
     """Longest POLY block. Shorter blocks leave the controller less to decide, and cost it more of them a second."""
     poly_tolerance_mm: Positive
+    """How far POLY blocks may be from a motion that no polynomial of their degree describes: positions."""
     poly_tolerance_deg: Positive
-    """How far POLY blocks may be from a motion that is no polynomial of their degree."""
+    """The same for angles."""
     contour_tolerance_mm: Positive
+    """CTOL of the compressor."""
     orientation_tolerance_deg: Positive
-    """CTOL and OTOL of the compressor."""
+    """OTOL of the compressor."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
     shortest_block_ms: Positive

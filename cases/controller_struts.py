@@ -12,8 +12,11 @@ class PointToPointDrives(Part):
     """
 
     strut_velocity_m_s: Positive
+    """Largest velocity of a drive in such moves."""
     strut_acceleration_m_s2: Positive
+    """Largest acceleration of a drive in such moves."""
     strut_jerk_m_s3: Positive
+    """Largest jerk of a drive in such moves."""
     feed: Literal["time", "rapid"]
     """What moves them: G1 with the block's time (G93), if the control takes F for a time there too, which no manual
     states: try it with `--speed 0.1`; or G0, as fast as the drives can, which cannot be slowed."""

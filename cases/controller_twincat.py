@@ -45,13 +45,15 @@ class TwinCat(Part):
     """Dense paths: `#SPLINE TYPE AKIMA` through the points, `#HSC ON [BSPLINE ..]` or `#CONTOUR MODE [DEV ..]` near
     them."""
     path_deviation_mm: Positive
+    """PATH_DEV of `#HSC` and `#CONTOUR MODE`."""
     track_deviation_deg: Positive
-    """PATH_DEV and TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
+    """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
     slope: Literal["STEP", "TRAPEZ"]
     """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""
     trigger_on_m: MFunction
+    """M function that the PLC makes the trigger's beginning of; it needs a synchronisation type (P-CHAN-00041)."""
     trigger_off_m: MFunction
-    """M functions that the PLC makes the trigger of; each needs a synchronisation type (P-CHAN-00041)."""
+    """The same for the trigger's end."""
     shortest_block_ms: Positive
     """The controller's cycle: shorter blocks starve it."""
     most_blocks: Annotated[int, Field(strict=True, ge=10)]

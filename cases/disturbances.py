@@ -16,6 +16,7 @@ class Disturbances(Part):
     """
 
     source: str
+    """Where the values come from."""
     mode_Hz: Positive
     """Structural mode between drives and platform, without payload; it falls with the root of the moved mass."""
     mode_damping: Annotated[float, Field(strict=True, gt=0, lt=1)]

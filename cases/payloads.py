@@ -12,5 +12,6 @@ class Payloads(Part):
     """Known weights that are mounted one after the other to validate an identification."""
 
     source: str
+    """Where the values come from."""
     weights: Annotated[tuple[RigidBody, ...], Field(min_length=1)]
     """In order of mounting; centres of gravity in {P}."""

@@ -51,7 +51,9 @@ class Drives(Part):
     order: tuple[Count, Count, Count, Count, Count, Count] = (1, 2, 3, 4, 5, 6)
     """Number of the drive that moves each strut."""
     sign: tuple[Number, Number, Number, Number, Number, Number]
+    """1 where a strut grows with its drive's position, -1 where it shrinks."""
     offset_mm: Six
+    """Length of each strut at drive position 0."""
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
@@ -105,8 +107,11 @@ class RecordingFormat(Part):
     rate_Hz: Positive = 1000.0
     """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
     format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
+    """What wrote the file; `csv` is any table of text."""
     delimiter: Separator | None = None
+    """Character between two fields; by default found in the file."""
     decimal: Literal[".", ","] | None = None
+    """Decimal sign; by default a point."""
     header_rows: Count | None = None
     """Lines above the first row of numbers."""
     names_row: Annotated[int, Field(strict=True, ge=1)] | None = None
@@ -116,13 +121,17 @@ class RecordingFormat(Part):
     column_names: tuple[str, ...] | None = None
     """Names of the file's columns in their order, for files that have none."""
     encoding: Literal["utf-8", "cp1252"] = "utf-8"
+    """Encoding of the text."""
     columns: dict[str, str] = Field(default_factory=dict)
     """Our column name -> the file's, for files that use other names."""
     units: dict[str, str] = Field(default_factory=dict)
     """Our column name, or `struts`, `forces` and the like -> the file's unit."""
     clock: Clock = Clock()
+    """The time stamps."""
     drives: Drives | None = None
+    """Where the file holds drive positions instead of strut lengths."""
     accelerometer: Accelerometer | None = None
+    """Where the file holds readings of an accelerometer."""
 
     @model_validator(mode="after")
     def _known_names(self) -> Self:

@@ -5,6 +5,7 @@ import inspect
 import re
 import textwrap
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 
 from cases.controller import Controller
@@ -95,7 +96,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
             if table[1] in _ADVICE:
                 lines.append(f"# {_ADVICE[table[1]]}")
             line = table[0]  # what follows it is about the built-in case's source
-            told = _explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
+            told = explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
         elif key := re.match(r"(\w+) = ", line):
             lines += textwrap.wrap(told.get(key[1], ""), _WIDTH, initial_indent="# ", subsequent_indent="# ")
             line = re.sub(r"\] # .*", "]", line)
@@ -107,15 +108,12 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     return file
 
 
-def _explanations(part: type[Part]) -> Mapping[str, str]:
-    """Field -> the string that stands below it; of several fields with one string it is above the first."""
+def explanations(part: type[Part]) -> Mapping[str, str]:
+    """What each key of a table means: the string that stands below its field in the class."""
     (body,) = (node.body for node in ast.parse(inspect.getsource(part)).body if isinstance(node, ast.ClassDef))
-    told: dict[str, str] = {}
-    waiting: str | None = None
-    for node in body:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            waiting = waiting or node.target.id
-        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and waiting is not None:
-            told[waiting] = " ".join(str(node.value.value).split())
-            waiting = None
-    return told
+    return {
+        field.target.id: " ".join(str(text.value.value).split())
+        for field, text in pairwise(body)
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
+        if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant)
+    }
