@@ -44,6 +44,11 @@ GROUP_UNITS = {name: units for name, _, units in _GROUPS}
 _GROUP_OF = {column: name for name, columns, _ in _GROUPS for column in columns}
 
 
+def group_of(column: str) -> str | None:
+    """The group of `units` that covers a column; None where it has no unit."""
+    return _GROUP_OF.get(column)
+
+
 def units_of(name: str) -> Mapping[str, float]:
     """Units that a group or column may have in a file, with their SI values; empty where it has none."""
     return GROUP_UNITS.get(_GROUP_OF.get(name, name), {})

@@ -47,7 +47,9 @@ def printed(command: str, folder: Path) -> list[str]:
     if words[0] == "hexcite":
         words[0] = str(Path(sys.executable).with_name("hexcite"))
     environment = os.environ | {"COLUMNS": "100"}
-    done = subprocess.run(words, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    done = subprocess.run(
+        words, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
     return [line.rstrip() for line in done.stdout.splitlines() if line.strip()]
 
 
