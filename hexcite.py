@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from cases.loading import load_case as load_case
     from cases.schema import Case as Case
     from identification.estimation.estimators import method as method
+    from identification.formats.look import look as look
+    from identification.formats.looked import Look as Look
     from identification.outcome import Result as Result
     from identification.outcome import force as force
     from identification.outcome import tare as tare
@@ -51,6 +53,8 @@ _PLACES = {
     "load_case": "cases.loading",
     "Case": "cases.schema",
     "method": "identification.estimation.estimators",
+    "look": "identification.formats.look",
+    "Look": "identification.formats.looked",
     "Result": "identification.outcome",
     "force": "identification.outcome",
     "tare": "identification.outcome",

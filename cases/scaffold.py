@@ -35,7 +35,16 @@ _ADVICE = {
     "# encoder_resolution_um, strut_noise_um, and of vibration acceleration_noise_m_s2 and\n"
     "# angular_acceleration_noise_rad_s2: hexcite identify tells what the residuals look like. So it does of errors\n"
     "# that depend on the pose: pose_error_N and pose_error_length_mm, which plans then count on.",
-    "recording": "Names, units and clock of the recorded columns, where they differ from hexcite's (CONVENTIONS.md).",
+    "recording": "How recordings are written: `hexcite look RECORDING --case CASE` proposes this table. By example:\n"
+    "# delimiter = ';', decimal = ',', header_rows = 2, names_row = 1      # text that is not plain CSV\n"
+    '# clock = { unit = "ms" }            # of the stamps; { period_ms = 1.0 } where a file has none\n'
+    '# units = { struts = "m", forces = "kN" }\n'
+    "# and below all keys of this table, our name of a column = the file's:\n"
+    "# [recording.columns]\n"
+    '# t_s = "time"\n'
+    '# l1_mm = "Strut1.ActPos"\n'
+    '# f1_N = "Force1"\n'
+    '# trigger = "Trigger"',
     "controller": "How the controller is set up. Nothing here is guessed: check each with its machine's parameters.",
     "controller.sinumerik": "SINUMERIK programs; without one delete this table, and the next ones likewise. The\n"
     "# transformation of a hexapod is the machine builder's: ask for these words.",

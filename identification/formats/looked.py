@@ -73,7 +73,12 @@ class Look:
     @property
     def toml(self) -> str:
         """The settings as a case file has them."""
-        return "\n".join(["[recording]", *(f"{key} = {_toml(value)}" for key, value in self.settings.items())])
+        plain = {key: value for key, value in self.settings.items() if key != "columns"}
+        lines = ["[recording]", *(f"{key} = {_toml(value)}" for key, value in plain.items())]
+        if "columns" in self.settings:
+            columns = self.settings["columns"].items()
+            lines += ["", "[recording.columns]", *(f"{ours} = {_toml(theirs)}" for ours, theirs in columns)]
+        return "\n".join(lines)
 
     def __repr__(self) -> str:
         """What it found, in a few lines."""
@@ -108,6 +113,12 @@ def oddities(found: Look, layout: Layout | None, case: Case | None) -> Iterator[
         )
     if TRIGGER not in known and (clock is not None or "clock" in found.settings):
         yield "no trigger: the whole motion is evaluated, the ways from and to home too"
+    if TRIGGER in known:
+        on = np.nan_to_num(known[TRIGGER].values) > 0.0
+        if not on.any():
+            yield f"{shown(known[TRIGGER].name)}: is never on, so nothing would be evaluated; leave it out of columns"
+        elif on[-1]:
+            yield f"{shown(known[TRIGGER].name)}: is still on in the last row; was the recorder stopped too early?"
     if DRIVES[0] in known:
         yield (
             "drive positions: state drives = { sign = [1.0, ..], offset_mm = [..] }, for strut length = sign times "
