@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cases.basis import KEPT, Artefact, recording_basis
 from cases.errors import RecordingError
 from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
-from cases.recording_columns import (
+from cases.recording import (
     ACCELEROMETER,
     BAR_FORCES,
     CLOCK,

@@ -6,7 +6,7 @@ X, Y, Z, or in degrees/min along the angles where only they move (FGROUP says wh
 
 import numpy as np
 
-from cases.controller_sinumerik import Sinumerik
+from cases.controller import Sinumerik
 from cases.errors import CaseError
 from cases.machine import MotionLimits
 from cases.schema import Case

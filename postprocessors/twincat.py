@@ -6,7 +6,7 @@ in degrees/min along A, B, C where only they move (#FGROUP says which); G93 is t
 
 import numpy as np
 
-from cases.controller_twincat import TwinCat
+from cases.controller import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
 from postprocessors.composing import timed_path

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError
-from cases.recording_columns import STRUTS
+from cases.recording import STRUTS
 from cases.schema import Case
 from identification.findings.plausibility import scan
 from identification.formats.assembly import force_columns

@@ -5,8 +5,7 @@ from fractions import Fraction
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat, StreamName
-from cases.recording_columns import (
+from cases.recording import (
     ACCELEROMETER,
     BAR_FORCES,
     DRIVE_VELOCITIES,
@@ -18,6 +17,8 @@ from cases.recording_columns import (
     STRUTS,
     TRIGGER,
     WRENCH,
+    RecordingFormat,
+    StreamName,
 )
 from cases.schema import Case
 from identification.formats.checks import (

@@ -3,8 +3,7 @@
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
-from cases.recording_columns import CLOCK, OVERRIDE, STRUTS, TRIGGER, units_of
+from cases.recording import CLOCK, OVERRIDE, STRUTS, TRIGGER, RecordingFormat, units_of
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.stream import Stream

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
-from cases.recording_columns import OVERRIDE, ROTATION, TRIGGER
+from cases.recording import OVERRIDE, ROTATION, TRIGGER, RecordingFormat
 from identification.formats.clock import UNIFORMITY, crowded, lost_samples
 from identification.formats.stream import Channel, Stream
 from identification.formats.table import Array, Table, shown

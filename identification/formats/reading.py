@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
-from cases.recording_columns import POSE, ROTATION, STRUTS
+from cases.recording import POSE, ROTATION, STRUTS, RecordingFormat
 from cases.schema import Case
 from identification.formats import delimited, halsampler, twincat
 from identification.formats.assembly import force_columns, start_of, stream_of

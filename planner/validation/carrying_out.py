@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import BSpline
 
-from cases.disturbances import Disturbances
 from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, UNFINISHED, atomic_file, atomic_folder, check_folder, json_text, write_text
 from cases.schema import Case
+from cases.sensors import Disturbances
 from identification.hexapod import Hexapod
 from identification.trajectories.executed import StrutExecution
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline

@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.disturbances import Disturbances
 from cases.errors import FileProblem, HexciteError
 from cases.schema import Case
-from cases.sensors import RigidBody
+from cases.sensors import Disturbances, RigidBody
 from identification.identify import identify
 from identification.loaded import Circumstances, loaded_truth
 from identification.model import identification_model

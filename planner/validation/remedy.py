@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from cases.disturbances import Disturbances
+from cases.sensors import Disturbances
 from identification.identify import identify
 from identification.samples import Conditioning
 from planner.validation.causes import BODY, MODE, SUSPICIOUS

@@ -6,8 +6,8 @@ infer their size and length from its residuals; here both are known.
 
 import numpy as np
 
-from cases.disturbances import Disturbances
 from cases.schema import Case
+from cases.sensors import Disturbances
 from identification.loaded import pose_covariance
 from identification.model import identification_model
 from identification.parameters import physical_form

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cases.controller_setpoints import Setpoints
+from cases.controller import Setpoints
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import MM

@@ -9,7 +9,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from cases.controller_sinumerik import PROGRAM_NAME, Sinumerik
+from cases.controller import SINUMERIK_NAME, Sinumerik
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading.lines import program_lines
@@ -113,7 +113,7 @@ class _Interpreter(ModalState):
 
     def _program_name(self, word: Word) -> None:
         name = (word.arguments or ("",))[0]
-        if re.match(PROGRAM_NAME, name) is None:
+        if re.match(SINUMERIK_NAME, name) is None:
             self.fail(word, f"program name {name!r} is not taken; at most 24 letters, digits and _, two letters first")
 
     def _tolerance(self, name: str, word: Word) -> None:

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from cases.controller_sinumerik import Sinumerik
+from cases.controller import Sinumerik
 from cases.units import MINUTE
 from postprocessors.reading.modal import LARGEST, ModalState, Word
 from postprocessors.reading.words import Polynomial

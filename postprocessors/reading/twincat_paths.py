@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from cases.controller_twincat import TwinCat
+from cases.controller import TwinCat
 from postprocessors.reading.modal import ModalState, Word
 
 FEWEST_SPLINE_POINTS = 3  # of an AKIMA spline, its start included
