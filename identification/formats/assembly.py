@@ -22,15 +22,17 @@ from cases.recording import (
 )
 from cases.schema import Case
 from identification.formats.checks import (
+    Marked,
+    marked,
     require_gravity,
     require_increasing,
     require_override,
     require_reach,
     require_rotations,
     require_switch,
+    with_lost_rows,
 )
 from identification.formats.header import without
-from identification.formats.missing import Marked, marked, with_lost_rows
 from identification.formats.stream import Stream
 from identification.formats.table import Array, Table, listed
 

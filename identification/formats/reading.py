@@ -14,7 +14,7 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording import POSE, ROTATION, STRUTS, RecordingFormat
 from cases.schema import Case
-from identification.formats import delimited, halsampler, twincat
+from identification.formats import delimited, twincat
 from identification.formats.assembly import force_columns, start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.header import without
@@ -27,7 +27,7 @@ _PARQUET = b"PAR1"
 
 _READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[Table]]] = {
     "csv": delimited.tables,
-    "halsampler": halsampler.tables,
+    "halsampler": delimited.halsampler_tables,
     "twincat-scope": twincat.tables,
     "sinumerik-trace": delimited.tables,
 }

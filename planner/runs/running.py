@@ -10,15 +10,14 @@ from numpy.typing import NDArray
 
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
 from identification.model import identification_model
 from identification.motion import Trajectory
-from identification.peaks import executed_peaks
 from identification.recording import Recording, about_case
-from identification.reference import reference_scaling
 from identification.simulate import TRUE_MODEL, simulate_recording
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import StrutExecution, executed_peaks
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.runs.fingerprints import plan_of_program, written_for_another
