@@ -41,7 +41,7 @@ def poses(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
-    from planner.cli.saving import save_with_page
+    from planner.cli.console import save_with_page
     from planner.poses.plan import poses_planned
     from planner.poses.request import PoseRequest
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.poses.criteria import Index, PoseCriterion
-from planner.poses.regressors import total_information
+from planner.poses.criteria import Index, PoseCriterion, total_information
 from planner.poses.removal import TIE, full_rank
 
 Array = NDArray[np.float64]

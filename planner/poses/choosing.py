@@ -10,9 +10,8 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.model import Model
 from planner.poses.adding import SATURATED, add_forward, exchange
-from planner.poses.criteria import POSE_CRITERIA
+from planner.poses.criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.refinement import refine
-from planner.poses.regressors import pose_regressors, total_information
 from planner.poses.removal import MOST_EXHAUSTIVE, full_rank, reduce_best, reduce_smallest_change
 from planner.poses.request import Method, PoseRequest
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from identification.identifiability import Identifiability
     from identification.model import Model
-    from planner.comparison.compare import Comparison
+    from planner.comparison.advising import Comparison
     from planner.plan import Plan
     from planner.validation.validate import Validation
 
@@ -42,7 +42,7 @@ def page(value: "Shown") -> Page:
 
     if isinstance(value, Plan):
         return _page_of_plan(value)
-    from planner.comparison.compare import Comparison
+    from planner.comparison.advising import Comparison
 
     if isinstance(value, Comparison):
         from planner.reports.compare import compare_page
@@ -75,7 +75,7 @@ def figures(value: "Shown", folder: Path) -> None:
 
 
 def _figures(value: "Shown") -> "Iterator[tuple[str, Figure]]":
-    from planner.comparison.compare import Comparison
+    from planner.comparison.advising import Comparison
     from planner.plan import Plan
     from planner.reports.plots import identifiability_figure, residual_figure
 
@@ -118,7 +118,7 @@ def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
     """The model of a plan of poses, and what its poses determine."""
     from identification.identifiability import analyse
     from identification.model import identification_model
-    from planner.poses.regressors import pose_regressors
+    from planner.poses.criteria import pose_regressors
 
     model = identification_model(plan.case, plan.model)
     return model, analyse(pose_regressors(model, plan.poses), model.names)

@@ -28,8 +28,7 @@ from planner.runs.running import carried_out
 from planner.runs.standing import stood
 from planner.runs.writing import write
 from planner.validation.experiment import METHODS, Excitation, steps
-from planner.validation.kept import Kept, keep, kept_step
-from planner.validation.remedy import remedy_of
+from planner.validation.remedy import Kept, keep, kept_step, remedy_of
 from postprocessors.execute.executed_run import ExecutedRun
 from postprocessors.files import Program
 from postprocessors.proving.measured import measured_poses, measures_at_poses

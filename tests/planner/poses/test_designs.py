@@ -5,13 +5,11 @@ import numpy as np
 import pytest
 
 from planner.poses.adding import add_forward, exchange
-from planner.poses.approximate import approximate_design
-from planner.poses.continuous import continuous_bound
-from planner.poses.criteria import POSE_CRITERIA
+from planner.poses.continuous import approximate_design, continuous_bound
+from planner.poses.criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.refinement import refine
-from planner.poses.regressors import pose_regressors, total_information
 from planner.poses.removal import full_rank, reduce_best
-from planner.poses.validity import margins_of
+from planner.poses.space import margins_of
 from tests.planner.poses.conftest import Setting
 
 LETTERS = tuple(POSE_CRITERIA)
