@@ -25,9 +25,9 @@ from planner.runs.followed import planned_excitation
 from planner.runs.standing import stood, way_of
 from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import ExecutedRun, moving_windows, windows
-from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
-from postprocessors.execute.linuxcnc.punctuality import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
+from postprocessors.execute.log import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import Program, read_program
 from postprocessors.proving.guarantees import Guarantees

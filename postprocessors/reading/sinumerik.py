@@ -12,13 +12,18 @@ import numpy as np
 from cases.controller import SINUMERIK_NAME, Sinumerik
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading.lines import program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
-from postprocessors.reading.sinumerik_groups import GROUPS, LONGEST_LINE, MODAL, NEUTRAL, REMEDY
-from postprocessors.reading.sinumerik_polynomials import polynomial
-from postprocessors.reading.sinumerik_words import sinumerik_words
+from postprocessors.reading.sinumerik_words import (
+    GROUPS,
+    LONGEST_LINE,
+    MODAL,
+    NEUTRAL,
+    REMEDY,
+    polynomial,
+    sinumerik_words,
+)
 from postprocessors.reading.strut_moves import read_strut_move
-from postprocessors.reading.words import Event, Pause, Reading, Switch, Timing
+from postprocessors.reading.words import Event, Pause, Reading, Switch, Timing, program_lines
 
 SPELLING = Spelling(
     "SINUMERIK", GROUPS, last="M30", rapid="G0", straight="G1",

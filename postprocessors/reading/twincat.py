@@ -11,19 +11,18 @@ import numpy as np
 from cases.controller import TWINCAT_NAME, TwinCat
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading.lines import program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.strut_moves import read_strut_move
-from postprocessors.reading.twincat_groups import (
+from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
     MODAL,
     MOST_MESSAGES,
     REMEDY,
+    PointPath,
+    twincat_words,
 )
-from postprocessors.reading.twincat_paths import PointPath
-from postprocessors.reading.twincat_words import twincat_words
-from postprocessors.reading.words import Pause, Reading, Switch, Timing
+from postprocessors.reading.words import Pause, Reading, Switch, Timing, program_lines
 
 SPELLING = Spelling(
     "TwinCAT", GROUPS, last="M30", rapid="G00", straight="G01",
