@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.criteria import CRITERIA, reference_scaling, singular_values
+from identification.criteria import CRITERIA, singular_values
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory
+from identification.reference import reference_scaling
 from planner.deviations import predicted_std_at_poses, worst_std
 from planner.families.settings import FAMILIES
 from planner.noise import ExpectedNoise, expected_noise, seen_through

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.loaded import circumstances, mode_frequency, vibrating
 from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import body_parameters, physical_form
+from identification.reference import reference_scaling
 from identification.runs.smoothing import SAMPLED
 from identification.signals import Filter
 from identification.trajectories.executed import StrutExecution

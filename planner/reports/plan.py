@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import MM, pose_words
-from identification.criteria import reference_scaling
 from identification.evaluate import over_samples
 from identification.identifiability import analyse
 from identification.limited import rotation_motion, strut_motion
@@ -18,6 +17,7 @@ from identification.overload import SHARE, load_shares, sensor_forces
 from identification.parameters import physical_form
 from identification.provenance import provenance
 from identification.recording import force_columns
+from identification.reference import reference_scaling
 from planner.comparison.beside_manual import Beside
 from planner.plan import Plan
 from planner.precision import std_text

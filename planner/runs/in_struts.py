@@ -6,8 +6,8 @@ import numpy as np
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.criteria import reference_scaling
 from identification.model import identification_model
+from identification.reference import reference_scaling
 from identification.trajectories.strut_move import StrutMove
 from planner.bounds.kept import box_bound
 from planner.runs.followed import planned_excitation

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
-from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
 from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case
+from identification.reference import reference_scaling
 from identification.simulate import TRUE_MODEL, simulate_recording
 from identification.trajectories.executed import StrutExecution, executed_peaks
 from identification.trajectories.path import executed_information, path_error

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.criteria import reference_scaling
 from identification.model import identification_model
+from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
