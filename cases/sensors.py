@@ -10,6 +10,7 @@ from cases.disturbances import Disturbances
 from cases.geometry import WORST_CONDITION, condition_of_lines
 from cases.machine import Joints
 from cases.parts import Array, NonNegative, Number, Part, Positive, Six, Vector, frozen
+from cases.recording_columns import BAR_FORCES, WRENCH
 from cases.units import MM, MS, UM
 
 LEAST_LENGTH_MM, MOST_LENGTH_MM = 0.1, 10_000.0  # of errors that depend on the pose: others are metres or radians
@@ -53,6 +54,11 @@ class SensorFrame(Part):
         if (self.bars is None) == (self.transducer is None):
             raise ValueError("give either bars or transducer, not both or neither")
         return self
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the columns of what it measures."""
+        return BAR_FORCES if self.bars is not None else WRENCH
 
 
 class Sensors(Part):
