@@ -19,6 +19,7 @@ from cases.parts import (
     condition_of_lines,
     frozen,
 )
+from cases.recording import BAR_FORCES, WRENCH
 from cases.units import DEG, MM, MS, UM
 
 
@@ -106,6 +107,11 @@ class SensorFrame(Part):
         if (self.bars is None) == (self.transducer is None):
             raise ValueError("give either bars or transducer, not both or neither")
         return self
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the columns of what it measures."""
+        return BAR_FORCES if self.bars is not None else WRENCH
 
 
 class Sensors(Part):

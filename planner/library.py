@@ -12,7 +12,6 @@ from planner.families.settings import FamilySettings, PointToPoint
 from planner.interruption import Interrupted
 from planner.plan import Plan
 from planner.planning import make_until_ctrl_c
-from planner.poses.plan import poses_planned
 from planner.poses.request import PoseRequest
 from planner.progress import Progress
 from planner.readiness import require_plannable
@@ -122,6 +121,8 @@ def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **s
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
+    from planner.poses.plan import poses_planned  # SciPy, which motions do without
+
     return poses_planned(PoseRequest(**settings), case, progress or (lambda _: None))
 
 

@@ -46,11 +46,6 @@ _SHIFTED: dict[StreamName, tuple[str, ...]] = {
 }
 
 
-def force_columns(case: Case) -> tuple[str, ...]:
-    """Names of the force columns of a case's sensor frame."""
-    return BAR_FORCES if case.sensor_frame.bars is not None else WRENCH
-
-
 def stream_of(table: Table, case: Case, form: RecordingFormat, origin: Fraction) -> Stream:
     """Channels of a table in SI.
 
@@ -90,7 +85,7 @@ def start_of(table: Table, form: RecordingFormat) -> Fraction:
 
 def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
     table = found.table
-    forces = _group(table, form, force_columns(case))
+    forces = _group(table, form, case.sensor_frame.channels)
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
     if trigger is not None:
@@ -114,7 +109,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
         missing_in=found.columns,
     )
     if not stream.channels:
-        raise RecordingError(f"{table.source}: {_nothing(table, force_columns(case), form)}")
+        raise RecordingError(f"{table.source}: {_nothing(table, case.sensor_frame.channels, form)}")
     require_rotations(stream)
     if STRUTS[0] in table.values:
         require_reach(stream, case, form)

@@ -15,7 +15,7 @@ from cases.errors import RecordingError
 from cases.recording import POSE, ROTATION, STRUTS, RecordingFormat
 from cases.schema import Case
 from identification.formats import delimited, twincat
-from identification.formats.assembly import force_columns, start_of, stream_of
+from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.header import without
 from identification.formats.stream import Recording, Stream, either
@@ -194,7 +194,7 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
             owner[channel] = stream.source
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
-        wanted = [form.file_name(c) for c in force_columns(case)]
+        wanted = [form.file_name(c) for c in case.sensor_frame.channels]
         raise RecordingError(f"{sources}: no forces: {without(wanted, names)}")
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
         wanted = [form.file_name(c) for c in (STRUTS if case.machine is not None else (*ROTATION, *POSE))]
