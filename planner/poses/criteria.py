@@ -100,10 +100,6 @@ class PoseCriterion(Protocol):
         """Value without each pose: F - A_j^T A_j, shape (k, 6, u) -> (k,)."""
         ...
 
-    def after_addition(self, information: Array, regressors: Array) -> Array:
-        """Value with each pose: F + A_j^T A_j, shape (k, 6, u) -> (k,)."""
-        ...
-
     def screen(self, regressors: Array, information: Array) -> Screen:
         """A fresh screen of n poses, shape (n, 6, u): nearly exact for `information`, valid for what removals leave."""
         ...
@@ -138,10 +134,6 @@ class DOptimal:
     def after_removal(self, information: Array, regressors: Array) -> Array:
         """Log det F + log det(1 - A F^-1 A^T)."""
         return self.value(information) + self.value(np.eye(6) - _leverage(information, regressors)[1])
-
-    def after_addition(self, information: Array, regressors: Array) -> Array:
-        """Log det F + log det(1 + A F^-1 A^T)."""
-        return self.value(information) + self.value(np.eye(6) + _leverage(information, regressors)[1])
 
     def screen(self, regressors: Array, information: Array) -> Screen:
         """Losses only grow while poses are removed: an old loss bounds the present one."""
@@ -181,12 +173,6 @@ class AOptimal:
         # Losses are positive; where rank is lost, rounding decides their sign.
         return np.asarray(self.value(information) - np.where(loss > 0.0, loss, np.inf))
 
-    def after_addition(self, information: Array, regressors: Array) -> Array:
-        """-trace F^-1 + trace((1 + A F^-1 A^T)^-1 A F^-2 A^T)."""
-        weighted, leverage = _leverage(information, regressors)
-        solved = np.linalg.solve(np.eye(6) + leverage, weighted)
-        return np.asarray(self.value(information) + np.sum(solved * weighted, axis=(1, 2)))
-
     def screen(self, regressors: Array, information: Array) -> Screen:
         """Trace M^-1 >= 2 trace X - trace X M X for every symmetric X; X is the inverse when the screen was made."""
         inverse: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
@@ -221,10 +207,6 @@ class _Extremes(ABC):
     def after_removal(self, information: Array, regressors: Array) -> Array:
         """From the eigenvalues of F - A^T A."""
         return self.value(information - _products(regressors))
-
-    def after_addition(self, information: Array, regressors: Array) -> Array:
-        """From the eigenvalues of F + A^T A."""
-        return self.value(information + _products(regressors))
 
     def screen(self, regressors: Array, information: Array) -> Screen:
         """Ritz values in the two lowest and the two highest eigenvectors when the screen was made."""
