@@ -186,7 +186,7 @@ class Plan:
         }
 
     def _of_poses(self) -> dict[str, Any]:
-        from cases.recording_columns import POSE
+        from cases.recording import POSE
 
         rows = poses_in_units(self.poses).tolist()
         return {"count": len(rows), "poses": [dict(zip(POSE, row, strict=True)) for row in rows]}
@@ -213,7 +213,7 @@ class Plan:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        from cases.shown import as_html
+        from cases.units import as_html
 
         return as_html(str(self))
 
@@ -234,7 +234,7 @@ def poses_in_units(poses: Array) -> Array:
 
 def motion_csv(motion: Motion) -> str:
     """The motion as a table in mm and degrees; header as in CONVENTIONS."""
-    from cases.recording_columns import MOTION
+    from cases.recording import MOTION
 
     unit = np.r_[np.full(3, 1 / MM), np.full(3, 1 / DEG)]
     table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])

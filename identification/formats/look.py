@@ -8,8 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
-from cases.recording_columns import (
+from cases.recording import (
     BAR_FORCES,
     CLOCK,
     COLUMNS,
@@ -20,6 +19,7 @@ from cases.recording_columns import (
     STRUTS,
     TRIGGER,
     WRENCH,
+    RecordingFormat,
     group_of,
     units_of,
 )

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cases.recording_columns import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
+from cases.recording import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
 from cases.schema import Case
-from cases.shown import as_html
-from cases.units import MM
+from cases.units import MM, as_html
 from identification.formats.clock import lost_samples
 from identification.formats.layout import Layout
 from identification.formats.table import Array, shown

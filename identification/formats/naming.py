@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from cases.recording_columns import (
+from cases.recording import (
     ACCELEROMETER,
     BAR_FORCES,
     CLOCK,
@@ -36,10 +36,10 @@ _NUMBERED: tuple[tuple[str, Sequence[str], Sequence[str]], ...] = (
     (r"(?:axis|achse|drive|antrieb|joint|motor|actpos|enc)\D*(\d)|^(?:q|qd|j)(\d)", DRIVES, DRIVE_VELOCITIES),
 )
 _LETTERED: tuple[tuple[str, Sequence[str]], ...] = (
-    (r"(?:^|\W|_)(?:f|force|kraft)_?([xyz])$", WRENCH[:3]),
-    (r"(?:^|\W|_)(?:m|t|moment|torque)_?([xyz])$", WRENCH[3:]),
-    (r"(?:^|\W|_)(?:a|acc|accel)_?([xyz])$", ACCELEROMETER),
-    (r"(?:^|\W|_)(?:r|rot)_?([xyz])$", POSE[3:]),
+    (r"(?:^|\W|_)(?:f|force|kraft)[_ ]?([xyz])$", WRENCH[:3]),
+    (r"(?:^|\W|_)(?:m|t|moment|torque|drehmoment)[_ ]?([xyz])$", WRENCH[3:]),
+    (r"(?:^|\W|_)(?:a|acc|accel)[_ ]?([xyz])$", ACCELEROMETER),
+    (r"(?:^|\W|_)(?:r|rot)[_ ]?([xyz])$", POSE[3:]),
     (r"^([xyz])(?:_?(?:pos|act|ist))?$", POSE[:3]),
 )
 _SINGLE = (

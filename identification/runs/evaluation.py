@@ -17,8 +17,7 @@ from identification.finding import Finding
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, expected_forces, regressors
 from identification.noise.by_pose import covariance_by_pose
-from identification.noise.coloured import coloured_covariance
-from identification.noise.turned import turned
+from identification.noise.coloured import coloured_covariance, turned
 from identification.recording import Recording
 from identification.samples import fair_part
 from identification.signals import Filter, decimated

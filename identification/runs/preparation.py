@@ -9,7 +9,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import Scan, bridged
-from identification.formats.missing import MOST_PUT_BACK
+from identification.formats.checks import MOST_PUT_BACK
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.recording import Recording
