@@ -22,7 +22,7 @@ def look(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Propose the table [recording] for a file of unknown format, and draw its channels.
+    """Propose how a file of unknown format is read, and draw it.
 
     Nothing is changed: compare the proposal with what you know, and paste it into the case file.
     """

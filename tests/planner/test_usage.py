@@ -62,7 +62,7 @@ def test_help_lists_every_command_in_a_whole_sentence():
     answer = call("--help")
     assert answer.code == 0
     commands = (
-        "cases case plan poses post check run identify force tare payload export bound study retime compare validate"
+        "cases case plan poses post check run look identify force tare payload export bound study retime compare validate"
     )
     for command in (*commands.split(), "demo"):
         assert f"\n  {command} " in answer.out
