@@ -19,8 +19,9 @@ lint: .venv/.dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 
-docs: .venv/.dev ## the documents' site, docs/_build/index.html; every warning is an error
+docs: .venv/.dev ## the site docs/_build/index.html; tutorial and notebooks are run: what they show must be true
 	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs docs/_build
+	$(BIN)/pytest -q -m slow tests/docs
 
 bench: .venv/.dev ## the figures that matter, measured; minutes, not seconds
 	$(BIN)/python -m pytest -m slow -q
