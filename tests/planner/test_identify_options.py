@@ -150,7 +150,7 @@ def test_noise_that_the_case_states_is_compared_with_what_is_left(run: Path, tmp
     assert re.search(
         r"s0\^2 consists of: noise of force sensors [\d.]+ %, of accelerations 0\.\d+ %, unexplained", printed
     )
-    assert re.search(r"draws parameters by at most \S+ of their \+-", printed)
+    assert re.search(r"biases parameters by at most \S+ of their \+-", printed)
     saved = json.loads((tmp_path / "result" / "result.json").read_text())
     assert saved["noise_sources"]["force_sensors"] == pytest.approx(1.0, abs=0.15)
     assert set(saved["attenuation"]) == set(saved["parameters"])
