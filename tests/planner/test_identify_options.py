@@ -103,7 +103,7 @@ def test_error_terms_replace_those_of_the_model_and_serve_other_commands(
 def test_people_are_told_which_deviation_to_trust(run: Path, tmp_path: Path) -> None:
     shown = call("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "result", "--fix", "m=31.83kg").out
     assert "+- is the larger of std by (28)" in shown
-    assert next(line for line in shown.splitlines() if line.strip().startswith("m ")).split()[2] == "given"
+    assert next(line for line in shown.splitlines() if "(m)" in line).split()[3] == "given"
 
 
 WRONG = {
