@@ -60,7 +60,6 @@ def _verdicts(result: Result) -> Answers:
     record, known = result.record, [p for p in result.parameters.values() if p.std > 0.0]
     ratio = max((p.std_robust / p.std for p in known), default=1.0)
     rank, count = record["rank"], len(record["parameters"])
-    determined = f"rank {rank}, condition {record['condition']:.3g}"
     warnings = len(result.warnings)
     return Answers(
         (
