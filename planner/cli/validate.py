@@ -42,7 +42,7 @@ def validate(
     """Identify known weights by each method; compare with theory.
 
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
-    what it models. Interrupted, the same command goes on with what is missing.
+    what it models. Interrupted, the same command uses the plans that are there.
     """
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case

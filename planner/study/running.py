@@ -1,6 +1,6 @@
 """Runs a study into its folder: what is missing there, and no cell twice."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from cases.basis import KEPT, study_basis
 from cases.schema import Case
 from planner.study.spec import Spec, cell_key, request_of, settings_of
-from planner.study.store import FAILED, PLANNED, completed, opened, read_rows, schema
-from planner.study.tasks import Outcome, run_tasks
+from planner.study.store import FAILED, PLANNED, keep, open_study, read_rows
+from planner.study.tasks import TaskEnd, run_tasks
 from planner.study.work import Job, work
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) ->
     Raises:
         FileProblem: a file of the study is damaged.
     """
-    table = read_rows(folder, schema()) if folder.is_dir() else None
+    table = read_rows(folder) if folder.is_dir() else None
     there: dict[str, set[int]] = {}
     failed: set[str] = set()
     if table is not None:
@@ -89,7 +89,7 @@ def run_study(
     spec: Spec,
     case: Case,
     folder: Path,
-    done: Callable[[Outcome], None],
+    done: Callable[[TaskEnd], None],
     retry: bool = False,
 ) -> int:
     """Computes the rows that a study folder lacks, and keeps each as it arrives.
@@ -109,32 +109,20 @@ def run_study(
         HexciteError: the folder is another study's, or the cluster is gone; what is done is kept.
     """
     cells = cells_of(spec, case)
-    count = 0
-    with opened(folder, schema(), about_study(spec, case, len(cells))) as store:
-        work_left = missing(cells, spec, folder, retry)
-        known = {cell.key: cell for cell, _ in work_left}
-
-        def tasks() -> Iterator[tuple[str, Job]]:
-            for cell, seeds in work_left:
-                disturbed = spec.execute is not None and spec.execute.disturbed
-                yield cell.key, Job(case, request_of(cell.settings), seeds, disturbed)
-
-        for outcome in run_tasks(client, work, tasks(), spec.cells.time_limit_s):
-            store.add(_rows(known[outcome.key], outcome, case))
-            count += 1
-            done(outcome)
-    return count
+    open_study(folder, about_study(spec, case, len(cells)))
+    open_cells = {cell.key: (cell, seeds) for cell, seeds in missing(cells, spec, folder, retry)}
+    disturbed = spec.execute is not None and spec.execute.disturbed
+    tasks = ((key, Job(case, request_of(c.settings), seeds, disturbed)) for key, (c, seeds) in open_cells.items())
+    for end in run_tasks(client, work, tasks, spec.cells.time_limit_s):
+        cell, seeds = open_cells[end.key]
+        # Another seed than 0 first: of a study that was extended by more noise.
+        keep(folder, f"{end.key}-{seeds[0]}" if seeds else end.key, _rows(cell, end, case))
+        done(end)
+    return len(open_cells)
 
 
-def _rows(cell: Cell, outcome: Outcome, case: Case) -> list[dict[str, Any]]:
-    shared = cell.settings | {
-        "cell": cell.key,
-        "case_hash": case.hash,
-        "version": version("hexcite"),
-        "tries": outcome.tries,
-        "worker": outcome.worker,
-    }
-    if outcome.reason is not None:
-        failure = {"noise_seed": PLANNED, "status": FAILED, "reason": outcome.reason, "seconds": outcome.seconds}
-        return [completed(shared | failure)]
-    return [completed(shared | row) for row in outcome.value]
+def _rows(cell: Cell, end: TaskEnd, case: Case) -> list[dict[str, Any]]:
+    shared = cell.settings | {"cell": cell.key, "case_hash": case.hash, "version": version("hexcite")}
+    if end.reason is not None:
+        return [shared | {"noise_seed": PLANNED, "status": FAILED, "reason": end.reason, "seconds": end.seconds}]
+    return [shared | row for row in end.value]

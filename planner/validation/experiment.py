@@ -101,21 +101,19 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
     return case.payloads.weights[:count]
 
 
-def steps(
-    excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None, bare: Identified | None = None
-) -> Iterator[Step]:
+def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Step]:
     """The simulated machine identified with numbers of weights on it.
 
     A set of poses is travelled through once: its standstills do not tell one way there from another.
 
     Args:
         excitation: the method.
-        mounted: numbers of weights, ascending.
+        mounted: numbers of weights, ascending from 0.
         disturbances: of the machine.
-        bare: what it said without weights; None: `mounted` begins with 0.
     """
     case = excitation.case
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None
+    bare: Identified | None = None
     for k in mounted:
         recording, parts = excitation.recorded(k, disturbances, once)
         estimate = identify(recording, case)

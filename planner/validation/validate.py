@@ -108,8 +108,7 @@ def validate(
         mounted: numbers of weights, from 0 on; by default none, and each up to all.
         settings: how methods are carried out.
         undisturbed: whether the simulated structure is an ideal one.
-        folder: that keeps plans, programs, runs and finished steps, and what it holds is not made again; a temporary
-            one unless given.
+        folder: that keeps plans and programs, and a plan that it holds is not made again; a temporary one unless given.
         count: told how it is getting on.
 
     Raises:
@@ -127,16 +126,15 @@ def validate(
             for file in sorted((work / name).rglob("*"))
             if file.is_file()
         }
-    steps = tuple(kept.step for kept in carried.steps)
-    columns = {number: one for step in steps for number, one in step.columns.items()}
+    columns = {number: one for step in carried.steps for number, one in step.columns.items()}
     return Validation(
         case=case,
         machine=_simulated(case, disturbances, settings),
-        steps=steps,
-        findings=tuple(findings(case, list(steps), columns)),
-        failed=carried.failed or {},
-        executed={kept.step.method: kept.controller for kept in carried.steps},
-        remedies=tuple(kept.remedy for kept in carried.steps if kept.remedy is not None),
+        steps=carried.steps,
+        findings=tuple(findings(case, list(carried.steps), columns)),
+        failed=carried.failed,
+        executed=carried.executed,
+        remedies=carried.remedies,
         controller=settings.on,
         disturbances=disturbances,
         made=made,
