@@ -9,7 +9,7 @@ from cases.files import DEMO, check_folder
 from cases.schema import Case
 from identification.outcome import Result
 from identification.recording import Recording
-from planner.comparison.truth import truth_rows
+from identification.simulate import truth_rows
 from planner.families.settings import PointToPoint
 from planner.library import planned
 from planner.plan import Plan

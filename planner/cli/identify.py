@@ -96,9 +96,8 @@ def identify(
     from planner.cli.conditioning import Typed, method_of, read_conditioning
     from planner.cli.console import save_with_page
     from planner.cli.identified import answer_of_result, show_result, verify_result
-    from planner.poses.expected import poses_of_plan
     from planner.runs.identified import Wish, identified_file
-    from planner.runs.recorded import Still, case_of
+    from planner.runs.recorded import Still, case_of, poses_of_plan
 
     conditioning = read_conditioning(period, harmonics, flexible)
     if verify is not None:

@@ -45,7 +45,7 @@ def post(
     """
     from cases.files import check_file, output_place
     from planner.plan import Plan
-    from planner.runs.in_struts import changed_motion
+    from planner.runs.followed import changed_motion
     from planner.runs.writing import language_of, write
     from postprocessors.dialects import DIALECTS
 
@@ -135,7 +135,7 @@ def check(
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:
     """The JSON answer of a program that was proven, or not."""
-    from planner.runs.fingerprints import written_for_another
+    from planner.runs.writing import written_for_another
 
     proof, other = program.proof, written_for_another(program.content, program.case)
     return {

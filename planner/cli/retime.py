@@ -137,7 +137,7 @@ def _given(source: Path, case: str | None, model: int | None, stale: bool) -> _G
     from planner.families.settings import Manual
     from planner.plan import Plan
     from planner.request import Request
-    from planner.retiming.motion_table import read_motion
+    from planner.retiming.plan import read_motion
 
     if not source.exists():
         raise HexciteError(

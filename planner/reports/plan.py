@@ -15,8 +15,8 @@ from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
 from identification.overload import SHARE, load_shares, sensor_forces
 from identification.parameters import physical_form
-from identification.provenance import provenance
 from identification.reference import reference_scaling
+from identification.saved import provenance
 from planner.comparison.beside_manual import Beside
 from planner.plan import Plan
 from planner.precision import std_text

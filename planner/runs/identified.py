@@ -18,12 +18,12 @@ from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
 from identification.outcome import TOLD_OF_RUNS, Result
-from identification.provenance import provenance
 from identification.recording import Recording, files_of, read
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from identification.runs.residuals import residuals_of
 from identification.samples import USUAL, Conditioning
+from identification.saved import provenance
 from planner.plan import Plan
 from planner.runs.recorded import UNSAID, Still, fitting_case, shorter_than_planned, standing_of
 

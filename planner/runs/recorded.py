@@ -1,5 +1,6 @@
 """What stands beside a recording: its case, the poses it was to stand at, how long it was to last."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -7,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.basis import Artefact, recording_basis
-from cases.errors import HexciteError, RecordingError
+from cases.errors import FileProblem, HexciteError, RecordingError
 from cases.files import another_kind
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
@@ -17,7 +18,7 @@ from identification.recording import Recording
 from identification.recording import record_of as about_recording
 from identification.runs.standing import average, find_standstills, match, stands_only
 from identification.saved import load_result
-from planner.poses.expected import poses_of_record
+from planner.plan_folder import load_plan
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 Array = NDArray[np.float64]
@@ -136,3 +137,41 @@ def standing_of(recording: Recording, case: Case, still: Still = UNSAID) -> tupl
         "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
     }
     return standing.averages, told
+
+
+def poses_of_plan(folder: Path, case: Case) -> Array:
+    """Poses of a plan in the order of visit, shape (n, 6) [m, rad].
+
+    Args:
+        folder: of the plan.
+        case: of the recording.
+
+    Raises:
+        FileProblem: no plan there, or damaged.
+        HexciteError: no plan of poses.
+    """
+    plan = load_plan(folder, case)
+    if not len(plan.poses):
+        raise HexciteError(f"{folder}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
+    return plan.poses
+
+
+def poses_of_record(record: Mapping[str, Any]) -> Array | None:
+    """Poses that a program measured, shape (n, 6); None where it measured a motion, or unknown.
+
+    Args:
+        record: what `recording.json` says.
+
+    Raises:
+        FileProblem: the entry is damaged.
+    """
+    entry = record.get("poses_m_rad")
+    if not entry:
+        return None
+    try:
+        poses = np.array(entry, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
+    if poses.ndim != 2 or poses.shape[1] != 6 or not np.isfinite(poses).all():
+        raise FileProblem("recording.json: poses_m_rad: are no poses of six numbers; run the program again")
+    return poses

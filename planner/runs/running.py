@@ -20,14 +20,13 @@ from identification.simulate import TRUE_MODEL, simulate_recording
 from identification.trajectories.executed import StrutExecution, executed_peaks
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
-from planner.runs.fingerprints import plan_of_program, written_for_another
 from planner.runs.followed import planned_excitation
 from planner.runs.standing import stood, way_of
+from planner.runs.writing import plan_of_program, written_for_another
 from planner.search.problem import mean_information
-from postprocessors.execute.executed_run import ExecutedRun, moving_windows, windows
+from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
-from postprocessors.execute.log import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import Program, read_program
 from postprocessors.proving.guarantees import Guarantees

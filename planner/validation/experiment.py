@@ -23,8 +23,7 @@ from identification.result import Estimate
 from identification.runs.standing import Standing, average, find_standstills, match
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.trajectories.executed import Execution
-from planner.validation.answer import LinearAnswer, linear_answer
-from planner.validation.step import BODY, Identified, Step, error_budget
+from planner.validation.step import BODY, Identified, LinearAnswer, Step, error_budget, linear_answer
 
 Array = NDArray[np.float64]
 

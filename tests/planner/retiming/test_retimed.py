@@ -18,8 +18,7 @@ from planner.families.settings import Manual
 from planner.plan import motion_csv
 from planner.plan_folder import load_plan
 from planner.request import Request
-from planner.retiming.motion_table import read_motion
-from planner.retiming.plan import retimed_plan
+from planner.retiming.plan import read_motion, retimed_plan
 from planner.retiming.retimed import Method, by_controller, fitting_method, retimed
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed

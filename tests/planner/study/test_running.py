@@ -15,12 +15,11 @@ import pytest
 from cases.basis import KEPT
 from cases.schema import Case
 from planner.study import running
-from planner.study.running import cells_of, missing, run_study
+from planner.study.running import Job, cells_of, missing, run_study
 from planner.study.spec import Execution, Grid, Spec
 from planner.study.store import DONE, FAILED, PLANNED, completed, open_study, read_rows
 from planner.study.summary import best_groups, groups
 from planner.study.tasks import TaskEnd
-from planner.study.work import Job
 from tests.planner.command_line import PROGRAM, call, refused
 
 
@@ -193,8 +192,8 @@ def _holds(environment: Path, entry: str) -> bool:
 
 @pytest.mark.slow
 def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: Case) -> None:
+    from planner.study.running import work
     from planner.study.spec import request_of
-    from planner.study.work import work
 
     request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1})
     (one,), (other,) = work(Job(hexapod_case, request, ())), work(Job(hexapod_case, request, ()))
@@ -221,8 +220,8 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) ->
 
 def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(hexapod_case: Case) -> None:
     """The estimate holds the mass of machine and weights: an error against the bare machine's would be 20 kg."""
+    from planner.study.running import work
     from planner.study.spec import request_of
-    from planner.study.work import work
 
     request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1})
     plan, run = work(Job(hexapod_case, request, (7,)))
