@@ -5,11 +5,11 @@ from typing import Annotated, Any
 
 import typer
 
-from cases.recording import WRENCH
 from planner.cli.console import Json, Overwrite, Stale, print_json, print_table
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 UNITS = ("N", "N", "N", "N m", "N m", "N m")
+WRENCH = tuple(f"{axis}_{unit.replace(' ', '')}" for axis, unit in zip(AXES, UNITS, strict=True))
 
 Parameters = Annotated[Path, typer.Option("--parameters", help="Result folder of hexcite identify.")]
 CaseOption = Annotated[
