@@ -61,7 +61,7 @@ def poses(
 def _show(answer: dict[str, Any], plan: "Plan") -> None:
     from identification.model import identification_model
     from identification.parameters import physical_form
-    from planner.poses.request import METHODS, Method
+    from planner.poses.request import METHODS, PoseMethod
     from planner.precision import std_text
 
     form = physical_form(identification_model(plan.case, plan.model))
@@ -69,7 +69,7 @@ def _show(answer: dict[str, Any], plan: "Plan") -> None:
     for p in form.parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
         rows.append([p.name, std_text(answer["predicted_std"][p.name] * scale), unit])
-    print(f"{METHODS[Method(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
+    print(f"{METHODS[PoseMethod(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
     print(f"predicted for averaged forces that scatter by {answer['assumed_noise_N']:.3g} N:")
     print_table("Standard deviations", ("parameter", "std", "unit"), rows)
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")

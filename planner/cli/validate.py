@@ -47,12 +47,12 @@ def validate(
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case
     from planner.cli.console import save_with_page
-    from planner.validation.carrying_out import Settings, unfinished
+    from planner.validation.carrying_out import ValidationSettings, unfinished
     from planner.validation.experiment import chosen, mounted_weights
     from planner.validation.validate import disturbances_of, validate_recordings
     from planner.validation.validate import validate as carried_out
 
-    settings = Settings(on, starts, seed, plans)
+    settings = ValidationSettings(on, starts, seed, plans)
     loaded = load_case(case)
     if recordings is not None:
         _only_recordings(

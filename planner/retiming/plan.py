@@ -18,7 +18,7 @@ from planner.found import Found
 from planner.plan import Plan
 from planner.planning import rated
 from planner.request import LONGEST, Request
-from planner.retiming.retimed import Method, Retimed, fitting_method, retimed
+from planner.retiming.retimed import Retimed, RetimingMethod, fitting_method, retimed
 
 
 def retime(
@@ -48,16 +48,16 @@ def retime(
     return retimed_plan(found, request, plan.case, source, perf_counter() - began, plan.stale)
 
 
-def method_of(name: str | None, motion: Trajectory, fastest: bool) -> Method:
+def method_of(name: str | None, motion: Trajectory, fastest: bool) -> RetimingMethod:
     """The method of a name, or what fits a motion.
 
     Raises:
         HexciteError: unknown, or ruckig with `fastest`.
     """
-    if name is not None and name not in list(Method):
-        raise HexciteError(f"method {name!r} is unknown; choose {', '.join(Method)}")
-    chosen = Method(name) if name is not None else fitting_method(motion)
-    if fastest and chosen is Method.RUCKIG:
+    if name is not None and name not in list(RetimingMethod):
+        raise HexciteError(f"method {name!r} is unknown; choose {', '.join(RetimingMethod)}")
+    chosen = RetimingMethod(name) if name is not None else fitting_method(motion)
+    if fastest and chosen is RetimingMethod.RUCKIG:
         raise HexciteError(
             "--fastest belongs to --method ipopt or toppra; a controller's moves are as fast as its limits allow"
         )
@@ -86,7 +86,7 @@ def retimed_plan(
         InfeasiblePlan: it passes a limit, or has no limited jerk; the message names the limit and the remedy.
         IdentificationError: the motion does not excite all parameters of the model.
     """
-    if found.method is Method.TOPPRA:
+    if found.method is RetimingMethod.TOPPRA:
         raise InfeasiblePlan(
             "what toppra re-times has steps in its accelerations, without limit of jerk, and is no plan; use --method "
             "ipopt, or name a table (-o after.csv)"

@@ -25,7 +25,7 @@ from identification.runs.residuals import residuals_of
 from identification.samples import USUAL, Conditioning
 from identification.saved import provenance
 from planner.plan import Plan
-from planner.runs.recorded import UNSAID, Still, fitting_case, shorter_than_planned, standing_of
+from planner.runs.recorded import UNSAID, StandstillWish, fitting_case, shorter_than_planned, standing_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Wish:
     how: Callable[[Model], Method] = lambda model: GAUSS_MARKOV
     terms: tuple[str, ...] = ()
     conditioning: Conditioning = USUAL
-    still: Still = UNSAID
+    still: StandstillWish = UNSAID
 
 
 def identify(
@@ -77,7 +77,7 @@ def identify(
         case = recording.case
     if case is None:
         raise RecordingError(f"{recording.source}: does not say which machine it is from; give its case")
-    still = UNSAID if poses is None else Still(poses.poses)
+    still = UNSAID if poses is None else StandstillWish(poses.poses)
     return identified(recording, case, Wish(model, lambda _: how, tuple(terms), conditioning, still))
 
 

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
-class Still(NamedTuple):
+class StandstillWish(NamedTuple):
     """What a user says about standstills in a run that was recorded with a clock.
 
     Args:
@@ -37,7 +37,7 @@ class Still(NamedTuple):
     asked: bool = False
 
 
-UNSAID = Still()
+UNSAID = StandstillWish()
 
 
 def case_of(
@@ -110,7 +110,9 @@ def shorter_than_planned(recording: Recording) -> tuple[Finding, ...]:
     return (warning(Kind.WINDOW, f"{told}off; what the plan promises is not of this run"),)
 
 
-def standing_of(recording: Recording, case: Case, still: Still = UNSAID) -> tuple[Recording, dict[str, Any] | None]:
+def standing_of(
+    recording: Recording, case: Case, still: StandstillWish = UNSAID
+) -> tuple[Recording, dict[str, Any] | None]:
     """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
 
     A run of hexcite knows the poses of its program; `still` names others, or says that there are standstills.

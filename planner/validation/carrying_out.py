@@ -18,14 +18,14 @@ from planner.interruption import Interrupted
 from planner.library import planned
 from planner.plan import Plan
 from planner.poses.plan import poses_planned
-from planner.poses.request import Method, PoseRequest
+from planner.poses.request import PoseMethod, PoseRequest
 from planner.request import Request
 from planner.runs.running import carried_out
 from planner.runs.standing import stood
 from planner.runs.writing import write
 from planner.validation.experiment import METHODS, Excitation, steps
 from planner.validation.remedy import Remedy, remedy_of
-from planner.validation.step import Step
+from planner.validation.step import MethodStep
 from postprocessors.files import Program
 from postprocessors.proving.measured import measured_poses, measures_at_poses
 from postprocessors.proving.stretches import stretches
@@ -34,8 +34,8 @@ from postprocessors.proving.stretches import stretches
 # are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does, but for moves with steps.
 ACCEPTED = ("acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
 REQUESTS: Mapping[str, Request | PoseRequest] = {
-    "Q5M": PoseRequest(method=Method.ALL),
-    "Q5N": PoseRequest(criterion="N", count=30, method=Method.BACKWARD),
+    "Q5M": PoseRequest(method=PoseMethod.ALL),
+    "Q5N": PoseRequest(criterion="N", count=30, method=PoseMethod.BACKWARD),
     "D9M": Request(Manual()),
     "D9N": Request(Fourier(order=3, period=4.0), criterion="N"),
     "ptp": Request(PointToPoint(controller="virtual")),
@@ -48,7 +48,7 @@ Count = Callable[[str, int], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class ValidationSettings:
     """How methods are carried out.
 
     Args:
@@ -64,11 +64,11 @@ class Settings:
     plans: Path | None = None
 
 
-USUAL = Settings()
+USUAL = ValidationSettings()
 
 
 @contextmanager
-def unfinished(output: Path, case: Case, settings: Settings, overwrite: bool = False) -> Iterator[Path]:
+def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite: bool = False) -> Iterator[Path]:
     """Yields the folder that keeps the plans until the validation is written, whatever ends it.
 
     What an earlier one left there is used where it belongs to the same case and settings.
@@ -129,7 +129,7 @@ class CarriedOut(NamedTuple):
         failed: why the others could not be carried out.
     """
 
-    steps: tuple[Step, ...]
+    steps: tuple[MethodStep, ...]
     remedies: tuple[Remedy, ...]
     executed: Mapping[str, str]
     failed: Mapping[str, str]
@@ -140,7 +140,7 @@ def carry_out(
     methods: Sequence[str],
     mounted: Sequence[int],
     disturbances: Disturbances | None,
-    settings: Settings,
+    settings: ValidationSettings,
     folder: Path,
     count: Count,
 ) -> CarriedOut:
@@ -158,7 +158,7 @@ def carry_out(
     Raises:
         HexciteError: no method could be carried out.
     """
-    done: list[Step] = []
+    done: list[MethodStep] = []
     remedies: list[Remedy] = []
     executed: dict[str, str] = {}
     failed: dict[str, str] = {}
@@ -184,7 +184,7 @@ def carry_out(
     return CarriedOut(tuple(done), tuple(remedies), executed, failed)
 
 
-def _program(method: str, settings: Settings, plan: Plan, folder: Path) -> Program:
+def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path) -> Program:
     smooth = settings.on == "virtual" and method != "ptp-steps"
     dialect, suffix, accepted = ("sinumerik", "mpf", ()) if smooth else ("linuxcnc", "ngc", ACCEPTED)
     file = folder / "programs" / f"{method}.{suffix}"
@@ -193,7 +193,7 @@ def _program(method: str, settings: Settings, plan: Plan, folder: Path) -> Progr
     return program
 
 
-def _excitation(method: str, settings: Settings, program: Program) -> Excitation:
+def _excitation(method: str, settings: ValidationSettings, program: Program) -> Excitation:
     _, run = carried_out(program, program.case, settings.on)
     parts = stretches(program.reading)
     poses, duration = np.zeros((0, 6)), run.excitation
@@ -206,7 +206,7 @@ def _excitation(method: str, settings: Settings, program: Program) -> Excitation
     )
 
 
-def _planned(case: Case, method: str, settings: Settings, folder: Path) -> Plan:
+def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path) -> Plan:
     """The plan of a method: an earlier one, or made now; one that Ctrl-C ended early is none."""
     place = folder / "plans" / method
     if (place / "plan.json").is_file():

@@ -23,7 +23,7 @@ from identification.result import Estimate
 from identification.runs.standing import Standing, average, find_standstills, match
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.trajectories.executed import Execution
-from planner.validation.step import BODY, Identified, LinearAnswer, Step, error_budget, linear_answer
+from planner.validation.step import BODY, Identified, LinearAnswer, MethodStep, error_budget, linear_answer
 
 Array = NDArray[np.float64]
 
@@ -100,7 +100,7 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
     return case.payloads.weights[:count]
 
 
-def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[Step]:
+def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[MethodStep]:
     """The simulated machine identified with numbers of weights on it.
 
     A set of poses is travelled through once: its standstills do not tell one way there from another.
@@ -133,10 +133,10 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
         models = TABLE_3.get(excitation.name, ()) if k == 0 else ()
         columns = {number: Identified.of(identify(recording, case, number)) for number in models}
         found = Identified.of(estimate)
-        yield Step(excitation.name, k, load, excitation.duration, found, theory, truth, budget, scatter, columns)
+        yield MethodStep(excitation.name, k, load, excitation.duration, found, theory, truth, budget, scatter, columns)
 
 
-def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[Step]:
+def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[MethodStep]:
     """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
 
     Args:
@@ -169,7 +169,7 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         load = sum(w.mass_kg for w in weights)
-        yield Step(folder.name, k, load, None, estimate, _theory(bare, weights), {})
+        yield MethodStep(folder.name, k, load, None, estimate, _theory(bare, weights), {})
 
 
 def _theory(bare: Identified, mounted: Sequence[RigidBody]) -> dict[str, float]:

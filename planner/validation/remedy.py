@@ -6,7 +6,7 @@ from cases.sensors import Disturbances
 from identification.identify import identify
 from identification.samples import Conditioning
 from planner.validation.experiment import Excitation
-from planner.validation.step import BODY, MODE, SUSPICIOUS, Identified, Step
+from planner.validation.step import BODY, MODE, SUSPICIOUS, Identified, MethodStep
 
 
 class Remedy(NamedTuple):
@@ -18,7 +18,7 @@ class Remedy(NamedTuple):
         estimate: with the mode.
     """
 
-    step: Step
+    step: MethodStep
     names: tuple[str, ...]
     estimate: Identified
 
@@ -51,7 +51,7 @@ class Remedy(NamedTuple):
 REMEDY_COLUMNS = ("method", "load", "parameter", "error in std", "with the mode", "relative", "mode found")
 
 
-def remedy_of(excitation: Excitation, step: Step, disturbances: Disturbances) -> Remedy | None:
+def remedy_of(excitation: Excitation, step: MethodStep, disturbances: Disturbances) -> Remedy | None:
     """Identifies a step with the mode; None where the mode causes none of its errors.
 
     Args:

@@ -186,7 +186,7 @@ class Identified:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class MethodStep:
     """What a method says with some of the weights mounted.
 
     Args:

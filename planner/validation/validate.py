@@ -15,11 +15,11 @@ from identification.recording import Recording, read_recording, record_of
 from identification.runs.rates import on_one_clock
 from planner.runs.recorded import standing_of
 from planner.runs.running import require_controller
-from planner.validation.carrying_out import USUAL, Count, Settings, carry_out, make_places
+from planner.validation.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
 from planner.validation.experiment import METHODS, mounted_weights, recorded_steps
 from planner.validation.remedy import Remedy
-from planner.validation.step import Identified, Step
-from planner.validation.verdict import Finding, findings, to_json
+from planner.validation.step import Identified, MethodStep
+from planner.validation.verdict import Claim, findings, to_json
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -41,8 +41,8 @@ class Validation:
 
     case: Case
     machine: str
-    steps: tuple[Step, ...]
-    findings: tuple[Finding, ...]
+    steps: tuple[MethodStep, ...]
+    findings: tuple[Claim, ...]
     failed: Mapping[str, str]
     executed: Mapping[str, str]
     remedies: tuple[Remedy, ...]
@@ -94,7 +94,7 @@ def validate(
     case: Case,
     methods: Sequence[str] = tuple(METHODS),
     mounted: Sequence[int] | None = None,
-    settings: Settings = USUAL,
+    settings: ValidationSettings = USUAL,
     *,
     undisturbed: bool = False,
     folder: Path | None = None,
@@ -141,7 +141,7 @@ def validate(
     )
 
 
-def disturbances_of(case: Case, settings: Settings, undisturbed: bool) -> Disturbances | None:
+def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
     """What disturbs the simulated machine; refused where it cannot be run."""
     require_controller(settings.on)
     found = case.need_simulation("a validation without recordings").disturbances
@@ -180,7 +180,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
     return Validation(case, machine, steps, tuple(findings(case, list(steps), {})), {}, {}, (), None, None, {})
 
 
-def _simulated(case: Case, disturbances: Disturbances | None, settings: Settings) -> str:
+def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:
     machine = f"a simulated machine ({case.need_simulation('a validation').source})"
     if disturbances is not None:
         machine += (

@@ -18,7 +18,7 @@ from cases.schema import Case
 from identification.limits import LimitCheck, LimitReport, Status
 from planner.families.settings import FAMILIES
 from planner.plan import Plan
-from planner.poses.request import Method, PoseRequest
+from planner.poses.request import PoseMethod, PoseRequest
 from planner.request import Request
 from tests.helpers import one_line
 
@@ -123,8 +123,10 @@ def test_what_was_asked_for_comes_back(family: Any, criterion: str, model: int, 
     assert isinstance(family, FAMILIES[request.name])
 
 
-@given(count=st.none() | st.integers(10, 99), method=st.sampled_from([m for m in Method if m is not Method.ALL]))
-def test_what_was_asked_of_poses_comes_back(count: int | None, method: Method):
+@given(
+    count=st.none() | st.integers(10, 99), method=st.sampled_from([m for m in PoseMethod if m is not PoseMethod.ALL])
+)
+def test_what_was_asked_of_poses_comes_back(count: int | None, method: PoseMethod):
     request = PoseRequest("N", count, method, 3, 500, 7, 0.5)
     assert PoseRequest.of_json(request.to_json() | {"criterion": "N", "model": 3}) == request
 

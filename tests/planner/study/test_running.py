@@ -16,7 +16,7 @@ from cases.basis import KEPT
 from cases.schema import Case
 from planner.study import running
 from planner.study.running import Job, cells_of, missing, run_study
-from planner.study.spec import Execution, Grid, Spec
+from planner.study.spec import ExecutionSpec, Grid, Spec
 from planner.study.store import DONE, FAILED, PLANNED, completed, open_study, read_rows
 from planner.study.summary import best_groups, groups
 from planner.study.tasks import TaskEnd
@@ -24,7 +24,7 @@ from tests.planner.command_line import PROGRAM, call, refused
 
 
 def study(seeds: int, orders: list[int], noise: int = 0) -> Spec:
-    execute = Execution(noise_seeds=noise) if noise else None
+    execute = ExecutionSpec(noise_seeds=noise) if noise else None
     return Spec(schema_version=1, name="x", grid=Grid(order=orders, seed=list(range(seeds))), execute=execute)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from cases.errors import FileProblem
 from planner.interruption import Interrupted
-from planner.validation.carrying_out import Settings, unfinished
+from planner.validation.carrying_out import ValidationSettings, unfinished
 from planner.validation.validate import validate
 from tests.planner.validation.excitations import CASE
 
@@ -20,7 +20,7 @@ class Stopped(Exception):
 @pytest.mark.slow
 def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     def run_validation(plans: Path | None = None, name: str = "v") -> Any:
-        settings, out = Settings("virtual", 1, 0, plans), tmp_path / name
+        settings, out = ValidationSettings("virtual", 1, 0, plans), tmp_path / name
         with unfinished(out, CASE, settings) as work:
             found = validate(CASE, ["Q5N"], [0, 3], settings, folder=work)
             found.save(out)
@@ -55,7 +55,7 @@ def test_an_interrupted_validation_uses_the_plans_that_it_made(tmp_path: Path, m
 
 
 def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
-    def left(settings: Settings, make: bool, overwrite: bool = False) -> bool:
+    def left(settings: ValidationSettings, make: bool, overwrite: bool = False) -> bool:
         with suppress(Stopped), unfinished(tmp_path / "v", CASE, settings, overwrite) as folder:
             known = (folder / "plans" / "ptp" / "plan.json").is_file()
             if make:
@@ -64,13 +64,13 @@ def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
             raise Stopped
         return known
 
-    assert not left(Settings("virtual", 2, 0), True)
-    assert left(Settings("linuxcnc", 2, 0), True)  # plans are the same, whatever executes them
+    assert not left(ValidationSettings("virtual", 2, 0), True)
+    assert left(ValidationSettings("linuxcnc", 2, 0), True)  # plans are the same, whatever executes them
     with pytest.raises(FileProblem, match="--overwrite"):
-        left(Settings("virtual", 2, 1), False)
-    assert not left(Settings("virtual", 2, 1), False, overwrite=True)
+        left(ValidationSettings("virtual", 2, 1), False)
+    assert not left(ValidationSettings("virtual", 2, 1), False, overwrite=True)
     assert not (tmp_path / "v.unfinished").exists()  # nothing in it is worth keeping
     (tmp_path / "v.unfinished").mkdir()
     (tmp_path / "v.unfinished" / "diary.txt").touch()
     with pytest.raises(FileProblem, match=r"v\.unfinished: is not an unfinished validation .*diary\.txt"):
-        left(Settings("virtual", 2, 0), False)
+        left(ValidationSettings("virtual", 2, 0), False)
