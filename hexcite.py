@@ -37,14 +37,14 @@ if TYPE_CHECKING:
     from planner.library import plan_poses as plan_poses
     from planner.plan import Plan as Plan
     from planner.reports.report import report as report
-    from planner.retiming.plan import retime as retime
-    from planner.runs.identified import identify as identify
+    from planner.retiming.retimed_plan import retime as retime
+    from planner.runs.identifying import identify as identify
     from planner.runs.running import run as run
-    from planner.runs.writing import write as write
-    from planner.validation.validate import validate as validate
+    from planner.runs.written import write as write
+    from planner.validation.validation import validate as validate
     from postprocessors.export.targets import export as export
-    from postprocessors.files import Program as Program
-    from postprocessors.files import read_program as read_program
+    from postprocessors.program_file import Program as Program
+    from postprocessors.program_file import read_program as read_program
 
 _PLACES = {
     "HexciteError": "cases.errors",
@@ -67,14 +67,14 @@ _PLACES = {
     "plan_poses": "planner.library",
     "Plan": "planner.plan",
     "report": "planner.reports.report",
-    "retime": "planner.retiming.plan",
-    "identify": "planner.runs.identified",
+    "retime": "planner.retiming.retimed_plan",
+    "identify": "planner.runs.identifying",
     "run": "planner.runs.running",
-    "write": "planner.runs.writing",
-    "validate": "planner.validation.validate",
+    "write": "planner.runs.written",
+    "validate": "planner.validation.validation",
     "export": "postprocessors.export.targets",
-    "Program": "postprocessors.files",
-    "read_program": "postprocessors.files",
+    "Program": "postprocessors.program_file",
+    "read_program": "postprocessors.program_file",
 }
 
 

@@ -11,7 +11,7 @@ from cases.units import as_html
 from identification.identifiability import Identifiability
 from identification.recording import Recording
 from identification.result import Estimate, Value
-from identification.saved import SavedResult, load_result, solution_of, with_tare
+from identification.saved_result import SavedResult, load_result, solution_of, with_tare
 
 if TYPE_CHECKING:
     from identification.force import ExternalForce

@@ -14,10 +14,10 @@ from planner.families.settings import PointToPoint
 from planner.library import planned
 from planner.plan import Plan
 from planner.request import Request
-from planner.runs.identified import identify
+from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, best_controller, execute
-from planner.runs.writing import write
-from postprocessors.files import Program
+from planner.runs.written import write
+from postprocessors.program_file import Program
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
 MODEL = 9

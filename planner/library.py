@@ -18,7 +18,7 @@ from planner.noise import expected_noise
 from planner.plan import Plan
 from planner.planning import make_until_ctrl_c
 from planner.pose_errors import PoseErrors
-from planner.poses.request import PoseRequest
+from planner.poses.pose_request import PoseRequest
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.parallel import SILENT, Listener, News
@@ -55,7 +55,7 @@ class Settings(TypedDict, total=False):
 
 
 class PoseSettings(TypedDict, total=False):
-    """What may be asked of poses; `planner.poses.request.PoseRequest` has the defaults.
+    """What may be asked of poses; `planner.poses.pose_request.PoseRequest` has the defaults.
 
     Attributes:
         criterion: letter of Table 4.
@@ -128,7 +128,7 @@ def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **s
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
-    from planner.poses.plan import poses_planned  # SciPy, which motions do without
+    from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
     return poses_planned(PoseRequest(**settings), case, progress or (lambda _: None))
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases.errors import HexciteError, ProgramError
-from cases.recording import MOTION, STRUT_VELOCITIES, STRUTS, TRIGGER
+from cases.recording_format import MOTION, STRUT_VELOCITIES, STRUTS, TRIGGER
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod

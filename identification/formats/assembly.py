@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import (
+from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
     DRIVE_VELOCITIES,

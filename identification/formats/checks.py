@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
-from cases.recording import CLOCK, OVERRIDE, ROTATION, STRUTS, TRIGGER, RecordingFormat, units_of
+from cases.recording_format import CLOCK, OVERRIDE, ROTATION, STRUTS, TRIGGER, RecordingFormat, units_of
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.clock import UNIFORMITY, crowded, lost_samples

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
+from cases.recording_format import RecordingFormat
 from identification.formats.header import ColumnChoice, cells, decoded, require_known, select
 from identification.formats.table import ColumnTable, shown
 from identification.formats.text import Fields, TextBlock, TextFormat, lines_of, parse, read_blocks, read_head

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cases.errors import RecordingError
-from cases.recording import CLOCK, COLUMNS, RecordingFormat
+from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
 from identification.formats.table import listed, shown
 from identification.formats.text import TextFormat, not_text
 

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import POSE, ROTATION, STRUTS, RecordingFormat
+from cases.recording_format import POSE, ROTATION, STRUTS, RecordingFormat
 from cases.schema import Case
-from identification.formats import delimited, twincat
+from identification.formats import delimited, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.header import without
@@ -28,7 +28,7 @@ _PARQUET = b"PAR1"
 _READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[ColumnTable]]] = {
     "csv": delimited.tables,
     "halsampler": delimited.halsampler_tables,
-    "twincat-scope": twincat.tables,
+    "twincat-scope": scope.tables,
     "sinumerik-trace": delimited.tables,
 }
 

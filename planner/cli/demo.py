@@ -31,10 +31,10 @@ def demo(
     """Plan, program, prove, execute, identify and report, end to end."""
     from cases.files import DEMO, check_folder, output_place, write_text
     from cases.loading import load_case
-    from planner.cli.identified import answer_of_result, show_result
     from planner.cli.plan import answer_of_plan, show_plan
     from planner.cli.post import answer_of_program, answer_of_proof, show_check, show_program
     from planner.cli.run import answer_of_run, show_run
+    from planner.cli.shown_result import answer_of_result, show_result
     from planner.demo import ACCEPTED
     from planner.demo import demo as whole_chain
     from planner.plan import Plan
@@ -42,7 +42,7 @@ def demo(
     from planner.reports.page import render
     from planner.reports.report import report
     from planner.runs.running import RunOutcome, best_controller
-    from postprocessors.files import Program
+    from postprocessors.program_file import Program
 
     loaded = load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)

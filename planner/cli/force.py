@@ -34,7 +34,7 @@ def force(
     from identification.force import external_force
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
-    from identification.saved import load_result
+    from identification.saved_result import load_result
     from planner.runs.recorded import case_of
 
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
@@ -93,7 +93,7 @@ def tare(
     from identification.force import tare as new_offsets
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
-    from identification.saved import load_result, with_tare
+    from identification.saved_result import load_result, with_tare
     from planner.runs.recorded import case_of
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
@@ -133,8 +133,8 @@ def payload(
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
     from identification.payload import payload_between, payload_on_table, require_two
-    from identification.saved import load_result
-    from planner.cli.identified import PARAMETER_COLUMNS, parameter_rows
+    from identification.saved_result import load_result
+    from planner.cli.shown_result import PARAMETER_COLUMNS, parameter_rows
 
     old, new = load_result(before), load_result(after)
     loaded = old.artefact.case(case)

@@ -95,8 +95,8 @@ def identify(
     from identification.recording import files_of
     from planner.cli.conditioning import Typed, method_of, read_conditioning
     from planner.cli.console import save_with_page
-    from planner.cli.identified import answer_of_result, show_result, verify_result
-    from planner.runs.identified import Wish, identified_file
+    from planner.cli.shown_result import answer_of_result, show_result, verify_result
+    from planner.runs.identifying import Wish, identified_file
     from planner.runs.recorded import StandstillWish, case_of, poses_of_plan
 
     conditioning = read_conditioning(period, harmonics, flexible)

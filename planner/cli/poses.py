@@ -38,8 +38,8 @@ def poses(
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
     from planner.cli.console import save_with_page
-    from planner.poses.plan import poses_planned
-    from planner.poses.request import PoseRequest
+    from planner.poses.planned_poses import poses_planned
+    from planner.poses.pose_request import PoseRequest
 
     request = PoseRequest(criterion, count, method, model, candidates, seed, noise)
     loaded = load_case(case)
@@ -61,7 +61,7 @@ def poses(
 def _show(answer: dict[str, Any], plan: "Plan") -> None:
     from identification.model import identification_model
     from identification.parameters import physical_form
-    from planner.poses.request import METHODS, PoseMethod
+    from planner.poses.pose_request import METHODS, PoseMethod
     from planner.precision import std_text
 
     form = physical_form(identification_model(plan.case, plan.model))

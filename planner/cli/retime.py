@@ -67,8 +67,8 @@ def make_retimed(
     from identification.motion import sample
     from planner.cli.console import save_with_page
     from planner.plan import SAMPLE_RATE, motion_csv
-    from planner.retiming.plan import method_of, retimed_plan
     from planner.retiming.retimed import RetimingMethod, retimed
+    from planner.retiming.retimed_plan import method_of, retimed_plan
 
     table = _checked(source, output, overwrite)
     given = _given(source, case, model, stale)
@@ -137,7 +137,7 @@ def _given(source: Path, case: str | None, model: int | None, stale: bool) -> _G
     from planner.families.settings import Manual
     from planner.plan import Plan
     from planner.request import Request
-    from planner.retiming.plan import read_motion
+    from planner.retiming.retimed_plan import read_motion
 
     if not source.exists():
         raise HexciteError(

@@ -42,9 +42,9 @@ def run(
     from cases.loading import load_case
     from planner.interruption import Interrupted
     from planner.study.cluster import local_client, remote_client, require_dask
-    from planner.study.running import about_study, cells_of, missing, run_study
     from planner.study.spec import load_spec
     from planner.study.store import ABOUT, DONE, PLANNED, check_study, read_rows
+    from planner.study.study_run import about_study, cells_of, missing, run_study
     from planner.study.summary import best_groups, groups
 
     loaded, wanted = load_case(case), load_spec(spec)

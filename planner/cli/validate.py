@@ -8,7 +8,7 @@ import typer
 from planner.cli.console import Json, Overwrite, print_json, print_table, progress
 
 if TYPE_CHECKING:
-    from planner.validation.validate import Validation
+    from planner.validation.validation import Validation
 
 
 def validate(
@@ -49,8 +49,8 @@ def validate(
     from planner.cli.console import save_with_page
     from planner.validation.carrying_out import ValidationSettings, unfinished
     from planner.validation.experiment import chosen, mounted_weights
-    from planner.validation.validate import disturbances_of, validate_recordings
-    from planner.validation.validate import validate as carried_out
+    from planner.validation.validation import disturbances_of, validate_recordings
+    from planner.validation.validation import validate as carried_out
 
     settings = ValidationSettings(on, starts, seed, plans)
     loaded = load_case(case)

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.model import Model
-from planner.poses.criteria import POSE_CRITERIA, pose_regressors, total_information
+from planner.poses.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
+from planner.poses.pose_request import PoseMethod, PoseRequest
 from planner.poses.refinement import refine
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change
-from planner.poses.request import PoseMethod, PoseRequest
 
 Array = NDArray[np.float64]
 

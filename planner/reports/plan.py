@@ -16,7 +16,7 @@ from identification.noise.pose_field import PoseField
 from identification.overload import SHARE, load_shares, sensor_forces
 from identification.parameters import physical_form
 from identification.reference import reference_scaling
-from identification.saved import provenance
+from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
 from planner.plan import Plan
 from planner.precision import std_text

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cases.schema import Case
-from identification.saved import provenance
+from identification.saved_result import provenance
 from planner.precision import with_deviation
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY

@@ -2,7 +2,7 @@
 
 Point-to-point moves get the jerk-limited law that a controller computes online, in whole cycles (ruckig). Other paths
 keep the limits of rates, accelerations and jerks of coordinates and struts at another pace (ipopt, see
-`planner.retiming.path`), or all but those of jerks (toppra).
+`planner.retiming.path_pace`), or all but those of jerks (toppra).
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ from identification.trajectories.path_timing import UntimedPath, retime
 from identification.trajectories.profile import Profile, StraightMove
 from planner.bounds.kept import Bound, box_bound
 from planner.families.ptp import unit_profile
-from planner.retiming.path import retimed_path
+from planner.retiming.path_pace import retimed_path
 from planner.search.inside import MARGIN
 from planner.search.problem import mean_information
 

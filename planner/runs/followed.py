@@ -13,7 +13,7 @@ from identification.reference import reference_scaling
 from identification.trajectories.strut_move import StrutMove
 from planner.bounds.kept import box_bound
 from planner.search.problem import mean_information
-from postprocessors.files import Program
+from postprocessors.program_file import Program
 from postprocessors.proving.measured import measures_at_poses
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches

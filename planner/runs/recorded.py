@@ -16,8 +16,8 @@ from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
-from identification.runs.standing import average, find_standstills, match, stands_only
-from identification.saved import load_result
+from identification.runs.standstills import average, find_standstills, match, stands_only
+from identification.saved_result import load_result
 from planner.plan_folder import load_plan
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter

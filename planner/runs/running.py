@@ -21,14 +21,14 @@ from identification.trajectories.executed import StrutExecution, executed_peaks
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.runs.followed import planned_excitation
-from planner.runs.standing import stood, way_of
-from planner.runs.writing import plan_of_program, written_for_another
+from planner.runs.stood import stood, way_of
+from planner.runs.written import plan_of_program, written_for_another
 from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.files import Program, read_program
+from postprocessors.program_file import Program, read_program
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.measured import measured_poses, measures_at_poses
 from postprocessors.proving.stretches import Stretch, stretches

@@ -17,16 +17,16 @@ from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.interruption import Interrupted
 from planner.library import planned
 from planner.plan import Plan
-from planner.poses.plan import poses_planned
-from planner.poses.request import PoseMethod, PoseRequest
+from planner.poses.planned_poses import poses_planned
+from planner.poses.pose_request import PoseMethod, PoseRequest
 from planner.request import Request
 from planner.runs.running import carried_out
-from planner.runs.standing import stood
-from planner.runs.writing import write
+from planner.runs.stood import stood
+from planner.runs.written import write
 from planner.validation.experiment import METHODS, Excitation, steps
 from planner.validation.remedy import Remedy, remedy_of
 from planner.validation.step import MethodStep
-from postprocessors.files import Program
+from postprocessors.program_file import Program
 from postprocessors.proving.measured import measured_poses, measures_at_poses
 from postprocessors.proving.stretches import stretches
 

@@ -20,7 +20,7 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.standing import Standing, average, find_standstills, match
+from identification.runs.standstills import Standing, average, find_standstills, match
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.trajectories.executed import Execution
 from planner.validation.step import BODY, Identified, LinearAnswer, MethodStep, error_budget, linear_answer

@@ -11,9 +11,9 @@ import pyarrow as pa
 
 from cases.loading import load_case
 from planner.study.cluster import local_client
-from planner.study.running import about_study, run_study
 from planner.study.spec import Cells, Grid, Spec
 from planner.study.store import DONE, PLANNED, completed, keep, open_study, read_rows
+from planner.study.study_run import about_study, run_study
 from planner.study.summary import study_page
 from planner.study.tasks import run_tasks
 

@@ -17,7 +17,7 @@ from identification.motion import Standstill
 from identification.payload import payload_between, require_two
 from identification.recording import Recording
 from identification.runs.preparation import moving_run
-from identification.saved import SavedResult, load_result, with_tare
+from identification.saved_result import SavedResult, load_result, with_tare
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, Harmonic, one_line
 from tests.simulated_machine import PoseExecution

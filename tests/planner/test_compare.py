@@ -15,7 +15,7 @@ from planner.comparison.advising import groups, recommend
 from planner.comparison.entries import Entry, Level, Told, read_entry
 from planner.plan_folder import fingerprint_of
 from planner.reports.compare import _coloured, warnings_of
-from planner.runs.writing import plan_of_program
+from planner.runs.written import plan_of_program
 from postprocessors.dialects import DIALECTS
 from tests.planner.browser import opened
 from tests.planner.command_line import ACCEPT, call, refused

@@ -18,7 +18,7 @@ from cases.schema import Case
 from identification.limits import LimitCheck, LimitReport, Status
 from planner.families.settings import FAMILIES
 from planner.plan import Plan
-from planner.poses.request import PoseMethod, PoseRequest
+from planner.poses.pose_request import PoseMethod, PoseRequest
 from planner.request import Request
 from tests.helpers import one_line
 

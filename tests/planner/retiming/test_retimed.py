@@ -18,8 +18,8 @@ from planner.families.settings import Manual
 from planner.plan import motion_csv
 from planner.plan_folder import load_plan
 from planner.request import Request
-from planner.retiming.plan import read_motion, retimed_plan
 from planner.retiming.retimed import RetimingMethod, by_controller, fitting_method, retimed
+from planner.retiming.retimed_plan import read_motion, retimed_plan
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 

@@ -14,10 +14,10 @@ import pytest
 
 from cases.basis import KEPT
 from cases.schema import Case
-from planner.study import running
-from planner.study.running import Job, cells_of, missing, run_study
+from planner.study import study_run
 from planner.study.spec import ExecutionSpec, Grid, Spec
 from planner.study.store import DONE, FAILED, PLANNED, completed, open_study, read_rows
+from planner.study.study_run import Job, cells_of, missing, run_study
 from planner.study.summary import best_groups, groups
 from planner.study.tasks import TaskEnd
 from tests.planner.command_line import PROGRAM, call, refused
@@ -52,7 +52,7 @@ class Pretended:
 
 def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:
     cluster = Pretended(stop_after)
-    monkeypatch.setattr(running, "run_tasks", cluster)
+    monkeypatch.setattr(study_run, "run_tasks", cluster)
     run_study(None, spec, case, folder, lambda outcome: None)
     return cluster
 
@@ -93,7 +93,7 @@ def test_a_failed_cell_is_a_row_with_its_reason_and_is_tried_again_on_request_on
     run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch)
     assert run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch).jobs == []
     again = Pretended()
-    monkeypatch.setattr(running, "run_tasks", again)
+    monkeypatch.setattr(study_run, "run_tasks", again)
     run_study(None, study(1, [2, 7]), hexapod_case, tmp_path, lambda outcome: None, retry=True)
     assert [j.request.family.order for j in again.jobs] == [7]
     rows = {r["order"]: r for r in read_rows(tmp_path).to_pylist()}
@@ -192,8 +192,8 @@ def _holds(environment: Path, entry: str) -> bool:
 
 @pytest.mark.slow
 def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: Case) -> None:
-    from planner.study.running import work
     from planner.study.spec import request_of
+    from planner.study.study_run import work
 
     request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1})
     (one,), (other,) = work(Job(hexapod_case, request, ())), work(Job(hexapod_case, request, ()))
@@ -220,8 +220,8 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) ->
 
 def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(hexapod_case: Case) -> None:
     """The estimate holds the mass of machine and weights: an error against the bare machine's would be 20 kg."""
-    from planner.study.running import work
     from planner.study.spec import request_of
+    from planner.study.study_run import work
 
     request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1})
     plan, run = work(Job(hexapod_case, request, (7,)))

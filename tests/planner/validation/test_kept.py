@@ -9,7 +9,7 @@ import pytest
 from cases.errors import FileProblem
 from planner.interruption import Interrupted
 from planner.validation.carrying_out import ValidationSettings, unfinished
-from planner.validation.validate import validate
+from planner.validation.validation import validate
 from tests.planner.validation.excitations import CASE
 
 

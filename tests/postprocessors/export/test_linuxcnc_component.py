@@ -17,7 +17,7 @@ from identification.frame import structure_matrix
 from identification.model import identification_model
 from identification.parameters import linear_parameters
 from postprocessors.execute.linuxcnc.isolation import preload_works
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing
+from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 from postprocessors.export.c99 import linuxcnc_component, window_of
 from tests.postprocessors.export.calibrations import calibration
 from tests.postprocessors.export.compiled import SYSTEM_PATH, build_component

@@ -15,7 +15,7 @@ from planner.plan_folder import DIGITS, fingerprint
 from planner.request import Request
 from postprocessors.dialects import DIALECTS, Dialect, dialect_of_file
 from postprocessors.dialects import dialect as dialect_named
-from postprocessors.files import Program
+from postprocessors.program_file import Program
 from postprocessors.writing import proven_program
 
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour

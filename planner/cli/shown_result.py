@@ -9,7 +9,7 @@ from identification.outcome import Result
 from identification.recording import read_recording
 from identification.result import Value
 from identification.runs.rates import on_one_clock
-from identification.saved import load_result
+from identification.saved_result import load_result
 from planner.cli.console import print_table
 from planner.precision import std_text, value_text
 

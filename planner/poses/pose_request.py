@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Any, ClassVar
 
 from cases.errors import HexciteError
-from planner.poses.criteria import POSE_CRITERIA
+from planner.poses.pose_criteria import POSE_CRITERIA
 
 USUAL = 30  # poses of the paper's reduced sets
 

@@ -87,7 +87,7 @@ def _runs(job: Job, plan: Any, began: float) -> list[dict[str, Any]]:
     from identification.loaded import circumstances
     from identification.simulate import simulate_recording, truth_rows
     from planner.runs.running import execute
-    from planner.runs.writing import write
+    from planner.runs.written import write
     from postprocessors.proving.guarantees import KINETIC
 
     around = circumstances(job.case, job.request.payload, job.disturbed)

@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
-from cases.recording import POSE
+from cases.recording_format import POSE
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.model import identification_model
