@@ -15,8 +15,8 @@ from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.interruption import Interrupted
 from planner.noise import expected_noise
-from planner.plan import Plan
 from planner.planning import make_until_ctrl_c
+from planner.plans import Plan
 from planner.pose_errors import PoseErrors
 from planner.poses.pose_request import PoseRequest
 from planner.readiness import require_plannable

@@ -13,7 +13,7 @@ from identification.limits import LimitReport
 from identification.model import identification_model
 from identification.motion import sample
 from planner.families.saved import motion_of_entries
-from planner.plan import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
+from planner.plans import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
 from planner.poses.pose_request import PoseRequest
 from planner.request import LONGEST, Request
 from planner.verifying import problem_of

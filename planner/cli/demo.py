@@ -35,9 +35,9 @@ def demo(
     from planner.cli.post import answer_of_program, answer_of_proof, show_check, show_program
     from planner.cli.run import answer_of_run, show_run
     from planner.cli.shown_result import answer_of_result, show_result
-    from planner.demo import ACCEPTED
-    from planner.demo import demo as whole_chain
-    from planner.plan import Plan
+    from planner.demonstration import ACCEPTED
+    from planner.demonstration import demo as whole_chain
+    from planner.plans import Plan
     from planner.reports.demo import demo_page
     from planner.reports.page import render
     from planner.reports.report import report

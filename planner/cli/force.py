@@ -31,7 +31,7 @@ def force(
 ) -> None:
     """Compute external force and moment over a recording."""
     from cases.files import atomic_file, check_file, output_place
-    from identification.force import external_force
+    from identification.external import external_force
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
     from identification.saved_result import load_result
@@ -90,7 +90,7 @@ def tare(
     All other parameters stay as they are.
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
-    from identification.force import tare as new_offsets
+    from identification.external import tare as new_offsets
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
     from identification.saved_result import load_result, with_tare

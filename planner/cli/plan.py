@@ -20,7 +20,7 @@ from planner.cli.console import (
 )
 
 if TYPE_CHECKING:
-    from planner.plan import Plan
+    from planner.plans import Plan
 
 Out = Annotated[
     Path | None, typer.Option("-o", "--output", help="Folder to write; named after case and family by default.")

@@ -8,7 +8,7 @@ import typer
 from planner.cli.console import Criterion, Json, Overwrite, Plots, print_json, print_table, progress, status
 
 if TYPE_CHECKING:
-    from planner.plan import Plan
+    from planner.plans import Plan
 
 
 def poses(

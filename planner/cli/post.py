@@ -8,7 +8,7 @@ import typer
 from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
 
 if TYPE_CHECKING:
-    from planner.plan import Plan
+    from planner.plans import Plan
     from postprocessors.program_file import Program
 
 Accept = Annotated[
@@ -44,7 +44,7 @@ def post(
     It is read back and proven before it is written.
     """
     from cases.files import check_file, output_place
-    from planner.plan import Plan
+    from planner.plans import Plan
     from planner.runs.followed import changed_motion
     from planner.runs.written import language_of, write
     from postprocessors.dialects import DIALECTS

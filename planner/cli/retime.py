@@ -66,7 +66,7 @@ def make_retimed(
     from identification.model import identification_model
     from identification.motion import sample
     from planner.cli.console import save_with_page
-    from planner.plan import SAMPLE_RATE, motion_csv
+    from planner.plans import SAMPLE_RATE, motion_csv
     from planner.retiming.retimed import RetimingMethod, retimed
     from planner.retiming.retimed_plan import method_of, retimed_plan
 
@@ -135,7 +135,7 @@ def _given(source: Path, case: str | None, model: int | None, stale: bool) -> _G
     from cases.errors import HexciteError
     from cases.loading import load_case
     from planner.families.settings import Manual
-    from planner.plan import Plan
+    from planner.plans import Plan
     from planner.request import Request
     from planner.retiming.retimed_plan import read_motion
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from cases.schema import Case
-from identification.force import external_force
+from identification.external import external_force
 from identification.outcome import Result
 from identification.recording import read_recording
 from identification.result import Value

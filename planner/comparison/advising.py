@@ -13,7 +13,7 @@ from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from identification.noise.pose_field import PoseField
 from planner.comparison.entries import Entry, Level, entry_of_plan, read_entry
-from planner.plan import Plan
+from planner.plans import Plan
 
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
 ONE_NOISE = 1.0001  # ratio of noises that are one

@@ -7,7 +7,7 @@ import numpy as np
 from cases.schema import Case
 from identification.motion import sample
 from identification.trajectories.path import instants
-from planner.demo import Demo
+from planner.demonstration import Demo
 from planner.precision import std_text, value_text
 from planner.reports.charts import AXES, Chart
 from planner.reports.figures import COLOURS, errors_plot, identifiability_items, limits_plot, motion_plots

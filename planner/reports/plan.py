@@ -18,7 +18,7 @@ from identification.parameters import physical_form
 from identification.reference import reference_scaling
 from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.precision import std_text
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots

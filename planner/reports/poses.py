@@ -4,7 +4,7 @@ from identification.identifiability import Identifiability
 from identification.model import identification_model
 from identification.parameters import physical_form
 from identification.saved_result import provenance
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_request import PoseRequest
 from planner.precision import std_text

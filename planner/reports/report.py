@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from identification.model import Model
     from identification.outcome import Result
     from planner.comparison.advising import Comparison
-    from planner.plan import Plan
+    from planner.plans import Plan
     from planner.validation.validation import Validation
 
     Shown = Plan | Result | Comparison | Validation
@@ -86,7 +86,7 @@ def figures(value: "Shown", folder: Path) -> None:
 def _figures(value: "Shown") -> "Iterator[tuple[str, Figure]]":
     from identification.outcome import Result
     from planner.comparison.advising import Comparison
-    from planner.plan import Plan
+    from planner.plans import Plan
     from planner.reports.plots import identifiability_figure, residual_figure
 
     if isinstance(value, Result):
@@ -108,7 +108,7 @@ def _figures(value: "Shown") -> "Iterator[tuple[str, Figure]]":
 
 def _figures_of_plan(plan: "Plan") -> "Iterator[tuple[str, Figure]]":
     from identification.motion import sample
-    from planner.plan import SAMPLE_RATE
+    from planner.plans import SAMPLE_RATE
     from planner.poses.planned_poses import candidates_of
     from planner.poses.pose_plots import density_figure, pose_figure
     from planner.poses.pose_request import PoseRequest

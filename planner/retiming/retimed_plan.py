@@ -15,8 +15,8 @@ from cases.units import DEG, MM
 from identification.model import identification_model
 from identification.motion import TimedPoints, Trajectory
 from planner.found import Found
-from planner.plan import Plan
 from planner.planning import rated
+from planner.plans import Plan
 from planner.request import LONGEST, Request
 from planner.retiming.retimed import Retimed, RetimingMethod, fitting_method, retimed
 

@@ -24,7 +24,7 @@ from identification.runs.rates import on_one_clock
 from identification.runs.residuals import residuals_of
 from identification.samples import USUAL, Conditioning
 from identification.saved_result import provenance
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.runs.recorded import UNSAID, StandstillWish, fitting_case, shorter_than_planned, standing_of
 
 

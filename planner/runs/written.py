@@ -10,8 +10,8 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from planner.controlled import fits_law, usual_dialect
 from planner.families.settings import PointToPoint
-from planner.plan import Plan
 from planner.plan_folder import DIGITS, fingerprint
+from planner.plans import Plan
 from planner.request import Request
 from postprocessors.dialects import DIALECTS, Dialect, dialect_of_file
 from postprocessors.dialects import dialect as dialect_named

@@ -16,7 +16,7 @@ from cases.sensors import Disturbances
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.interruption import Interrupted
 from planner.library import planned
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.poses.pose_request import PoseMethod, PoseRequest
 from planner.request import Request

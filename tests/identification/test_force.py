@@ -9,7 +9,7 @@ import pytest
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import json_text
 from cases.loading import load_case
-from identification.force import external_force, tare
+from identification.external import external_force, tare
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify

@@ -15,8 +15,8 @@ from identification.motion import Joined, Standstill, TimedPoints, sample
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import StraightMove, fastest_profile
 from planner.families.settings import Manual
-from planner.plan import motion_csv
 from planner.plan_folder import load_plan
+from planner.plans import motion_csv
 from planner.request import Request
 from planner.retiming.retimed import RetimingMethod, by_controller, fitting_method, retimed
 from planner.retiming.retimed_plan import read_motion, retimed_plan

@@ -81,13 +81,15 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
 ) -> None:
     speeds: list[float] = []
 
-    def session(program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speed: float, limit: float):
+    def pretended(
+        program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speed: float, limit: float
+    ):
         speeds.append(speed)
         if len(speeds) <= losses:
             raise session.LostCycles(f"{program}: lost at {speed:g}")
         return log_of([0, 2, 2, 0]), (0, 4)
 
-    for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", session)):
+    for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", pretended)):
         monkeypatch.setattr(session, name, value)
     monkeypatch.setattr(session, "check_syntax", lambda *_: None)
     program = write("G21 G90 G94\nG1 X1 F600\nM2\n")

@@ -12,7 +12,7 @@ from identification.recording import Recording
 from identification.simulate import truth_rows
 from planner.families.settings import PointToPoint
 from planner.library import planned
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.request import Request
 from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, best_controller, execute
