@@ -53,6 +53,11 @@ GROUP_UNITS = {name: units for name, _, units in _GROUPS}
 _GROUP_OF = {column: name for name, columns, _ in _GROUPS for column in columns}
 
 
+def group_of(column: str) -> str | None:
+    """The group of `units` that covers a column; None where it has no unit."""
+    return _GROUP_OF.get(column)
+
+
 def units_of(name: str) -> Mapping[str, float]:
     """Units that a group or column may have in a file, with their SI values; empty where it has none."""
     return GROUP_UNITS.get(_GROUP_OF.get(name, name), {})
@@ -105,7 +110,9 @@ class Drives(Part):
     order: tuple[Count, Count, Count, Count, Count, Count] = (1, 2, 3, 4, 5, 6)
     """Number of the drive that moves each strut."""
     sign: tuple[Number, Number, Number, Number, Number, Number]
+    """1 where a strut grows with its drive's position, -1 where it shrinks."""
     offset_mm: Six
+    """Length of each strut at drive position 0."""
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
@@ -159,8 +166,11 @@ class RecordingFormat(Part):
     rate_Hz: Positive = 1000.0
     """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
     format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
+    """What wrote the file; `csv` is any table of text."""
     delimiter: Separator | None = None
+    """Character between two fields; by default a comma; of `halsampler` a blank, of Scope what the file has."""
     decimal: Literal[".", ","] | None = None
+    """Decimal sign; by default a point."""
     header_rows: Count | None = None
     """Lines above the first row of numbers."""
     names_row: Annotated[int, Field(strict=True, ge=1)] | None = None
@@ -170,13 +180,17 @@ class RecordingFormat(Part):
     column_names: tuple[str, ...] | None = None
     """Names of the file's columns in their order, for files that have none."""
     encoding: Literal["utf-8", "cp1252"] = "utf-8"
+    """Encoding of the text."""
     columns: dict[str, str] = Field(default_factory=dict)
     """Our column name -> the file's, for files that use other names."""
     units: dict[str, str] = Field(default_factory=dict)
     """Our column name, or `struts`, `forces` and the like -> the file's unit."""
     clock: Clock = Clock()
+    """The time stamps."""
     drives: Drives | None = None
+    """Where the file holds drive positions instead of strut lengths."""
     accelerometer: Accelerometer | None = None
+    """Where the file holds readings of an accelerometer."""
 
     @model_validator(mode="after")
     def _known_names(self) -> Self:

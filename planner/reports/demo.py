@@ -8,7 +8,7 @@ from cases.schema import Case
 from identification.motion import sample
 from identification.trajectories.path import instants
 from planner.demonstration import Demo
-from planner.precision import std_text, value_text
+from planner.precision import parameter_words, std_text, value_text
 from planner.reports.charts import AXES, Chart
 from planner.reports.figures import COLOURS, errors_plot, identifiability_items, limits_plot, motion_plots
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
@@ -101,7 +101,7 @@ def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     known = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
     estimate, error = known
     truth, ratio = f"{row['truth'] * scale:.6g}", f"{row['error'] / row['std']:+.2f}"
-    return row["name"], truth, estimate, std_text(std), error, ratio, unit
+    return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
 
 
 def _motion(case: Case, outcome: RunOutcome) -> tuple[Item, ...]:
