@@ -20,7 +20,7 @@ from cases.parts import (
     condition_of_lines,
     frozen,
 )
-from cases.recording import POSE
+from cases.recording_format import POSE
 from cases.units import DEG, MM
 
 

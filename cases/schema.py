@@ -18,7 +18,7 @@ from cases.errors import CaseError
 from cases.machine import Limits, Machine, Workspace
 from cases.parts import Array, Part, Vector, frozen
 from cases.poses import Poses
-from cases.recording import RecordingFormat
+from cases.recording_format import RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import MINUTE, MM, as_html
 

@@ -19,7 +19,7 @@ from cases.parts import (
     condition_of_lines,
     frozen,
 )
-from cases.recording import BAR_FORCES, WRENCH
+from cases.recording_format import BAR_FORCES, WRENCH
 from cases.units import DEG, MM, MS, UM
 
 

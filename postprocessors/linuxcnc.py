@@ -51,7 +51,7 @@ def _comments(text: str) -> list[str]:
     return [f"(- {line})" for line in lines]
 
 
-class _Writer:
+class _LinuxCncWriter:
     """Words for the axis accelerations that the controller is set up with, and the points of its timed paths."""
 
     def __init__(self, acceleration: Array, block: float) -> None:
@@ -132,7 +132,7 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
     limits, controller = case.need_machine("a program")[2].motion, case.need_controller("a program")
     timed = any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
     headroom = controller.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
-    writer = _Writer(headroom * limits.acceleration, controller.block)
+    writer = _LinuxCncWriter(headroom * limits.acceleration, controller.block)
     lines = [c for line in (*program.header, OFFSETS) for c in _comments(line)]
     # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.
     lines += ["G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]

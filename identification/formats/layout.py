@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from cases.errors import RecordingError
-from identification.formats.text import SIZE, Dialect, is_number, read_head, unreadable
+from identification.formats.text import SIZE, TextFormat, is_number, read_head, unreadable
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SAMPLE = 200  # lines that tell the fields
@@ -36,7 +36,7 @@ class Layout:
     """
 
     format: Literal["csv", "halsampler", "twincat-scope"]
-    dialect: Dialect
+    dialect: TextFormat
     header_rows: int
     names_row: int
     names: tuple[str, ...]
@@ -85,7 +85,7 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
     raise RecordingError(f"{file}: is not text; export the recording as CSV or Parquet")
 
 
-def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[Dialect, tuple[bool, ...]]:
+def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[TextFormat, tuple[bool, ...]]:
     """The dialect in which most columns are numbers, and which of them are."""
     sample = [line for line in lines if line.strip()][-_SAMPLE:-1] or list(lines[-1:])
     best, most = None, 1
@@ -94,7 +94,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None)
         for decimal in ".,":
             if decimal == separator:
                 continue
-            dialect = Dialect(separator, decimal, ("", " "), encoding)
+            dialect = TextFormat(separator, decimal, ("", " "), encoding)
             rows = [dialect.split(line) for line in sample]
             count = Counter(len(row) for row in rows).most_common(1)[0][0]
             same = [row for row in rows if len(row) == count]
@@ -109,11 +109,11 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None)
     return best, numeric
 
 
-def _share(dialect: Dialect, fields: Sequence[str]) -> float:
+def _share(dialect: TextFormat, fields: Sequence[str]) -> float:
     return sum(dialect.is_number(field) for field in fields) / max(len(fields), 1)
 
 
-def _is_row(dialect: Dialect, line: str, numeric: Sequence[bool]) -> bool:
+def _is_row(dialect: TextFormat, line: str, numeric: Sequence[bool]) -> bool:
     """Whether a line is one of the table's: as many fields, numbers where others have such, not all of them empty."""
     fields = dialect.split(line)
     numbers = [field for field, number in zip(fields, numeric, strict=False) if number]
@@ -130,7 +130,7 @@ def _are_units(row: Sequence[str]) -> bool:
     return any(row) and all(_UNIT.fullmatch(cell) for cell in row)
 
 
-def _below(file: Path, dialect: Dialect, numeric: Sequence[bool]) -> tuple[int, bool]:
+def _below(file: Path, dialect: TextFormat, numeric: Sequence[bool]) -> tuple[int, bool]:
     """Lines without numbers at the end of a file, and whether the last is a row that ends early."""
     try:
         with file.open("rb") as stream:

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from cases.errors import RecordingError
-from cases.recording import (
+from cases.recording_format import (
     BAR_FORCES,
     CLOCK,
     COLUMNS,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cases.recording import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
+from cases.recording_format import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
 from cases.schema import Case
 from cases.units import MM, as_html
 from identification.formats.clock import lost_samples

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from cases.recording import (
+from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
     CLOCK,

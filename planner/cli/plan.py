@@ -22,7 +22,7 @@ from planner.cli.console import (
 MOST_USED = 0.9  # share of a limit from which on it is shown
 
 if TYPE_CHECKING:
-    from planner.plan import Plan
+    from planner.plans import Plan
 
 Out = Annotated[
     Path | None, typer.Option("-o", "--output", help="Folder to write; named after case and family by default.")

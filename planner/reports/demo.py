@@ -7,7 +7,7 @@ import numpy as np
 from cases.schema import Case
 from identification.motion import sample
 from identification.trajectories.path import instants
-from planner.demo import Demo
+from planner.demonstration import Demo
 from planner.precision import parameter_words, std_text, value_text
 from planner.reports.charts import AXES, Chart
 from planner.reports.figures import COLOURS, errors_plot, identifiability_items, limits_plot, motion_plots
@@ -15,7 +15,7 @@ from planner.reports.identify import delay_words, noise_tile, residual_items, ru
 from planner.reports.machine import moving_machine
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, thinned
 from planner.reports.plan import starts_items
-from planner.runs.running import Outcome
+from planner.runs.running import RunOutcome
 
 DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks
@@ -104,7 +104,7 @@ def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
 
 
-def _motion(case: Case, outcome: Outcome) -> tuple[Item, ...]:
+def _motion(case: Case, outcome: RunOutcome) -> tuple[Item, ...]:
     note = Note("Dashed: the limit of the axis in its colour, grey where axes share it.")
     return (*motion_plots(case, sample(outcome.planned, DRAWN_RATE)), note)
 
@@ -119,7 +119,7 @@ def _proof(answer: dict[str, Any]) -> tuple[Item, ...]:
     return tuple(items)
 
 
-def _executed(answer: dict[str, Any], outcome: Outcome) -> tuple[Item, ...]:
+def _executed(answer: dict[str, Any], outcome: RunOutcome) -> tuple[Item, ...]:
     """Accelerations along x, y, z that the controller really made, beside the planned ones."""
     t = instants(outcome.run.trigger, RECORDED_RATE)
     executed = outcome.run.execution.kinematics(np.clip(t, 0.0, outcome.run.execution.duration))

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from cases.recording import CLOCK
+from cases.recording_format import CLOCK
 from identification.formats.looked import CLOCKS, Column, Look
 from identification.formats.naming import GROUPS
 

@@ -122,7 +122,7 @@ class Plot:
 
 
 @dataclass(frozen=True, slots=True)
-class Machine:
+class MachineItem:
     """The hexapod moving in 3-D, with buttons to play and a slider to scrub.
 
     Args:
@@ -140,7 +140,7 @@ class Machine:
         return script_json(self.scene)
 
 
-Item = Tiles | Note | Answers | Table | Plot | Machine
+Item = Tiles | Note | Answers | Table | Plot | MachineItem
 
 
 @dataclass(frozen=True, slots=True)

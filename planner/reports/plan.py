@@ -15,10 +15,10 @@ from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
 from identification.overload import SHARE, load_shares, sensor_forces
 from identification.parameters import physical_form
-from identification.provenance import provenance
 from identification.reference import reference_scaling
+from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.precision import parameter_words, std_text
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots

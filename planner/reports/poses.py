@@ -3,10 +3,10 @@
 from identification.identifiability import Identifiability
 from identification.model import identification_model
 from identification.parameters import physical_form
-from identification.provenance import provenance
-from planner.plan import Plan
-from planner.poses.plan import candidates_of
-from planner.poses.request import PoseRequest
+from identification.saved_result import provenance
+from planner.plans import Plan
+from planner.poses.planned_poses import candidates_of
+from planner.poses.pose_request import PoseRequest
 from planner.precision import parameter_words, std_text
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY, identifiability_items

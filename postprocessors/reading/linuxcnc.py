@@ -58,7 +58,7 @@ SPELLING = Spelling(
 )
 
 
-class _Interpreter(ModalState):
+class _LinuxCncInterpreter(ModalState):
     """What the words mean."""
 
     def __init__(self, file: str) -> None:
@@ -181,6 +181,6 @@ def read_linuxcnc(text: str, file: str) -> Reading:
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.
     """
-    interpreter = _Interpreter(file)
+    interpreter = _LinuxCncInterpreter(file)
     reading = interpreter.read_program(program_lines(text, file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

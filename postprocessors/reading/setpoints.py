@@ -16,7 +16,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited import strut_motion
 from identification.motion import Array, Motion
-from postprocessors.reading.words import Event, Pause, Reading, Rows, Stand, Switch
+from postprocessors.reading.words import Event, Pause, Reading, Stand, Switch, TableRows
 
 FORMAT = "hexcite setpoints 1"
 COORDINATES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
@@ -39,7 +39,7 @@ _HEADER = re.compile(r"#\s*(?P<key>[a-z_]+):\s*(?P<value>.*?)\s*$")
 _STRANGE = re.compile(r"[^0-9.,+\-\n]")
 
 
-class Table(NamedTuple):
+class SetpointTable(NamedTuple):
     """A table as read.
 
     Args:
@@ -53,7 +53,7 @@ class Table(NamedTuple):
     values: Array
 
 
-def read_table(content: bytes, file: str, most: int) -> Table:
+def read_table(content: bytes, file: str, most: int) -> SetpointTable:
     """The numbers of a table.
 
     Args:
@@ -82,7 +82,7 @@ def read_table(content: bytes, file: str, most: int) -> Table:
     return table
 
 
-def _csv(content: bytes, file: str) -> Table:
+def _csv(content: bytes, file: str) -> SetpointTable:
     text = content.decode("latin-1").replace("\r\n", "\n")
     lines = text.split("\n")
     header: dict[str, str] = {}
@@ -103,7 +103,7 @@ def _csv(content: bytes, file: str) -> Table:
         row, column = _place(body, match.start())
         bad = body[row][column]
         raise ProgramError(file, number + 2 + row, column + 1, f"{bad!r} is no part of a plain number; correct it")
-    return Table(number + 2, header, _numbers(body, number + 2, file))
+    return SetpointTable(number + 2, header, _numbers(body, number + 2, file))
 
 
 def _place(body: list[str], position: int) -> tuple[int, int]:
@@ -133,7 +133,7 @@ def _numbers(body: list[str], first: int, file: str) -> Array:
     return values
 
 
-def _parquet(content: bytes, file: str) -> Table:
+def _parquet(content: bytes, file: str) -> SetpointTable:
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -150,7 +150,7 @@ def _parquet(content: bytes, file: str) -> Table:
     said = (table.schema.metadata or {}).get(METADATA, b"").decode("latin-1")
     header = {m["key"]: m["value"] for line in reversed(said.split("\n")) if (m := _HEADER.match(line))}
     columns = [table.column(name).to_numpy() for name in COLUMNS]
-    return Table(1, header, np.column_stack(columns))
+    return SetpointTable(1, header, np.column_stack(columns))
 
 
 ROUNDING = np.array([1e-9, 1e-6]) * MM  # of poses and rates: a thousand times the last decimal of a table
@@ -164,7 +164,7 @@ _STRUTS = slice(19, 37)
 class _Rows:
     """The table in SI with the places of its cells."""
 
-    def __init__(self, file: str, table: Table, settings: Setpoints) -> None:
+    def __init__(self, file: str, table: SetpointTable, settings: Setpoints) -> None:
         self.file = file
         self.first = table.first
         self.cycle = settings.cycle
@@ -252,7 +252,7 @@ class _Rows:
                 raise self.error(end, len(COLUMNS) - 1, "the trigger switches in motion; switch at rest")
             rows = slice(start, end + 1)
             events.append(
-                Rows(self.first + start, self.cycle, self.pose[rows], self.rates[rows], self.accelerations[rows])
+                TableRows(self.first + start, self.cycle, self.pose[rows], self.rates[rows], self.accelerations[rows])
             )
         if bool(self.trigger[-1]) != on:
             events.append(Switch(self.first + len(still), not on, at_once=True))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
+from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.formats.look import look
 from identification.hexapod import Hexapod

@@ -9,20 +9,20 @@ from cases.files import DEMO, check_folder
 from cases.schema import Case
 from identification.outcome import Result
 from identification.recording import Recording
-from planner.comparison.truth import truth_rows
+from identification.simulate import truth_rows
 from planner.families.settings import PointToPoint
 from planner.library import planned
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.request import Request
-from planner.runs.identified import identify
-from planner.runs.running import Outcome, best_controller, execute
-from planner.runs.writing import write
-from postprocessors.files import Program
+from planner.runs.identifying import identify
+from planner.runs.running import RunOutcome, best_controller, execute
+from planner.runs.written import write
+from postprocessors.program_file import Program
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
 MODEL = 9
 
-Done = Callable[[Plan | Program | Outcome | Result], None]
+Done = Callable[[Plan | Program | RunOutcome | Result], None]
 """Called with what a step made."""
 
 
@@ -41,7 +41,7 @@ class Demo:
 
     plan: Plan
     program: Program
-    outcome: Outcome
+    outcome: RunOutcome
     result: Result
     truth: tuple[dict[str, Any], ...]
     why: str

@@ -15,11 +15,11 @@ from identification.recording import Recording, read_recording, record_of
 from identification.runs.rates import on_one_clock
 from planner.runs.recorded import standing_of
 from planner.runs.running import require_controller
-from planner.validation.carrying_out import USUAL, Count, Settings, carry_out, make_places
+from planner.validation.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
 from planner.validation.experiment import METHODS, mounted_weights, recorded_steps
 from planner.validation.remedy import Remedy
-from planner.validation.step import Identified, Step
-from planner.validation.verdict import Finding, findings, to_json
+from planner.validation.step import Identified, MethodStep
+from planner.validation.verdict import Claim, findings, to_json
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -41,8 +41,8 @@ class Validation:
 
     case: Case
     machine: str
-    steps: tuple[Step, ...]
-    findings: tuple[Finding, ...]
+    steps: tuple[MethodStep, ...]
+    findings: tuple[Claim, ...]
     failed: Mapping[str, str]
     executed: Mapping[str, str]
     remedies: tuple[Remedy, ...]
@@ -94,7 +94,7 @@ def validate(
     case: Case,
     methods: Sequence[str] = tuple(METHODS),
     mounted: Sequence[int] | None = None,
-    settings: Settings = USUAL,
+    settings: ValidationSettings = USUAL,
     *,
     undisturbed: bool = False,
     folder: Path | None = None,
@@ -108,8 +108,7 @@ def validate(
         mounted: numbers of weights, from 0 on; by default none, and each up to all.
         settings: how methods are carried out.
         undisturbed: whether the simulated structure is an ideal one.
-        folder: that keeps plans, programs, runs and finished steps, and what it holds is not made again; a temporary
-            one unless given.
+        folder: that keeps plans and programs, and a plan that it holds is not made again; a temporary one unless given.
         count: told how it is getting on.
 
     Raises:
@@ -127,23 +126,22 @@ def validate(
             for file in sorted((work / name).rglob("*"))
             if file.is_file()
         }
-    steps = tuple(kept.step for kept in carried.steps)
-    columns = {number: one for step in steps for number, one in step.columns.items()}
+    columns = {number: one for step in carried.steps for number, one in step.columns.items()}
     return Validation(
         case=case,
         machine=_simulated(case, disturbances, settings),
-        steps=steps,
-        findings=tuple(findings(case, list(steps), columns)),
-        failed=carried.failed or {},
-        executed={kept.step.method: kept.controller for kept in carried.steps},
-        remedies=tuple(kept.remedy for kept in carried.steps if kept.remedy is not None),
+        steps=carried.steps,
+        findings=tuple(findings(case, list(carried.steps), columns)),
+        failed=carried.failed,
+        executed=carried.executed,
+        remedies=carried.remedies,
         controller=settings.on,
         disturbances=disturbances,
         made=made,
     )
 
 
-def disturbances_of(case: Case, settings: Settings, undisturbed: bool) -> Disturbances | None:
+def disturbances_of(case: Case, settings: ValidationSettings, undisturbed: bool) -> Disturbances | None:
     """What disturbs the simulated machine; refused where it cannot be run."""
     require_controller(settings.on)
     found = case.need_simulation("a validation without recordings").disturbances
@@ -182,7 +180,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
     return Validation(case, machine, steps, tuple(findings(case, list(steps), {})), {}, {}, (), None, None, {})
 
 
-def _simulated(case: Case, disturbances: Disturbances | None, settings: Settings) -> str:
+def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:
     machine = f"a simulated machine ({case.need_simulation('a validation').source})"
     if disturbances is not None:
         machine += (

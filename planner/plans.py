@@ -18,7 +18,7 @@ from identification.noise.pose_field import PoseField
 from identification.parameters import physical_form
 from planner.families.saved import motion_entries
 from planner.found import bound_by
-from planner.poses.request import PoseRequest
+from planner.poses.pose_request import PoseRequest
 from planner.precision import share_text, std_text
 from planner.request import Request
 from planner.worth import PoseWorth, Worth
@@ -186,7 +186,7 @@ class Plan:
         }
 
     def _of_poses(self) -> dict[str, Any]:
-        from cases.recording import POSE
+        from cases.recording_format import POSE
 
         rows = poses_in_units(self.poses).tolist()
         return {"count": len(rows), "poses": [dict(zip(POSE, row, strict=True)) for row in rows]}
@@ -234,7 +234,7 @@ def poses_in_units(poses: Array) -> Array:
 
 def motion_csv(motion: Motion) -> str:
     """The motion as a table in mm and degrees; header as in CONVENTIONS."""
-    from cases.recording import MOTION
+    from cases.recording_format import MOTION
 
     unit = np.r_[np.full(3, 1 / MM), np.full(3, 1 / DEG)]
     table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])

@@ -16,7 +16,7 @@ from identification.model import Model
 from identification.recording import Recording
 from identification.regressor_blocks import OFFSETS
 from identification.runs.preparation import moving_run, standstills
-from identification.saved import SavedResult
+from identification.saved_result import SavedResult
 
 Array = NDArray[np.float64]
 

@@ -20,10 +20,19 @@ import numpy as np
 import pyarrow as pa
 
 from cases.errors import RecordingError
-from cases.recording import CLOCK, RecordingFormat
+from cases.recording_format import CLOCK, RecordingFormat
 from identification.formats.header import cells, decoded, select, unknown_columns
-from identification.formats.table import Stamps, Table
-from identification.formats.text import Block, Dialect, Fields, is_number, lines_of, parse, read_blocks, read_head
+from identification.formats.table import ColumnTable, Stamps
+from identification.formats.text import (
+    Fields,
+    TextBlock,
+    TextFormat,
+    is_number,
+    lines_of,
+    parse,
+    read_blocks,
+    read_head,
+)
 
 _NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
 _MISSING = ("", " ")
@@ -43,7 +52,7 @@ class _Layout:
     clocks: dict[str, int]
 
 
-def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
+def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch: one table for each clock and batch.
 
     Args:
@@ -77,12 +86,12 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
                 continue
             values = {ours: columns[layout.values[ours]].to_numpy()[: len(clock)] for ours in group}
             where = lines_of(filled, len(columns[used[0]]))
-            yield Table(str(file), layout.channels, values, clock, form.tick, where)
+            yield ColumnTable(str(file), layout.channels, values, clock, form.tick, where)
     if not groups:
         raise RecordingError(f"{file}: has a header but no rows; export the recording again")
 
 
-def _dialect(file: Path, line: bytes, form: RecordingFormat) -> Dialect:
+def _dialect(file: Path, line: bytes, form: RecordingFormat) -> TextFormat:
     separator = form.delimiter or line[len(_NAME) : len(_NAME) + 1].decode(errors="replace")
     if not line.startswith(_NAME.encode()) or not separator or separator.isalnum():
         raise RecordingError(
@@ -91,10 +100,10 @@ def _dialect(file: Path, line: bytes, form: RecordingFormat) -> Dialect:
         )
     if separator == " ":
         raise RecordingError(f"{file}: its columns are separated by blanks; export with tabulators or semicolons")
-    return Dialect(separator, form.decimal or ".", _MISSING, form.encoding)
+    return TextFormat(separator, form.decimal or ".", _MISSING, form.encoding)
 
 
-def _layout(file: Path, lines: list[bytes], dialect: Dialect, form: RecordingFormat) -> _Layout:
+def _layout(file: Path, lines: list[bytes], dialect: TextFormat, form: RecordingFormat) -> _Layout:
     start = (_NAME + dialect.delimiter).encode()
     top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
     if top is None:
@@ -121,13 +130,13 @@ def _layout(file: Path, lines: list[bytes], dialect: Dialect, form: RecordingFor
     return _Layout(first, shown, channels, chosen, {ours: above[k] for ours, k in chosen.items()})
 
 
-def _is_data(line: bytes, dialect: Dialect) -> bool:
+def _is_data(line: bytes, dialect: TextFormat) -> bool:
     """Whether all fields are numbers, with either decimal sign, or missing, and some are numbers."""
     found = [f for f in dialect.split(line.decode(errors="replace")) if f.strip()]
     return bool(found) and all(is_number(f.replace(",", ".", 1)) for f in found)
 
 
-def _filled(block: Block, count: int, dialect: Dialect) -> Block:
+def _filled(block: TextBlock, count: int, dialect: TextFormat) -> TextBlock:
     """The block with all lines of equal length: without EOF, missing fields at the end added, surplus ones removed."""
     separator = dialect.delimiter.encode()
     lines = block.data.split(b"\n")
@@ -141,10 +150,10 @@ def _filled(block: Block, count: int, dialect: Dialect) -> Block:
         elif text:
             missing = count - 1 - text.count(separator)
             lines[k] = text + separator * missing if missing >= 0 else text.removesuffix(separator)
-    return Block(block.first_line, b"\n".join(lines))
+    return TextBlock(block.first_line, b"\n".join(lines))
 
 
-def _present(file: Path, block: Block, column: pa.ChunkedArray) -> Stamps:
+def _present(file: Path, block: TextBlock, column: pa.ChunkedArray) -> Stamps:
     """The stamps of a clock up to its last sample."""
     valid = column.is_valid().to_numpy()
     count = int(valid.sum())

@@ -6,12 +6,12 @@ from enum import StrEnum
 from typing import Any, ClassVar
 
 from cases.errors import HexciteError
-from planner.poses.criteria import POSE_CRITERIA
+from planner.poses.pose_criteria import POSE_CRITERIA
 
 USUAL = 30  # poses of the paper's reduced sets
 
 
-class Method(StrEnum):
+class PoseMethod(StrEnum):
     """How poses are chosen."""
 
     BACKWARD = "backward"
@@ -21,10 +21,10 @@ class Method(StrEnum):
 
 
 METHODS = {
-    Method.BACKWARD: "Algorithm 1: removes the pose without which the criterion is best",
-    Method.BACKWARD_CHANGE: "Algorithm 1 in its other reading: removes the pose that changes the criterion least",
-    Method.REFINE: "Algorithm 1, then moves the poses freely in the workspace",
-    Method.ALL: "every candidate",
+    PoseMethod.BACKWARD: "Algorithm 1: removes the pose without which the criterion is best",
+    PoseMethod.BACKWARD_CHANGE: "Algorithm 1 in its other reading: removes the pose that changes the criterion least",
+    PoseMethod.REFINE: "Algorithm 1, then moves the poses freely in the workspace",
+    PoseMethod.ALL: "every candidate",
 }
 
 
@@ -44,7 +44,7 @@ class PoseRequest:
 
     criterion: str = "D"
     count: int | None = None
-    method: str = Method.REFINE
+    method: str = PoseMethod.REFINE
     model: int = 5
     candidates: int | None = None
     seed: int = 0
@@ -70,9 +70,9 @@ class PoseRequest:
     def __post_init__(self) -> None:
         if self.criterion not in POSE_CRITERIA:
             raise HexciteError(f"criterion {self.criterion!r} is unknown; choose {', '.join(POSE_CRITERIA)}")
-        if self.method not in set(Method):
-            raise HexciteError(f"method {self.method!r} is unknown; choose {', '.join(Method)}")
-        if self.method == Method.ALL and self.count is not None:
+        if self.method not in set(PoseMethod):
+            raise HexciteError(f"method {self.method!r} is unknown; choose {', '.join(PoseMethod)}")
+        if self.method == PoseMethod.ALL and self.count is not None:
             raise HexciteError("method all measures every candidate; leave --count out, or choose another method")
         if self.noise is not None and not 0.0 < self.noise < float("inf"):
             raise HexciteError(f"noise {self.noise:g} N is not positive; give the scatter of an averaged force")
@@ -85,7 +85,7 @@ class PoseRequest:
         Raises:
             HexciteError: more than there are, or fewer than can determine the model.
         """
-        if self.method == Method.ALL:
+        if self.method == PoseMethod.ALL:
             return available
         fewest = -(-parameters // 6)
         count = self.count if self.count is not None else min(USUAL, available)

@@ -18,14 +18,14 @@ from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
 from identification.outcome import TOLD_OF_RUNS, Result
-from identification.provenance import provenance
 from identification.recording import Recording, files_of, read
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from identification.runs.residuals import residuals_of
 from identification.samples import USUAL, Conditioning
-from planner.plan import Plan
-from planner.runs.recorded import UNSAID, Still, fitting_case, shorter_than_planned, standing_of
+from identification.saved_result import provenance
+from planner.plans import Plan
+from planner.runs.recorded import UNSAID, StandstillWish, fitting_case, shorter_than_planned, standing_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Wish:
     how: Callable[[Model], Method] = lambda model: GAUSS_MARKOV
     terms: tuple[str, ...] = ()
     conditioning: Conditioning = USUAL
-    still: Still = UNSAID
+    still: StandstillWish = UNSAID
 
 
 def identify(
@@ -77,7 +77,7 @@ def identify(
         case = recording.case
     if case is None:
         raise RecordingError(f"{recording.source}: does not say which machine it is from; give its case")
-    still = UNSAID if poses is None else Still(poses.poses)
+    still = UNSAID if poses is None else StandstillWish(poses.poses)
     return identified(recording, case, Wish(model, lambda _: how, tuple(terms), conditioning, still))
 
 

@@ -10,13 +10,13 @@ from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
 from cases.parts import Array, Number, Part, Positive, frozen
-from cases.recording import POSE
+from cases.recording_format import POSE
 from cases.units import DEG, MM
 
 MOST_STEPS = 1000
 
 
-class Step(Part):
+class ManualStep(Part):
     """A straight move to a pose relative to home, a full circle, or a pause."""
 
     x_mm: Number = 0.0
@@ -33,7 +33,7 @@ class Step(Part):
     """Share of the limits of velocity; accelerations take its square, jerks its cube."""
 
     @model_validator(mode="after")
-    def _one_kind(self) -> "Step":
+    def _one_kind(self) -> "ManualStep":
         named = self.model_fields_set
         pose = named & set(POSE)
         if (self.circle is None) != (self.radius_mm is None):
@@ -53,7 +53,7 @@ class Sequence(Part):
     """A hand-made excitation: it begins and ends standing at home."""
 
     title: str
-    steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=MOST_STEPS)]
+    steps: Annotated[tuple[ManualStep, ...], Field(min_length=1, max_length=MOST_STEPS)]
 
 
 def load_sequence(file: Path) -> Sequence:

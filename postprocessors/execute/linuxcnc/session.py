@@ -18,10 +18,10 @@ from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
 from cases.units import MM
 from identification.hexapod import Hexapod
+from postprocessors.execute.executed_run import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
 from postprocessors.execute.linuxcnc.configuration import CHANNELS, SERVO_PERIOD, UNITS
 from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, check_syntax, preload_works, run_session
-from postprocessors.execute.log import ControllerLog
 
 HERE = Path(__file__).parent
 PROGRAM_FILE = "program.ngc"

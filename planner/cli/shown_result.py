@@ -4,12 +4,12 @@ from pathlib import Path
 from typing import Any
 
 from cases.schema import Case
-from identification.force import external_force
+from identification.external import external_force
 from identification.outcome import Result
 from identification.recording import read_recording
 from identification.result import Value
 from identification.runs.rates import on_one_clock
-from identification.saved import load_result
+from identification.saved_result import load_result
 from planner.cli.console import print_table
 from planner.precision import parameter_words, std_text, value_text
 
