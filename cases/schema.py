@@ -9,13 +9,14 @@ import math
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import accumulate
-from typing import Literal, NoReturn
+from typing import Annotated, Any, Literal, NoReturn
 
-from pydantic import Field, PrivateAttr, field_validator, model_validator
+from pydantic import Discriminator, Field, PrivateAttr, Tag, field_validator, model_validator
 
+from cases.chain import Chain, JointLimits, JointMotionLimits, SerialMachine, joint_problems
 from cases.controller import Controller
 from cases.errors import CaseError
-from cases.machine import Limits, Machine, Workspace
+from cases.machine import Limits, Machine, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
 from cases.payloads import Payloads
 from cases.poses import Poses
@@ -34,6 +35,29 @@ def fingerprint(content: object) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
+def _kind_of_machine(table: Any) -> str:
+    return "<SerialMachine>" if isinstance(table, SerialMachine) or _has(table, "chain") else "<Machine>"
+
+
+def _kind_of_limits(table: Any) -> str:
+    motion = table.get("motion") if isinstance(table, dict) else None
+    return "<JointLimits>" if isinstance(table, JointLimits) or _has(motion, "joints") else "<Limits>"
+
+
+def _has(table: Any, key: str) -> bool:
+    return isinstance(table, dict) and key in table
+
+
+# Tags in angle brackets name the class that a table was read as; messages leave them out.
+AnyMachine = Annotated[
+    Annotated[Machine, Tag("<Machine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
+    Discriminator(_kind_of_machine),
+]
+AnyLimits = Annotated[
+    Annotated[Limits, Tag("<Limits>")] | Annotated[JointLimits, Tag("<JointLimits>")], Discriminator(_kind_of_limits)
+]
+
+
 class Case(Part):
     """One machine. Parts that a setup lacks (a wrist sensor has no hexapod) are None."""
 
@@ -46,9 +70,10 @@ class Case(Part):
     sensor_frame: SensorFrame
     sensors: Sensors
     recording: RecordingFormat
-    machine: Machine | None = None
+    machine: AnyMachine | None = None
+    """A hexapod, or a chain of joints."""
     workspace: Workspace | None = None
-    limits: Limits | None = None
+    limits: AnyLimits | None = None
     poses: Poses | None = None
     controller: Controller | None = None
     nominal: RigidBody | None = None
@@ -82,7 +107,7 @@ class Case(Part):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
-        rules = (self._feed, self._drives, self._noise, self._pose_error, self._box)
+        rules = (self._kind, self._feed, self._drives, self._noise, self._pose_error, self._box)
         problems = [problem for rule in rules for problem in rule()]
         if problems:
             raise ValueError(ALSO.join(problems))
@@ -99,8 +124,27 @@ class Case(Part):
             )
         return value
 
+    def _kind(self) -> Iterator[str]:
+        """What a hexapod has and a chain lacks, and the other way round."""
+        if not isinstance(self.machine, SerialMachine):
+            if isinstance(self.limits, JointLimits):
+                yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
+            return
+        if self.setup != "R" or self.sensor_frame.transducer is None:
+            yield (
+                'machine.chain carries a force/torque sensor: write setup = "R" and [sensor_frame.transducer]; bars '
+                "with sensors are those of a hexapod"
+            )
+        for name in ("workspace", "poses"):
+            if getattr(self, name) is not None:
+                yield f"{name} is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
+        if isinstance(self.limits, Limits):
+            yield "limits.motion is that of a hexapod; of a chain it lists joints = [{ name = .., .. }, ..]"
+        elif self.limits is not None:
+            yield from joint_problems(self.machine.chain, self.limits.motion)
+
     def _feed(self) -> Iterator[str]:
-        if self.controller is not None and self.limits is not None:
+        if self.controller is not None and isinstance(self.limits, Limits):
             fastest = float(self.limits.motion.rate[:3].min())
             if self.controller.safe_feed > fastest:
                 yield (
@@ -109,7 +153,7 @@ class Case(Part):
                 )
 
     def _drives(self) -> Iterator[str]:
-        if self.controller is None or self.limits is None:
+        if self.controller is None or not isinstance(self.limits, Limits):
             return
         for name in ("sinumerik", "twincat"):
             settings = getattr(self.controller, name)
@@ -151,7 +195,7 @@ class Case(Part):
             )
 
     def _box(self) -> Iterator[str]:
-        if self.workspace is None or self.limits is None:
+        if self.workspace is None or not isinstance(self.limits, Limits):
             return
         for name in ("x_mm", "y_mm"):
             inner, outer = getattr(self.limits.motion, name), getattr(self.workspace, name)
@@ -190,8 +234,18 @@ class Case(Part):
         """Raises CaseError: `part` of the case is needed for `purpose`."""
         raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
 
-    def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
-        """Machine, workspace and limits.
+    @property
+    def hexapod(self) -> Machine | None:
+        """The hexapod, where the machine is one."""
+        return self.machine if isinstance(self.machine, Machine) else None
+
+    @property
+    def chain(self) -> Chain | None:
+        """The chain of joints, where the machine is one."""
+        return self.machine.chain if isinstance(self.machine, SerialMachine) else None
+
+    def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
+        """Chain and limits of motion.
 
         Args:
             purpose: what they are needed for, for the message.
@@ -199,6 +253,40 @@ class Case(Part):
         Raises:
             CaseError: the case lacks one of them.
         """
+        if self.chain is None:
+            self.missing("machine.chain", purpose)
+        if not isinstance(self.limits, JointLimits):
+            self.missing("limits.motion", purpose)
+        return self.chain, self.limits.motion
+
+    def need_motion(self, purpose: str) -> tuple[Array, MotionLimits | JointMotionLimits]:
+        """Coordinates at home, shape (n,) [m or rad], and limits of motion, whatever the machine is.
+
+        Args:
+            purpose: what they are needed for, for the message.
+
+        Raises:
+            CaseError: the case lacks one of them.
+        """
+        if self.chain is not None:
+            chain, limits = self.need_chain(purpose)
+            return chain.home, limits
+        machine, _, of_pose = self.need_machine(purpose)
+        return machine.home.vector, of_pose.motion
+
+    def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
+        """Hexapod, workspace and limits.
+
+        Args:
+            purpose: what they are needed for, for the message.
+
+        Raises:
+            CaseError: the case lacks one of them, or has a chain.
+        """
+        if self.chain is not None:
+            raise CaseError(
+                f"case {self.name}", "machine.chain", f"{purpose} is for hexapods only; a chain has none yet"
+            )
         if self.setup == "1a":
             raise CaseError(
                 f"case {self.name}",
@@ -206,13 +294,13 @@ class Case(Part):
                 f"is 1a, a sensor frame that does not move: {purpose} needs one that does; use hexcite tare, "
                 "force, and identify with payload for what is put on it",
             )
-        if self.machine is None:
+        if self.hexapod is None:
             self.missing("machine", purpose)
         if self.workspace is None:
             self.missing("workspace", purpose)
-        if self.limits is None:
+        if not isinstance(self.limits, Limits):
             self.missing("limits.motion", purpose)
-        return self.machine, self.workspace, self.limits
+        return self.hexapod, self.workspace, self.limits
 
     @cached_property
     def bodies(self) -> tuple[RigidBody, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
+from cases.machine import Limits
 from cases.schema import Case
 from cases.units import MM
 from identification.finding import Finding, Kind, Severity, sentences, warning
@@ -221,7 +222,7 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
         leaps = leaps[away[leaps] > LONELY * _around(away, leaps)]
         if usual > 0.0 and len(leaps):
             found.append((f"channel {k + 1} jumps by up to {away.max():.4g} for single samples", _at(leaps + 1, count)))
-    if recording.struts is None or case.limits is None:
+    if recording.struts is None or not isinstance(case.limits, Limits):
         return found
     step = float(np.median(np.diff(recording.t)))
     limits = case.limits.motion

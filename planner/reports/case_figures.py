@@ -42,7 +42,7 @@ def case_figures(name: str) -> dict[str, Any]:
 
 def has_motion_box(case: Case) -> bool:
     """Whether the case describes a machine and the box in which it moves."""
-    return case.machine is not None and case.limits is not None and case.workspace is not None
+    return case.hexapod is not None and case.limits is not None and case.workspace is not None
 
 
 def reach_figures(name: str) -> Reach | None:

@@ -59,7 +59,7 @@ def c_sources(calibration: Calibration, name: str) -> Sources:
 
 def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str]:
     """Declarations and definitions without their files; `linkage` is empty or `static `."""
-    machine = calibration.case.machine
+    machine = calibration.case.hexapod
     window = window_of(calibration.case)
     values = shared_values(calibration) | {
         "name": name,

@@ -90,12 +90,12 @@ def document(calibration: Calibration) -> Document:
     """Everything that a calibration holds."""
     case, result = calibration.case, calibration.result
     kinematics = None
-    if case.machine is not None:
+    if case.hexapod is not None:
         drives = case.recording.drives
         kinematics = Kinematics(
-            base_m=case.machine.base.points.tolist(),
-            platform_m=case.machine.platform.points.tolist(),
-            home=case.machine.home.vector.tolist(),
+            base_m=case.hexapod.base.points.tolist(),
+            platform_m=case.hexapod.platform.points.tolist(),
+            home=case.hexapod.home.vector.tolist(),
             drives=drives and Drives(drive=list(drives.order), sign=list(drives.sign), offset_m=drives.offset.tolist()),
         )
     deviations = [np.sqrt(np.maximum(c.diagonal(), 0.0)) for c in (result.covariance, result.covariance_robust)]

@@ -10,7 +10,7 @@ from postprocessors.export.rendering import comment_lines, environment, shared_v
 
 def structured_text(calibration: Calibration, name: str) -> str:
     """The text of a model called `name`: structure, constants, functions and function block."""
-    machine = calibration.case.machine
+    machine = calibration.case.hexapod
     camel = "".join(part.capitalize() for part in name.split("_"))
     return (
         environment()
