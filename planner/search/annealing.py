@@ -83,7 +83,9 @@ class EqualMoves:
 def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.SX:
     """Regressors at the middle of acceleration and deceleration, so that the mean square of accelerations is exact."""
     square = (4 / 3 * times[0] + 2 * times[1]) / (times @ [4.0, 2.0, 1.0])  # mean of the squared acceleration
-    pose, rates, accelerations = states_of_move(((1, 0.5), (5, 0.5)), model.coordinates).call([*ends, ca.DM(times)], True, False)
+    pose, rates, accelerations = states_of_move(((1, 0.5), (5, 0.5)), model.coordinates).call(
+        [*ends, ca.DM(times)], True, False
+    )
     weight = ca.diag(ca.DM(scaling)) / np.sqrt(2)
     return ca.densify(
         ca.vertcat(

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.evaluate import over_samples
+from identification.limited import Box
 from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
@@ -40,7 +40,7 @@ class Problem:
     layout: Layout
     program: Program
     limits: tuple[LimitGroup, ...]
-    box: MotionLimits
+    box: Box
     middle: Array
     half: Array
 

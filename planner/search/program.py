@@ -205,9 +205,7 @@ class Program:
         along *= shares[:, None, None]
         along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
         shape = slopes.shape[:3]
-        matrices = pulled_back(
-            self.states, unknowns, slopes, along.reshape(*shape, shape[2]), pull.reshape(shape)
-        )
+        matrices = pulled_back(self.states, unknowns, slopes, along.reshape(*shape, shape[2]), pull.reshape(shape))
         return Blocks(index, factor * matrices)
 
     def _add_through(

@@ -32,6 +32,11 @@ class Peak(Enum):
     VELOCITY = "where rates are largest"
     ACCELERATION = "where accelerations are largest"
 
+    @classmethod
+    def of_order(cls, order: int) -> "Peak":
+        """Where what grows with a derivative of the coordinates is used most."""
+        return (cls.POSE, cls.VELOCITY, cls.ACCELERATION)[order]
+
 
 class States(Protocol):
     """Some states of a motion, S in each of B blocks of m unknowns."""
