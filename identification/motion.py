@@ -1,4 +1,4 @@
-"""Motion of a machine in its coordinates: sampled (`Motion`), continuous in time (`Trajectory`), and through timed points."""
+"""Motion in the coordinates of a machine: sampled (`Motion`), continuous (`Trajectory`), through timed points."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
