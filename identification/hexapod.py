@@ -89,6 +89,21 @@ class Hexapod:
         """Coordinates of a pose."""
         return 6
 
+    @property
+    def of_pose(self) -> bool:
+        """They are."""
+        return True
+
+    @property
+    def elastic(self) -> bool:
+        """A platform's deformation makes forces."""
+        return True
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Struts slide."""
+        return np.zeros(6, dtype=bool)
+
     def frame(self, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
         """Motion of {P} in {B} from the pose and its derivatives, (37) and (38)."""
         return Frame(pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations))

@@ -60,7 +60,7 @@ def _mean_ratio(one: dict[str, float], other: dict[str, float]) -> float:
 def with_other_law(motion: Joined, case: Case) -> Joined:
     """The same moves as fast as the limits of the coordinates allow: with the limits of jerk where they had none, and
     without where they had them."""
-    box = case.need_machine("planning")[2].motion
+    box = case.need_motion("planning")[1]
     limits = (box.rate, box.acceleration, *((box.jerk,) if has_steps(motion) else ()))
     parts = [
         StraightMove.fastest(part.start, part.end, *limits) if isinstance(part, StraightMove) else part

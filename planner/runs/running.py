@@ -12,12 +12,12 @@ from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
-from identification.model import identification_model
+from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.peaks import executed_peaks
 from identification.recording import Recording, about_case
 from identification.reference import reference_scaling
-from identification.simulate import TRUE_MODEL, simulate_recording
+from identification.simulate import simulate_recording
 from identification.trajectories.executed import StrutExecution
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
@@ -219,7 +219,7 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
 
 
 def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> Rating:
-    model = identification_model(case, TRUE_MODEL)
+    model = identification_model(case, full_model(case))
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None:
