@@ -128,9 +128,8 @@ def excitation_program(
     Raises:
         CaseError: the case has no machine or no controller.
     """
-    machine, _, limits = case.need_machine("a program")
+    home, limits = case.need_motion("a program")
     controller = case.need_controller("a program")
-    home = machine.home.vector
     first, last = trajectory.at([0.0, trajectory.duration]).pose
     blocks: list[Block] = [ToHome(home, controller.safe_feed * min(1.0, speed))]
     excitation = motion_blocks("excitation", trajectory, controller.block, speed)
@@ -139,8 +138,7 @@ def excitation_program(
     def straight(name: str, start: Array, end: Array) -> None:
         if np.max(np.abs(end - start)) < SAME:
             return
-        box = limits.motion
-        share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]
+        share = [APPROACH_SHARE * limit for limit in (limits.rate, limits.acceleration, limits.jerk)]
         move = StraightMove.fastest(start, end, *share)
         if own_time:
             blocks.extend([Comment(name), *motion_blocks(name, move, controller.block, speed)])

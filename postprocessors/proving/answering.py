@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from cases.machine import MotionLimits
 from cases.schema import Case
+from identification.limited import Box
 from identification.limits import LimitCheck, Status
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.guarantees import Guarantees, family
@@ -29,9 +29,9 @@ class Answering:
     forces: ForceBounds | None
 
     @property
-    def limits(self) -> MotionLimits:
+    def limits(self) -> Box:
         """Of excitations."""
-        return self.case.need_machine("the check of a program")[2].motion
+        return self.case.need_motion("the check of a program")[1]
 
     def answer(self, name: str) -> Status:
         """Who keeps a limit, by its name in a report, in a motion that the controller times."""

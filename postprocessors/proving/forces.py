@@ -59,9 +59,13 @@ class ForceBounds:
 
     @classmethod
     def of(cls, case: Case) -> "ForceBounds | None":
-        """Bounds for a case; None where it names no range or no nominal body."""
+        """Bounds for a case; None where it names no range or no nominal body, or its coordinates are not a pose."""
         loads = Loads.of(case)
-        return None if loads is None else cls(loads, case.need_machine("the check of a program")[2].motion)
+        return (
+            None
+            if loads is None or case.hexapod is None
+            else cls(loads, case.need_machine("the check of a program")[2].motion)
+        )
 
     @property
     def _spin(self) -> Array:

@@ -6,8 +6,17 @@ from dataclasses import replace
 import numpy as np
 
 from cases.errors import ProgramError
-from identification.limited import velocities
-from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at, worst_case, worst_of
+from identification.limits import (
+    PROOF_RATE,
+    LimitCheck,
+    LimitReport,
+    Status,
+    of_velocities,
+    prove,
+    prove_at,
+    worst_case,
+    worst_of,
+)
 from identification.motion import Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion
@@ -93,7 +102,7 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
         kind = family(check.name)
         if by.guarantees.follows_paths:
             yield check
-        elif kind == "sensor force":
+        elif kind in ("sensor force", "sensor moment"):
             kept = by.forces_kept(lambda forces: forces.on(part.points, clock))
             yield kept or replace(check, status=Status.NOT_ENFORCED)
         elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
@@ -124,7 +133,7 @@ def _own_time(
                     yield fastest  # even at the full feed everywhere on the way
             case "acceleration" | "strut acceleration":
                 yield by.own(check)
-            case "sensor force":
+            case "sensor force" | "sensor moment":
                 kept = by.forces_kept(lambda forces: forces.along(motion, part.share_rate, clock), UNTIMED)
                 yield kept or by.own(check, status=Status.NOT_ENFORCED)
             case "jerk":
@@ -138,7 +147,7 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Answering) -> LimitCheck:
     cycle = by.guarantees.jerk_time
     if cycle <= 0.0:
         return by.own(check)
-    axes = slice(3, 6) if check.name.startswith("angular") else slice(0, 3)
+    axes = by.limits.turns if check.name.startswith("angular") else ~by.limits.turns
     peak = np.abs(motion.at(np.linspace(0.0, motion.duration, FEWEST + 1)).accelerations).max(axis=0)
     steps = 2.0 * peak[axes] / cycle
     limit = by.limits.jerk[axes]
@@ -163,5 +172,5 @@ def _asked(
         return
     steady = replace(motion, profile=Steady(1.0 / speed))
     t = np.linspace(0.0, steady.duration, FEWEST + 1)
-    for quantity in velocities(steady.at(t), by.case.need_machine("the check of a program")[0], by.limits):
+    for quantity in of_velocities(steady.at(t), by.case):
         yield worst_case(quantity, t + clock)
