@@ -10,6 +10,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
 from cases.parts import Array, Part, Positive, Range, Vector, frozen
@@ -224,6 +226,21 @@ class JointMotionLimits(Part):
     def _distinct(cls, value: tuple[JointLimit, ...]) -> tuple[JointLimit, ...]:
         _require_distinct(limit.name for limit in value)
         return value
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return tuple(joint.name for joint in self.joints)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of the coordinates, with their units, numbered from the base."""
+        return tuple(f"q{k}_{'deg' if joint.turns else 'mm'}" for k, joint in enumerate(self.joints, 1))
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which coordinates are angles, shape (n,)."""
+        return np.array([joint.turns for joint in self.joints])
 
     @cached_property
     def pose(self) -> Array:

@@ -274,6 +274,12 @@ class Case(Part):
         machine, _, of_pose = self.need_machine(purpose)
         return machine.home.vector, of_pose.motion
 
+    def without_jerk(self) -> "Case":
+        """The same where jerks are not limited, as for a controller whose accelerations step."""
+        assert self.limits is not None  # asked of cases that plan
+        freed = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
+        return self.model_copy(update={"limits": freed})
+
     def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
         """Hexapod, workspace and limits.
 

@@ -59,6 +59,8 @@ class Sensors(Part):
     """Properties of the six channels."""
 
     range_N: Positive | None = None
+    range_Nm: Positive | None = None
+    """Of the moments of a force/torque sensor; the number of `range_N` unless given."""
     weights: Literal["equal", "per_channel", "per_unit", "stated"]
     """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel; `per_unit`: from
     that of all forces and that of all moments (a force/torque sensor whose residuals are more than its noise);
@@ -81,6 +83,13 @@ class Sensors(Part):
     together with their length."""
     pose_error_length_mm: Annotated[float, Field(strict=True, ge=LEAST_LENGTH_MM, le=MOST_LENGTH_MM)] | None = None
     """Distance in the space of the six strut lengths, the root of the sum of squares, at which they are half alike."""
+
+    @property
+    def range(self) -> Array | None:
+        """Largest force or moment of each channel, shape (6,) [N, or N and N m]; None where the case does not say."""
+        if self.range_N is None:
+            return None
+        return frozen([self.range_N] * 3 + [self.range_Nm or self.range_N] * 3)
 
     @property
     def force_noise(self) -> Array | None:

@@ -15,9 +15,11 @@ from cases.chain import Chain
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
+from identification.machine import Frame, Share
 from identification.pose import rpy, skew
 
 Array = NDArray[np.float64]
+UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only
 ROUNDING = 1e-15  # entries of a rotation below which they are 0, above one minus which they are 1
 
 
@@ -37,6 +39,23 @@ class SerialChain:
     def of(cls, case: Case) -> "SerialChain":
         """The chain of a case; raises CaseError where its machine is none."""
         return cls(case.need_chain("the kinematics")[0])
+
+    def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
+        """Motion of {P} in {B}."""
+        return Frame(*self._motion(q, rates, accelerations))
+
+    def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
+        """A chain has no limits yet beside those of its joints."""
+        del case, q, rates, accelerations
+        return []
+
+    def drives(self, coordinates: ArrayLike) -> Array:
+        """Encoders measure the joints themselves, shape (k, n) [rad or m]."""
+        return np.asarray(coordinates, dtype=float)
+
+    def coordinates(self, drives: ArrayLike) -> Array:
+        """Of joints, which are the coordinates, shape (k, n) [rad or m]."""
+        return np.asarray(drives, dtype=float)
 
     def _motion(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """Position, R, twist and twist rate of {P} in {B}."""
@@ -80,7 +99,7 @@ class SerialChain:
     def pose(self) -> ca.Function:
         """Positions of the joints -> pose (x, y, z, roll, pitch, yaw) of {P} [m, rad].
 
-        Where the pitch is a right angle, roll and yaw are not unique: models take R from `motion`.
+        Where the pitch is a right angle, roll and yaw are not unique, see `kinematics`.
         """
         q, still = ca.SX.sym("q", self.count), ca.SX(self.count, 1)
         position, turn, _, _ = self._motion(q, still, still)
@@ -88,16 +107,34 @@ class SerialChain:
             "chain_pose", [q], [ca.densify(ca.vertcat(position, rpy(turn)))], ["q"], ["pose"], {"cse": True}
         )
 
-    def kinematics(self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike) -> Kinematics:
-        """Pose, twist and twist rate of {P}, one row a sample.
+    def kinematics(
+        self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, start: Array | None = None
+    ) -> Kinematics:
+        """Pose, twist and twist rate of {P}, one row a sample; of a pitch of a right angle the roll is 0.
 
         Args:
             q: positions of the joints, shape (n, count) [rad or m].
             rates: their first derivatives in time.
             accelerations: their second derivatives.
+            start: not needed.
         """
-        _, _, twist, twist_rate = over_samples(self.motion, q, rates, accelerations)
-        return Kinematics(over_samples(self.pose, q)[0], twist, twist_rate)
+        del start
+        position, columns, twist, twist_rate = over_samples(self.motion, q, rates, accelerations)
+        turns = columns.reshape(-1, 3, 3).transpose(0, 2, 1)
+        return Kinematics(np.hstack([position.reshape(-1, 3), _angles(turns)]), twist, twist_rate)
+
+    def earlier(self, motion: Kinematics, time: float) -> None:
+        """Nothing is searched for."""
+        del motion, time
+
+
+def _angles(turns: Array) -> Array:
+    """Roll, pitch, yaw of rotation matrices, shape (n, 3, 3) -> (n, 3) [rad]."""
+    level = np.hypot(turns[:, 2, 1], turns[:, 2, 2])
+    upright = level < UPRIGHT
+    roll = np.where(upright, 0.0, np.arctan2(turns[:, 2, 1], turns[:, 2, 2]))
+    yaw = np.where(upright, np.arctan2(-turns[:, 0, 1], turns[:, 1, 1]), np.arctan2(turns[:, 1, 0], turns[:, 0, 0]))
+    return np.column_stack([roll, np.arctan2(-turns[:, 2, 0], level), yaw])
 
 
 def _carried(r: ca.SX, omega: ca.SX, alpha: ca.SX) -> ca.SX:

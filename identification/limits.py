@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limited import Quantity, limited_coordinates, limited_struts, rotation_motion
+from identification.limited import Quantity, limited_coordinates, limited_struts, plane, rotation_motion
+from identification.limited_chain import frame_motion, joint_ranges
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, sensor_loads
 
@@ -156,12 +157,21 @@ Limited = Callable[[Motion, Case, bool], Iterable[Quantity]]
 
 def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
     """Coordinates and their derivatives."""
-    machine, workspace, limits = case.need_machine("the proof of limits")
-    return limited_coordinates(motion, machine, workspace, limits.motion, in_box)
+    home, limits = case.need_motion("the proof of limits")
+    reach: Iterable[Quantity]
+    if case.chain is not None:
+        reach = joint_ranges(motion, case.chain)
+    else:
+        machine, workspace, _ = case.need_machine("the proof of limits")
+        reach = [plane(motion, machine, workspace)]
+    return limited_coordinates(motion, home, limits, reach, in_box)
 
 
 def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
-    """Struts, joints, boxes, singularities and sensors: what takes the rotation of the platform to compute."""
+    """Struts, joints, boxes, singularities and sensors: what takes the rotation of the load to compute."""
+    if case.chain is not None:
+        yield from sensor_loads(*frame_motion(motion, case.chain), Loads.of(case))
+        return
     machine, workspace, limits = case.need_machine("the proof of limits")
     rotation = rotation_motion(motion)
     yield from limited_struts(motion, rotation, machine, workspace, limits.motion)

@@ -16,7 +16,8 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.frame import structure_matrix
 from identification.hexapod import Kinematics
-from identification.pose import gibbs, rotation, twist, twist_rate
+from identification.machine import Machine, machine_if_any
+from identification.pose import gibbs, rotation
 from identification.regressor_blocks import (
     FIRST_MOMENT,
     INERTIA,
@@ -66,6 +67,7 @@ class Model:
         structure: J^-T of the sensor frame, shape (6, 6).
         gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
         whitening: root of W that multiplies all rows of A, shape (6, 6); None for W = 1.
+        machine: in whose coordinates motions are planned; None where nothing is.
     """
 
     number: int
@@ -73,6 +75,18 @@ class Model:
     structure: Array
     gravity: Array
     whitening: Array | None = None
+    machine: Machine | None = None
+
+    @property
+    def coordinates(self) -> int:
+        """Number n of coordinates of the machine."""
+        return self._moved.count
+
+    @property
+    def _moved(self) -> Machine:
+        if self.machine is None:
+            raise IdentificationError("motions are planned for machines only; the case has none that moves the sensors")
+        return self.machine
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -147,12 +161,10 @@ class Model:
 
     @cached_property
     def coordinate_regressor(self) -> ca.Function:
-        """(pose, rates, accelerations) -> A, in the coordinates in which motions are planned."""
-        pose, rates, accelerations = (ca.SX.sym(n, 6) for n in ("pose", "rates", "accelerations"))
-        matrix = self.expression(
-            pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations)
-        )
-        return ca.Function("coordinate_regressor", [pose, rates, accelerations], [matrix], {"cse": True})
+        """(coordinates, rates, accelerations) -> A, in the coordinates in which motions are planned."""
+        state = [ca.SX.sym(name, self.coordinates) for name in ("coordinates", "rates", "accelerations")]
+        matrix = self.expression(*self._moved.frame(*state))
+        return ca.Function("coordinate_regressor", state, [matrix], {"cse": True})
 
     def matrices(self, positions: ArrayLike, rotations: ArrayLike, twists: ArrayLike, rates: ArrayLike) -> Array:
         """A for every sample, shape (n, 6, u).
@@ -201,7 +213,7 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
         blocks = (OFFSETS,)
     if case.sensor_frame.transducer is not None:
         blocks = tuple(WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
-    model = Model(number, blocks, structure_matrix(case.sensor_frame), case.gravity)
+    model = Model(number, blocks, structure_matrix(case.sensor_frame), case.gravity, machine=machine_if_any(case))
     for name in terms:
         if name not in ERROR_TERMS:
             raise IdentificationError(f"error term {name!r} is unknown; choose among {', '.join(ERROR_TERMS)}")

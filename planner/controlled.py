@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.machine import MotionLimits
 from cases.schema import Case
+from identification.limited import Box
 from identification.limits import PROOF_RATE, LimitReport, Status
 from identification.motion import Trajectory
 from identification.trajectories.profile import has_steps
@@ -62,12 +62,10 @@ def controlled(case: Case, controller: str | None) -> Controlled:
     guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
     if limits_jerk(guarantees.law):
         return Controlled(case, controller)
-    limits = case.need_machine("planning")[2]
-    freed = limits.model_copy(update={"motion": limits.motion.without_jerk()})
-    return Controlled(case.model_copy(update={"limits": freed}), controller, guarantees.jerk_time)
+    return Controlled(case.without_jerk(), controller, guarantees.jerk_time)
 
 
-def moves_in(box: MotionLimits, duration: float) -> float | None:
+def moves_in(box: Box, duration: float) -> float | None:
     """How many moves a duration has room for where accelerations step; None where jerk is limited.
 
     A good move then is one that just reaches its limit of velocity, or crosses the box before that.

@@ -179,7 +179,7 @@ class Fourier(FamilySettings):
         """
         if not (self.free_order or self.free_period):
             return (self,)
-        box = case.need_machine("planning")[2].motion
+        box = case.need_motion("planning")[1]
         meets = float(np.max(box.acceleration / box.rate)) / (2 * np.pi)
         cutoff = case.recording.filter_cutoff_Hz
         passed = np.inf if cutoff is None else cutoff / 2
@@ -213,7 +213,7 @@ class Fourier(FamilySettings):
 
 @dataclass(frozen=True, slots=True)
 class PointToPoint(FamilySettings):
-    """Straight moves in the six coordinates, each from rest to rest.
+    """Straight moves in the coordinates, each from rest to rest.
 
     Args:
         moves: 8 to 64; None for ten in three seconds, or where accelerations step as many as reach their velocity.
@@ -248,7 +248,7 @@ class PointToPoint(FamilySettings):
         """
         if self.moves is not None:
             return self.moves
-        fitting = moves_in(case.need_machine("planning")[2].motion, duration)
+        fitting = moves_in(case.need_motion("planning")[1], duration)
         return int(np.clip(round(MOVES_A_SECOND * duration if fitting is None else fitting), ptp.FEWEST, ptp.MOST))
 
     def require_plannable(self, case: Case, duration: float) -> None:
@@ -259,7 +259,7 @@ class PointToPoint(FamilySettings):
         """
         cycle = _cycle(case)
         own = self.controlled(case).case
-        box, count = own.need_machine("planning")[2].motion, self.count(own, duration)
+        box, count = own.need_motion("planning")[1], self.count(own, duration)
         number = 4 if box.limits_jerk else 2
         phases = number * ptp.SHORTEST_PHASE * cycle
         rise = 4 * HALF * float(np.min(box.acceleration / box.jerk))

@@ -126,10 +126,11 @@ class ForceBounds:
         return self.loads.forces(rotation_motion(motion), motion.accelerations[:, :3])
 
     def _check(self, most: Array, times: Array) -> LimitCheck:
-        row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most)), most.shape))
-        name, limit, worst = self.loads.labels[channel], self.loads.limit, float(most[row, channel])
+        row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most / self.loads.limit)), most.shape))
+        name, limit, worst = self.loads.labels[channel], float(self.loads.limit[channel]), float(most[row, channel])
+        unit = "N m" if self.loads.moments[channel] else "N"
         return LimitCheck(
-            f"sensor force ({name}, at most)", worst, limit, "N", worst / limit, float(times[row]), Status.PROVEN
+            f"sensor force ({name}, at most)", worst, limit, unit, worst / limit, float(times[row]), Status.PROVEN
         )
 
 
