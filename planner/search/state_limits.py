@@ -1,7 +1,7 @@
 """Limits that are non-linear in the coordinates, as CasADi expressions: those of the machine, and sensor forces.
 
-Each is in units of itself and satisfied where every component lies between -1 and 1. `identification.limits` proves them
-by other means.
+Each is in units of itself and satisfied where every component lies between -1 and 1. `identification.limits` proves
+them by other means.
 """
 
 from typing import NamedTuple

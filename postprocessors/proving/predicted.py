@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.chain import JointMotionLimits
 from cases.machine import MotionLimits
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
@@ -14,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def predicted(
-    part: Untimed, limits: MotionLimits, guarantees: Guarantees
+    part: Untimed, limits: MotionLimits | JointMotionLimits, guarantees: Guarantees
 ) -> StraightMove | CircularMove | StrutMove | None:
     """How a move will run; None where its start is not known or nothing moves.
 
@@ -35,6 +36,8 @@ def predicted(
         return _arc(part, part.start, limits, guarantees)
     feed = np.inf if part.feed is None else part.feed / part.length
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
+    if part.acceleration is not None:
+        velocity, acceleration = feed, part.acceleration / part.length
     return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
 
 
@@ -59,7 +62,7 @@ def strut_move(start: Array, end: Array, feed: float | None, guarantees: Guarant
     return StrutMove.between(drives.hexapod, start, end, law)
 
 
-def _arc(part: Untimed, start: Array, limits: MotionLimits, guarantees: Guarantees) -> CircularMove:
+def _arc(part: Untimed, start: Array, limits: MotionLimits | JointMotionLimits, guarantees: Guarantees) -> CircularMove:
     turn = part.turn
     assert turn is not None
     assert part.feed is not None
