@@ -3,9 +3,8 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
-from cases.chain import JointMotionLimits
-from cases.machine import MotionLimits
 from cases.schema import Case
+from identification.limited import Box
 from identification.limits import LimitCheck, Status
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.guarantees import Guarantees, family
@@ -30,7 +29,7 @@ class Answering:
     forces: ForceBounds | None
 
     @property
-    def limits(self) -> MotionLimits | JointMotionLimits:
+    def limits(self) -> Box:
         """Of excitations."""
         return self.case.need_motion("the check of a program")[1]
 

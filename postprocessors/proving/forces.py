@@ -10,10 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.chain import Chain, JointMotionLimits
-from cases.machine import MotionLimits
+from cases.chain import Chain
 from cases.schema import Case
-from identification.limited import rotation_motion
+from identification.limited import Box, rotation_motion
 from identification.limited_chain import frame_motion
 from identification.limits import LimitCheck, Status
 from identification.motion import Array, Motion, Trajectory
@@ -58,7 +57,7 @@ class ForceBounds:
     """
 
     loads: Loads
-    limits: MotionLimits | JointMotionLimits
+    limits: Box
     chain: Chain | None = None
 
     @classmethod
@@ -180,7 +179,7 @@ def _crossed_axes(angles: Array) -> dict[tuple[int, int], Array]:
 
 
 def _fastest(
-    move: StraightMove | CircularMove | StrutMove, tangent: Array, bend: Array, limits: MotionLimits | JointMotionLimits
+    move: StraightMove | CircularMove | StrutMove, tangent: Array, bend: Array, limits: Box
 ) -> tuple[float, float]:
     """Largest speed and acceleration of the share of the way under the limits of each coordinate [1/s, 1/s^2]."""
     way = np.abs(tangent).max(axis=0)

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.chain import JointMotionLimits
 from cases.machine import MotionLimits
 from cases.units import DEG, MM
+from identification.limited import Box
 from identification.limits import LimitCheck, Status, prove
 from identification.motion import Array, Standstill
 from postprocessors.proving.answering import Answering
@@ -49,7 +49,7 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
         yield kept or by.own(loose, WAY_HOME, Status.NOT_ENFORCED)
 
 
-def _of_joints(part: Untimed, by: Answering, limits: JointMotionLimits, clock: float) -> Iterable[LimitCheck]:
+def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Iterable[LimitCheck]:
     """Limits of the joints of a chain, of which nobody knows how far each will move."""
     share = by.case.need_controller("the check of a program").safe_share
     feed = np.inf if part.feed is None else part.feed

@@ -4,16 +4,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from cases.chain import JointMotionLimits
-from cases.machine import MotionLimits
+from identification.limited import Box
 from identification.limits import LimitCheck, Status
 from identification.motion import Array
 from identification.trajectories.polynomial import PolynomialMotion
 
 
-def joint_checks(
-    motion: PolynomialMotion, limits: MotionLimits | JointMotionLimits, cycle: float, clock: float
-) -> Iterable[LimitCheck]:
+def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: float) -> Iterable[LimitCheck]:
     """Accelerations and jerks that steps between pieces amount to, at rest before the first and after the last.
 
     A step dv of a rate within a cycle c is an acceleration of dv / c and, up and down again, a jerk of 2 dv / c^2; a
@@ -41,7 +38,7 @@ def _worst(
     angular: str,
     values: Array,
     most: Array,
-    limits: MotionLimits | JointMotionLimits,
+    limits: Box,
     times: Array,
 ) -> Iterable[LimitCheck]:
     for kind, unit, own in ((name, linear, ~limits.turns), (f"angular {name}", angular, limits.turns)):

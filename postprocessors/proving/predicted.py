@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.chain import JointMotionLimits
-from cases.machine import MotionLimits
+from identification.limited import Box
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
 from identification.trajectories.strut_move import NoStrutMove, StrutMove
@@ -14,9 +13,7 @@ from postprocessors.proving.stretches import Untimed
 Array = NDArray[np.float64]
 
 
-def predicted(
-    part: Untimed, limits: MotionLimits | JointMotionLimits, guarantees: Guarantees
-) -> StraightMove | CircularMove | StrutMove | None:
+def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMove | CircularMove | StrutMove | None:
     """How a move will run; None where its start is not known or nothing moves.
 
     Args:
@@ -62,7 +59,7 @@ def strut_move(start: Array, end: Array, feed: float | None, guarantees: Guarant
     return StrutMove.between(drives.hexapod, start, end, law)
 
 
-def _arc(part: Untimed, start: Array, limits: MotionLimits | JointMotionLimits, guarantees: Guarantees) -> CircularMove:
+def _arc(part: Untimed, start: Array, limits: Box, guarantees: Guarantees) -> CircularMove:
     turn = part.turn
     assert turn is not None
     assert part.feed is not None

@@ -4,15 +4,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from cases.chain import JointMotionLimits
-from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.limited import Box
 from identification.motion import Array
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
 from postprocessors.reading.words import Reading, Stand, Switch
 
-AT_HOME = 2e-8  # [m, rad] the last decimal of a program
+AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
 
 
 def remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> tuple[str, ...]:
@@ -62,10 +61,11 @@ def _end_of(part: Timed | Untimed) -> Array:
     return part.end if isinstance(part, Untimed) else part.points.at([part.points.duration]).pose[0]
 
 
-def _away(pose: Array, home: Array, limits: MotionLimits | JointMotionLimits) -> str:
-    off = np.abs(pose - home)
-    if np.all(off <= AT_HOME):
+def _away(pose: Array, home: Array, limits: Box) -> str:
+    off = np.abs(pose - home) / np.where(limits.turns, AT_HOME[1], AT_HOME[0])
+    if np.all(off <= 1.0):
         return ""
     k = int(np.argmax(off))
     unit, name = (DEG, "deg") if limits.turns[k] else (MM, "mm")
-    return f"where {limits.labels[k]} is {home[k] / unit:g} {name}, but to {pose[k] / unit:g} {name}"
+    label = limits.labels[k].upper() if len(limits.labels[k]) == 1 else limits.labels[k]
+    return f"where {label} is {home[k] / unit:g} {name}, but to {pose[k] / unit:g} {name}"
