@@ -128,17 +128,18 @@ def excitation_program(
     Raises:
         CaseError: the case has no machine or no controller.
     """
-    home, limits = case.need_motion("a program")
+    home, box = case.need_motion("a program")
     controller = case.need_controller("a program")
+    safe = controller.safe_share if case.chain is not None else controller.safe_feed
     first, last = trajectory.at([0.0, trajectory.duration]).pose
-    blocks: list[Block] = [ToHome(home, controller.safe_feed * min(1.0, speed))]
+    blocks: list[Block] = [ToHome(home, safe * min(1.0, speed))]
     excitation = motion_blocks("excitation", trajectory, controller.block, speed)
     own_time = not any(isinstance(b, TimedPath | SplinePath) for b in excitation)
 
     def straight(name: str, start: Array, end: Array) -> None:
         if np.max(np.abs(end - start)) < SAME:
             return
-        share = [APPROACH_SHARE * limit for limit in (limits.rate, limits.acceleration, limits.jerk)]
+        share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]
         move = StraightMove.fastest(start, end, *share)
         if own_time:
             blocks.extend([Comment(name), *motion_blocks(name, move, controller.block, speed)])

@@ -1,6 +1,6 @@
 """Who answers for a limit that a controller's own time law decides."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from cases.schema import Case
@@ -42,14 +42,16 @@ class Answering:
         found = self.answer(check.name) if status is None else status
         return replace(check, name=_renamed(check.name, where), status=found, binding=False)
 
-    def forces_kept(self, bound: Callable[[ForceBounds], LimitCheck], where: str = "") -> LimitCheck | None:
-        """Proven sensor forces; None where what the controller lets pass could be too much for the sensors.
+    def forces_kept(
+        self, kind: str, bound: Callable[[ForceBounds], Iterable[LimitCheck]], where: str = ""
+    ) -> LimitCheck | None:
+        """Proven sensor forces or moments; None where what the controller lets pass could be too much for the sensors.
 
         No controller knows forces of sensors. They are bounded where it keeps velocities and accelerations.
         """
         if self.forces is None or not {"velocity", "acceleration"} <= self.guarantees.enforced:
             return None
-        check = bound(self.forces)
+        check = next(c for c in bound(self.forces) if family(c.name) == kind)
         return replace(check, name=_renamed(check.name, where)) if check.ratio <= 1.0 else None
 
 

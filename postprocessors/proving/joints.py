@@ -18,35 +18,40 @@ def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: flo
 
     Args:
         motion: pieces one after the other.
-        limits: of accelerations and jerks.
+        limits: of rates and accelerations.
         cycle: of the controller [s].
         clock: when the motion starts [s].
     """
-    rest = np.zeros((1, len(limits.labels)))
+    rest = np.zeros((1, len(limits.rate)))
     dv, da = (
         np.abs(np.vstack([motion.at_starts(order), rest]) - np.vstack([rest, motion.at_ends(order)]))
         for order in (1, 2)
     )
     times = motion.times + clock
-    yield from _worst("acceleration", "m/s^2", "rad/s^2", dv / cycle, limits.acceleration, times, limits)
-    yield from _worst("jerk", "m/s^3", "rad/s^3", np.maximum(da / cycle, 2 * dv / cycle**2), limits.jerk, times, limits)
+    yield from _worst("acceleration", "m/s^2", "rad/s^2", dv / cycle, limits.acceleration, limits, times)
+    yield from _worst("jerk", "m/s^3", "rad/s^3", np.maximum(da / cycle, 2 * dv / cycle**2), limits.jerk, limits, times)
 
 
 def _worst(
-    name: str, linear: str, angular: str, values: Array, most: Array, times: Array, limits: Box
+    name: str,
+    linear: str,
+    angular: str,
+    values: Array,
+    most: Array,
+    limits: Box,
+    times: Array,
 ) -> Iterable[LimitCheck]:
-    for kind, unit, axes in ((name, linear, ~limits.turns), (f"angular {name}", angular, limits.turns)):
-        if not axes.any():
+    for kind, unit, own in ((name, linear, ~limits.turns), (f"angular {name}", angular, limits.turns)):
+        if not own.any():
             continue
-        ratio = np.nan_to_num(values[:, axes] / most[axes], nan=np.inf)
-        row, column = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-        k = int(np.flatnonzero(axes)[column])
+        ratio = np.where(own, np.nan_to_num(values / most, nan=np.inf), -1.0)
+        row, k = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
         yield LimitCheck(
             f"{kind} ({limits.labels[k]}, step between blocks)",
             float(values[row, k]),
             float(most[k]),
             unit,
-            float(ratio[row, column]),
+            float(ratio[row, k]),
             float(times[row]),
             Status.PROVEN,
         )

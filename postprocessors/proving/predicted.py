@@ -33,6 +33,8 @@ def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMov
         return _arc(part, part.start, limits, guarantees)
     feed = np.inf if part.feed is None else part.feed / part.length
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
+    if part.acceleration is not None:
+        velocity, acceleration = feed, part.acceleration / part.length
     return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
 
 
