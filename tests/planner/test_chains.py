@@ -7,6 +7,7 @@ import pytest
 
 from cases.errors import CaseError, HexciteError, IdentificationError
 from cases.loading import load_case
+from cases.recording import WRENCH
 from cases.schema import Case
 from identification.chain import SerialChain
 from identification.evaluate import over_samples
