@@ -7,11 +7,12 @@ from pydantic import Field
 from cases.controller_setpoints import Setpoints
 from cases.controller_sinumerik import Sinumerik
 from cases.controller_twincat import TwinCat
+from cases.controller_urscript import UrScript
 from cases.errors import CaseError
 from cases.parts import Part, Positive
 from cases.units import MINUTE, MM, MS
 
-Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints)
+Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints, UrScript)
 
 
 class LinuxCnc(Part):
@@ -40,7 +41,7 @@ class Controller(Part):
     """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
     at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
     turn, under the limits of `[limits.motion]`)."""
-    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints"] | None = None
+    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2"] | None = None
     """The controller whose time law point-to-point plans are made for (`hexcite plan --for`). Without it all limits of
     `[limits.motion]` count, those of jerk too."""
     linuxcnc: LinuxCnc | None = None
@@ -49,6 +50,7 @@ class Controller(Part):
     sinumerik: Sinumerik | None = None
     twincat: TwinCat | None = None
     setpoints: Setpoints | None = None
+    urscript: UrScript | None = None
 
     @property
     def cycle(self) -> float:
@@ -86,6 +88,10 @@ class Controller(Part):
     def need_setpoints(self, case: str) -> Setpoints:
         """Settings of setpoint tables; raises CaseError where the case has none."""
         return _needed(self.setpoints, case, "setpoints")
+
+    def need_urscript(self, case: str) -> UrScript:
+        """Settings of URScript programs; raises CaseError where the case has none."""
+        return _needed(self.urscript, case, "urscript")
 
 
 def _needed(settings: Settings | None, case: str, name: str) -> Settings:
