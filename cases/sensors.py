@@ -10,7 +10,7 @@ from cases.disturbances import Disturbances
 from cases.geometry import WORST_CONDITION, condition_of_lines
 from cases.machine import Joints
 from cases.parts import Array, NonNegative, Number, Part, Positive, Six, Vector, frozen
-from cases.units import MM, MS, UM
+from cases.units import DEG, MM, MS, UM
 
 LEAST_LENGTH_MM, MOST_LENGTH_MM = 0.1, 10_000.0  # of errors that depend on the pose: others are metres or radians
 
@@ -182,7 +182,7 @@ class Truth(Part):
 
     body: RigidBody
     offsets_N: Six
-    compensation: Compensation
+    compensation: Compensation = Compensation(k0_N_m=0.0, k1_Nm_m=0.0, k2_N=0.0, k3_Nm=0.0)
 
 
 class Simulation(Part):
@@ -191,7 +191,12 @@ class Simulation(Part):
     source: str
     parameters: Truth
     encoder_resolution_um: NonNegative
+    """Of drives that slide."""
+    encoder_resolution_mdeg: NonNegative = 0.0
+    """Of joints that turn."""
     force_noise_N: NonNegative
+    moment_noise_Nm: NonNegative | None = None
+    """Of the moments of a force/torque sensor; the number of `force_noise_N` unless given."""
     force_delay_ms: NonNegative
     force_sampling_offset_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
     encoder_rate_Hz: Positive
@@ -204,8 +209,19 @@ class Simulation(Part):
 
     @property
     def encoder_resolution(self) -> float:
-        """Step of the strut encoders [m]."""
+        """Step of the encoders of drives that slide [m]."""
         return self.encoder_resolution_um * UM
+
+    @property
+    def turning_resolution(self) -> float:
+        """Step of the encoders of joints that turn [rad]."""
+        return self.encoder_resolution_mdeg * MM * DEG
+
+    @property
+    def force_noise(self) -> Array:
+        """Standard deviation of each channel, shape (6,) [N, or N and N m]."""
+        moments = self.force_noise_N if self.moment_noise_Nm is None else self.moment_noise_Nm
+        return frozen([self.force_noise_N] * 3 + [moments] * 3)
 
     @property
     def acceleration_noise(self) -> Array:

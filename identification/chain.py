@@ -40,6 +40,21 @@ class SerialChain:
         """The chain of a case; raises CaseError where its machine is none."""
         return cls(case.need_chain("the kinematics")[0])
 
+    @property
+    def of_pose(self) -> bool:
+        """They are those of the joints."""
+        return False
+
+    @property
+    def elastic(self) -> bool:
+        """The error terms are those of a hexapod's platform."""
+        return False
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which joints turn, shape (n,)."""
+        return np.array([joint.turns for joint in self.chain.joints])
+
     def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
         """Motion of {P} in {B}."""
         return Frame(*self._motion(q, rates, accelerations))
@@ -48,6 +63,10 @@ class SerialChain:
         """A chain has no limits yet beside those of its joints."""
         del case, q, rates, accelerations
         return []
+
+    def positions(self, coordinates: Array) -> Array:
+        """Of the sensor, shape (k, 3) [m]."""
+        return over_samples(self.pose, coordinates)[0][:, :3]
 
     def drives(self, coordinates: ArrayLike) -> Array:
         """Encoders measure the joints themselves, shape (k, n) [rad or m]."""

@@ -89,6 +89,21 @@ class Hexapod:
         """Coordinates of a pose."""
         return 6
 
+    @property
+    def of_pose(self) -> bool:
+        """They are."""
+        return True
+
+    @property
+    def elastic(self) -> bool:
+        """A platform's deformation makes forces."""
+        return True
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Struts slide."""
+        return np.zeros(6, dtype=bool)
+
     def frame(self, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
         """Motion of {P} in {B} from the pose and its derivatives, (37) and (38)."""
         return Frame(pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations))
@@ -96,6 +111,10 @@ class Hexapod:
     def shares(self, case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Limits of struts, joints, singularities and boxes."""
         return hexapod_shares(self, case, pose, rates, accelerations)
+
+    def positions(self, coordinates: Array) -> Array:
+        """Of poses, shape (n, 3) [m]."""
+        return coordinates[:, :3]
 
     def drives(self, coordinates: ArrayLike) -> Array:
         """Strut lengths of poses, shape (n, 6) [m]."""

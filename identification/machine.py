@@ -58,12 +58,31 @@ class Machine(Protocol):
         """Number of coordinates n."""
         ...
 
+    @property
+    def of_pose(self) -> bool:
+        """Whether its coordinates are the pose (x, y, z, roll, pitch, yaw) of the load's frame."""
+        ...
+
+    @property
+    def elastic(self) -> bool:
+        """Whether its sensors err with the pose as the error terms K1 to K5 say."""
+        ...
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which drives measure angles, shape (n,)."""
+        ...
+
     def frame(self, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
         """Motion of the load's frame from coordinates and their derivatives, shapes (n,)."""
         ...
 
     def shares(self, case: Case, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Limits of the case beside those of the coordinates, for the search; the proof has its own."""
+        ...
+
+    def positions(self, coordinates: Array) -> Array:
+        """Where the origin of the load's frame is, shape (k, 3) [m]."""
         ...
 
     def drives(self, coordinates: ArrayLike) -> Array:

@@ -36,6 +36,8 @@ from identification.regressor_blocks import (
 
 Array = NDArray[np.float64]
 
+RIGID = 6  # the model of a rigid body and offsets
+
 _STATIC = (MASS, FIRST_MOMENT, OFFSETS)
 _DYNAMIC = (MASS, FIRST_MOMENT, INERTIA, OFFSETS)
 
@@ -190,6 +192,12 @@ def expected_forces(model: Model, kinematics: Kinematics, values: Array) -> Arra
     return over_samples(model.pose_forces, kinematics.pose, kinematics.twist, kinematics.twist_rate, u)[0]
 
 
+def full_model(case: Case) -> int:
+    """Number in Table 2 of the model with all that a motion of a machine can tell: 9, without error terms 6."""
+    machine = machine_if_any(case)
+    return 9 if machine is None or machine.elastic else RIGID
+
+
 def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> Model:
     """The model of Table 2 for the sensor frame of a case.
 
@@ -217,7 +225,12 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
     for name in terms:
         if name not in ERROR_TERMS:
             raise IdentificationError(f"error term {name!r} is unknown; choose among {', '.join(ERROR_TERMS)}")
-    if not terms:
-        return model
-    body = tuple(b for b in model.blocks if b not in ERROR_TERMS.values())
-    return replace(model, blocks=(*body, *(block for name, block in ERROR_TERMS.items() if name in terms)))
+    if terms:
+        body = tuple(b for b in model.blocks if b not in ERROR_TERMS.values())
+        model = replace(model, blocks=(*body, *(block for name, block in ERROR_TERMS.items() if name in terms)))
+    if model.machine is not None and not model.machine.elastic and set(model.blocks) & set(ERROR_TERMS.values()):
+        raise IdentificationError(
+            f"model {number} has error terms (K1 to K5) of a hexapod's platform; of a chain choose model {RIGID}, or 0 "
+            "for standstills"
+        )
+    return model

@@ -6,6 +6,7 @@ from typing import TypedDict, Unpack
 from threadpoolctl import threadpool_limits
 
 from cases.schema import Case
+from identification.model import full_model
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.plan import Plan
 from planner.planning import make_until_ctrl_c
@@ -26,7 +27,7 @@ class Settings(TypedDict, total=False):
 
     Attributes:
         criterion: letter of Table 4.
-        model: number in Table 2.
+        model: number in Table 2; the one with all that the machine can tell unless given.
         payload: number of the case's payloads that are mounted, at most.
         payload_from: at least, where that is another number.
         targets: standard deviations to be met, such as `("m=0.05kg",)`; the duration is then the longest allowed.
@@ -90,7 +91,9 @@ def plan(
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
-    return planned(Request(PointToPoint() if family is None else family, duration, **settings), case, progress)
+    settings.setdefault("model", full_model(case))
+    request = Request(PointToPoint() if family is None else family, duration, **settings)
+    return planned(request, case, progress)
 
 
 def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:

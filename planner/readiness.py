@@ -16,7 +16,7 @@ def require_plannable(request: Request, case: Case) -> None:
         InfeasiblePlan: standing still in the middle of the motion box passes a limit.
         FileProblem: the sequence cannot be used.
     """
-    case.need_machine("planning")
+    case.need_motion("planning")
     identification_model(case, request.model)
     case.body(request.payload)
     parse_targets(request.targets, case, request.model)

@@ -170,9 +170,8 @@ class SplineFamily:
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""
-        unknowns = np.repeat(draw.normal(size=(self.unknowns // 6 + 1, len(self.middle))), 6, axis=0)[
-            : self.unknowns
-        ].ravel()
+        steps = draw.normal(size=(self.unknowns // 6 + 1, len(self.middle)))
+        unknowns = np.repeat(steps, 6, axis=0)[: self.unknowns].ravel()
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
     def table(self, unknowns: Array) -> Array:

@@ -75,7 +75,7 @@ def _in_box(case: Case, file: str) -> dict[str, Any]:
         raise CaseError(
             file,
             "machine.home",
-            f"is out of reach: {broken.sentence(timed=False)}; move home or {remedy(broken)}",
+            f"is out of reach: {broken.sentence(timed=False)}; move home or {remedy(broken, case)}",
         )
     report = prove(StandingPoses(poses), case, 1.0)
     return {

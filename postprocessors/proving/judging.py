@@ -6,9 +6,17 @@ from dataclasses import replace
 import numpy as np
 
 from cases.errors import ProgramError
-from cases.machine import MotionLimits
-from identification.limited import rates, velocities
-from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at, worst_case, worst_of
+from identification.limits import (
+    PROOF_RATE,
+    LimitCheck,
+    LimitReport,
+    Status,
+    of_velocities,
+    prove,
+    prove_at,
+    worst_case,
+    worst_of,
+)
 from identification.motion import Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion
@@ -171,10 +179,5 @@ def _asked(
         return
     steady = replace(motion, profile=Steady(1.0 / speed))
     t = np.linspace(0.0, steady.duration, FEWEST + 1)
-    at = steady.at(t)
-    if isinstance(by.limits, MotionLimits):
-        asked = velocities(at, by.case.need_machine("the check of a program")[0], by.limits)
-    else:
-        asked = rates(at, by.limits)
-    for quantity in asked:
+    for quantity in of_velocities(steady.at(t), by.case):
         yield worst_case(quantity, t + clock)
