@@ -1,7 +1,7 @@
 """Writes URScript: `movej` with acceleration and speed of the leading joint, without blends, never with a time.
 
-The controller covers a way D of the joint that moves most, the others in proportion, as a trapezoid: it takes D / v + v / a,
-or 2 sqrt(D / a) where v is not reached. What ramps a stated time would have is not documented.
+The controller covers a way D of the joint that moves most, the others in proportion, as a trapezoid: it takes
+D / v + v / a, or 2 sqrt(D / a) where v is not reached. What ramps a stated time would have is not documented.
 """
 
 import numpy as np

@@ -5,6 +5,7 @@ Between points with position, rate and acceleration `joint_trajectory_controller
 """
 
 import re
+from itertools import pairwise
 from typing import NamedTuple, NoReturn
 
 import numpy as np
@@ -110,14 +111,12 @@ def _events(reader: _Reader, points: list[_Point], count: int) -> list[Event]:
         if point.state[1:].any():
             reader.fail(point.line, f"the motion {what} with a velocity or acceleration; it must be at rest there")
     events: list[Event] = [Stand(first.line, first.state[0]), Pause(first.line, first.time)]
-    for before, after in zip(points, points[1:], strict=False):
+    for before, after in pairwise(points):
         duration = after.time - before.time
         if not duration > 0.0:
             reader.fail(after.line, f"time_from_start {after.time:g} s is not after the point before; correct it")
-        still = np.array_equal(before.state[0], after.state[0]) and not (
-            before.state[1:].any() or after.state[1:].any()
-        )
-        if still:
+        resting = not (before.state[1:].any() or after.state[1:].any())
+        if resting and np.array_equal(before.state[0], after.state[0]):
             events.append(Pause(after.line, duration))
         else:
             events.append(Polynomial(after.line, _quintic(before.state, after.state, duration), duration))

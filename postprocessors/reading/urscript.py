@@ -47,9 +47,7 @@ def read_urscript(content: bytes, file: str, case: Case) -> Reading:
     settings = case.need_controller("a URScript program").need_urscript(case.name)
     chain, limits = case.need_chain("a URScript program")
     if len(chain.joints) != JOINTS or not limits.turns.all():
-        problem = (
-            f"URScript moves {JOINTS} joints that turn, case {case.name} has another chain; choose a dialect for it"
-        )
+        problem = f"URScript moves {JOINTS} joints that turn; case {case.name} has others, choose another dialect"
         raise ProgramError(file, 0, 0, problem)
     return _Interpreter(file, settings).read(program_lines(content.decode("latin-1"), file, LONGEST_LINE))
 
