@@ -18,12 +18,10 @@ from cases.controller import Controller
 from cases.errors import CaseError
 from cases.machine import Limits, Machine, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
-from cases.payloads import Payloads
 from cases.poses import Poses
-from cases.recording import RecordingFormat
-from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.shown import as_html
-from cases.units import MINUTE, MM
+from cases.recording import STRUTS, RecordingFormat
+from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
+from cases.units import MINUTE, MM, as_html
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
@@ -245,6 +243,11 @@ class Case(Part):
     def chain(self) -> Chain | None:
         """The chain of joints, where the machine is one."""
         return self.machine.chain if isinstance(self.machine, SerialMachine) else None
+
+    @property
+    def drive_columns(self) -> tuple[str, ...]:
+        """Columns of recorded drives: struts of a hexapod, joints of a chain."""
+        return STRUTS if self.chain is None else self.chain.columns
 
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
         """Chain and limits of motion.

@@ -10,9 +10,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.payloads import Payloads
 from cases.schema import Case
-from cases.sensors import RigidBody, SensorFrame
+from cases.sensors import Payloads, RigidBody, SensorFrame
 from identification.frame import structure_matrix
 from identification.limited import Quantity, rotation_motion
 from identification.motion import Motion

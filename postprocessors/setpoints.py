@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases.errors import HexciteError, ProgramError
-from cases.recording_columns import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
+from cases.recording import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod

@@ -6,7 +6,7 @@ D / v + v / a, or 2 sqrt(D / a) where v is not reached. What ramps a stated time
 
 import numpy as np
 
-from cases.controller_urscript import UrScript
+from cases.controller import UrScript
 from cases.errors import HexciteError
 from cases.schema import Case
 from postprocessors.program import (

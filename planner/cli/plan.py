@@ -101,7 +101,7 @@ def plan(
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import load_case
     from identification.model import full_model
-    from planner.cli.saving import save_with_page
+    from planner.cli.console import save_with_page
     from planner.families.settings import family_class
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned

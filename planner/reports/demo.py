@@ -10,8 +10,8 @@ from identification.trajectories.path import instants
 from planner.demo import Demo
 from planner.precision import std_text, value_text
 from planner.reports.charts import AXES, Chart
-from planner.reports.figures import COLOURS, errors_plot, limits_plot, motion_plots
-from planner.reports.identify import delay_words, identifiability_items, noise_tile, residual_items, run_inputs
+from planner.reports.figures import COLOURS, errors_plot, identifiability_items, limits_plot, motion_plots
+from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
 from planner.reports.machine import moving_machine
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, thinned
 from planner.reports.plan import starts_items

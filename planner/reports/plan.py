@@ -16,14 +16,12 @@ from identification.noise.pose_field import PoseField
 from identification.overload import SHARE, load_shares, sensor_forces
 from identification.parameters import physical_form
 from identification.provenance import provenance
-from identification.recording import force_columns
 from identification.reference import reference_scaling
 from planner.comparison.beside_manual import Beside
 from planner.plan import Plan
 from planner.precision import std_text
 from planner.reports.charts import Chart
-from planner.reports.figures import COLOURS, GREY, limits_plot, motion_plots
-from planner.reports.identify import identifiability_items
+from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots
 from planner.reports.machine import moving_machine
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
 from planner.search.last_words import solver_text
@@ -186,7 +184,7 @@ def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
     forces = sensor_forces(*rotation_motion(motion), motion.accelerations[:, :3], case.body(payload), case)
     of = case.sensors.range_N
     limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
-    columns = force_columns(case)
+    columns = case.sensor_frame.channels
     unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
     words = f"With {payload} payloads, offsets and compensation apart."
     plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)

@@ -11,11 +11,10 @@ from typing import NoReturn
 
 import numpy as np
 
-from cases.controller_urscript import UrScript
+from cases.controller import UrScript
 from cases.errors import ProgramError
 from cases.schema import Case
-from postprocessors.reading.lines import program_lines
-from postprocessors.reading.words import Event, Move, Pause, Reading, Switch, Timing
+from postprocessors.reading.words import Event, Move, Pause, Reading, Switch, Timing, program_lines
 
 JOINTS = 6
 LARGEST = 1e4  # rad, rad/s, rad/s^2, s: no robot has such numbers

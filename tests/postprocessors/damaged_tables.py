@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postprocessors.reading.setpoint_table import COLUMNS
+from postprocessors.reading.setpoints import COLUMNS
 from tests.postprocessors.tables import (
     ACCELERATIONS,
     POSE,

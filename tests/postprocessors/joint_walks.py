@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cases.controller_urscript import UrScript
+from cases.controller import UrScript
 from cases.loading import load_case
 from cases.schema import Case
 from identification.motion import Joined

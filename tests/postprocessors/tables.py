@@ -21,7 +21,7 @@ from planner.families.fourier import FourierFamily
 from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.reading.setpoint_table import COLUMNS, METADATA, UNITS
+from postprocessors.reading.setpoints import COLUMNS, METADATA, UNITS
 from postprocessors.setpoints import DECIMALS, write_parquet
 from tests.helpers import one_line
 from tests.postprocessors.independent import derivatives_reached, share_of_limits, strut_lengths

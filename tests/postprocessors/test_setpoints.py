@@ -20,7 +20,7 @@ from postprocessors.execute.virtual import run_virtual
 from postprocessors.program import Dwell, NeutralProgram, PointToPoint, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Still, Timed, stretches
-from postprocessors.reading.setpoint_table import COLUMNS
+from postprocessors.reading.setpoints import COLUMNS
 from postprocessors.setpoints import write_csv, write_parquet
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
