@@ -6,7 +6,7 @@ Keys of the file carry their unit; properties without a unit in their name are S
 import hashlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import accumulate
 from typing import Annotated, Any, Literal, NoReturn
@@ -21,7 +21,7 @@ from cases.parts import Array, Part, Vector, frozen
 from cases.poses import Poses
 from cases.recording import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.units import MINUTE, MM, as_html
+from cases.units import MINUTE, MM, as_html, coordinate_words, pose_words
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
@@ -278,6 +278,12 @@ class Case(Part):
             return chain.home, limits
         machine, _, of_pose = self.need_machine(purpose)
         return machine.home.vector, of_pose.motion
+
+    def words(self, coordinates: Iterable[float]) -> str:
+        """Coordinates of the machine, shape (n,) [m or rad], in words."""
+        if self.chain is None:
+            return pose_words(coordinates)
+        return coordinate_words(coordinates, self.chain.names, [joint.turns for joint in self.chain.joints])
 
     def without_jerk(self) -> "Case":
         """The same where jerks are not limited, as for a controller whose accelerations step."""

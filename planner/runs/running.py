@@ -91,8 +91,10 @@ class Outcome:
     plan_hash: str | None = None
 
 
-def best_controller() -> tuple[str, str]:
-    """The real controller if it is installed, else the virtual one, with the reason."""
+def best_controller(dialect: str = "linuxcnc") -> tuple[str, str]:
+    """The real controller if it is installed and runs programs of a dialect, else the virtual one, with the reason."""
+    if dialect != "linuxcnc":
+        return "virtual", "no real controller here runs such programs"
     reason = linuxcnc_missing()
     return ("linuxcnc", "LinuxCNC is installed") if reason is None else ("virtual", reason)
 
