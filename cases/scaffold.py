@@ -256,6 +256,7 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
 _OF_A_HEXAPOD = frozenset({"poses", "retime", "post --dialect sinumerik", "post --dialect twincat", "validate"})
 _OF_A_CHAIN = frozenset({"post --dialect urscript", "post --dialect ros2"})
+_NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains do not need
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
 
 
@@ -288,7 +289,7 @@ def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
     elif case.hexapod is not None and command in _OF_A_CHAIN:
         yield "a chain of joints (the machine is a hexapod)"
     else:
-        yield from _missing(case, tuple(key for key in keys if case.chain is None or key != "workspace"))
+        yield from _missing(case, tuple(key for key in keys if case.chain is None or key not in _NOT_OF_A_CHAIN))
 
 
 def _missing(case: Case, keys: tuple[str, ...]) -> Iterator[str]:

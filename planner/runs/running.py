@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
-from identification.machine import machine_of
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
+from identification.machine import machine_of
 from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case
