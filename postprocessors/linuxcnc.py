@@ -4,6 +4,8 @@ Point-to-point moves are G1 with exact stop (G61), arcs G2 and G3, timed paths a
 (G93). Of a chain there are moves only: paths would be cut where rotary axes turn round.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from cases.errors import HexciteError
@@ -60,7 +62,7 @@ class _Writer:
         chain: whether the axes are the joints of a chain.
     """
 
-    def __init__(self, axes: str, limits: Box, headroom: float, block: float, chain: bool) -> None:
+    def __init__(self, axes: Sequence[str], limits: Box, headroom: float, block: float, chain: bool) -> None:
         self.axes, self.limits, self.chain = axes, limits, chain
         self.acceleration = headroom * limits.acceleration
         self.block = block
@@ -153,9 +155,9 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
         CaseError: the case has no machine or no controller.
     """
     limits, controller = case.need_motion("a program")[1], case.need_controller("a program")
-    timed = any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
+    timed = case.chain is None and any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
     headroom = controller.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
-    axes = "XYZABC" if case.chain is None else "".join(case.chain.names)
+    axes = tuple("XYZABC") if case.chain is None else case.chain.names
     writer = _Writer(axes, limits, headroom, controller.block, case.chain is not None)
     lines = [c for line in (*program.header, OFFSETS) for c in _comments(line)]
     # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.
