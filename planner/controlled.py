@@ -16,7 +16,7 @@ from postprocessors.dialects import DIALECTS, dialect
 from postprocessors.proving.guarantees import family, limits_jerk
 from postprocessors.reading.words import Reading
 
-CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints")
+CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
 
 
 class Controlled(NamedTuple):
