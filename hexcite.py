@@ -13,76 +13,51 @@ Values are in SI and radians. Each has a short `repr`, `save` and `load`; `hx.re
 page. What stands here is public, and nothing else. It is imported when it is first used.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from cases.door import door
+
 if TYPE_CHECKING:
-    from cases.errors import HexciteError as HexciteError
-    from cases.loading import load_case as load_case
-    from cases.schema import Case as Case
-    from identification.estimation.estimators import method as method
-    from identification.outcome import Result as Result
-    from identification.outcome import force as force
-    from identification.outcome import tare as tare
-    from identification.recording import Recording as Recording
-    from identification.recording import read as read
-    from planner.bounds.kept import bound as bound
-    from planner.comparison.advising import compare as compare
-    from planner.demo import demo as demo
-    from planner.families.settings import Fourier as Fourier
-    from planner.families.settings import Manual as Manual
-    from planner.families.settings import PointToPoint as PointToPoint
-    from planner.families.settings import Spline as Spline
-    from planner.library import plan as plan
-    from planner.library import plan_poses as plan_poses
-    from planner.plan import Plan as Plan
-    from planner.reports.report import report as report
-    from planner.retiming.plan import retime as retime
-    from planner.runs.identified import identify as identify
-    from planner.runs.running import run as run
-    from planner.runs.writing import write as write
-    from planner.validation.validate import validate as validate
-    from postprocessors.export.targets import export as export
-    from postprocessors.files import Program as Program
-    from postprocessors.files import read_program as read_program
+    from cases import Case as Case
+    from cases import HexciteError as HexciteError
+    from cases import load_case as load_case
+    from identification import Finding as Finding
+    from identification import Look as Look
+    from identification import Recording as Recording
+    from identification import Result as Result
+    from identification import force as force
+    from identification import look as look
+    from identification import method as method
+    from identification import read as read
+    from identification import tare as tare
+    from planner import Fourier as Fourier
+    from planner import Manual as Manual
+    from planner import Plan as Plan
+    from planner import PointToPoint as PointToPoint
+    from planner import Spline as Spline
+    from planner import bound as bound
+    from planner import compare as compare
+    from planner import demo as demo
+    from planner import identify as identify
+    from planner import plan as plan
+    from planner import plan_poses as plan_poses
+    from planner import report as report
+    from planner import retime as retime
+    from planner import run as run
+    from planner import validate as validate
+    from planner import write as write
+    from postprocessors import Program as Program
+    from postprocessors import read_program as read_program
+    from postprocessors.export import export as export
 
-_PLACES = {
-    "HexciteError": "cases.errors",
-    "load_case": "cases.loading",
-    "Case": "cases.schema",
-    "method": "identification.estimation.estimators",
-    "Result": "identification.outcome",
-    "force": "identification.outcome",
-    "tare": "identification.outcome",
-    "Recording": "identification.recording",
-    "read": "identification.recording",
-    "bound": "planner.bounds.kept",
-    "compare": "planner.comparison.advising",
-    "demo": "planner.demo",
-    "Fourier": "planner.families.settings",
-    "Manual": "planner.families.settings",
-    "PointToPoint": "planner.families.settings",
-    "Spline": "planner.families.settings",
-    "plan": "planner.library",
-    "plan_poses": "planner.library",
-    "Plan": "planner.plan",
-    "report": "planner.reports.report",
-    "retime": "planner.retiming.plan",
-    "identify": "planner.runs.identified",
-    "run": "planner.runs.running",
-    "write": "planner.runs.writing",
-    "validate": "planner.validation.validate",
-    "export": "postprocessors.export.targets",
-    "Program": "postprocessors.files",
-    "read_program": "postprocessors.files",
-}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _PLACES:
-        raise AttributeError(f"hexcite has no {name}; it has {', '.join(_PLACES)}")
-    return getattr(import_module(_PLACES[name]), name)
-
-
-def __dir__() -> list[str]:
-    return list(_PLACES)
+__getattr__, __dir__ = door(
+    __name__,
+    {
+        "cases": "Case HexciteError load_case",
+        "identification": "Finding Look Recording Result force look method read tare",
+        "planner": "Fourier Manual Plan PointToPoint Spline bound compare demo identify plan plan_poses report retime "
+        "run validate write",
+        "postprocessors": "Program read_program",
+        "postprocessors.export": "export",
+    },
+)

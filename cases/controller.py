@@ -30,8 +30,11 @@ class PointToPointDrives(Part):
     """
 
     strut_velocity_m_s: Positive
+    """Largest velocity of a drive in such moves."""
     strut_acceleration_m_s2: Positive
+    """Largest acceleration of a drive in such moves."""
     strut_jerk_m_s3: Positive
+    """Largest jerk of a drive in such moves."""
     feed: Literal["time", "rapid"]
     """What moves them: G1 with the block's time (G93), if the control takes F for a time there too, which no manual
     states: try it with `--speed 0.1`; or G0, as fast as the drives can, which cannot be slowed."""
@@ -146,11 +149,13 @@ class Sinumerik(Part):
     poly_block_ms: Positive
     """Longest POLY block. Shorter blocks leave the controller less to decide, and cost it more of them a second."""
     poly_tolerance_mm: Positive
+    """How far POLY blocks may be from a motion that no polynomial of their degree describes: positions."""
     poly_tolerance_deg: Positive
-    """How far POLY blocks may be from a motion that is no polynomial of their degree."""
+    """The same for angles."""
     contour_tolerance_mm: Positive
+    """CTOL of the compressor."""
     orientation_tolerance_deg: Positive
-    """CTOL and OTOL of the compressor."""
+    """OTOL of the compressor."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
     shortest_block_ms: Positive
@@ -219,13 +224,15 @@ class TwinCat(Part):
     """Dense paths: `#SPLINE TYPE AKIMA` through the points, `#HSC ON [BSPLINE ..]` or `#CONTOUR MODE [DEV ..]` near
     them."""
     path_deviation_mm: Positive
+    """PATH_DEV of `#HSC` and `#CONTOUR MODE`."""
     track_deviation_deg: Positive
-    """PATH_DEV and TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
+    """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
     slope: Literal["STEP", "TRAPEZ"]
     """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""
     trigger_on_m: MFunction
+    """M function that the PLC makes the trigger's beginning of; it needs a synchronisation type (P-CHAN-00041)."""
     trigger_off_m: MFunction
-    """M functions that the PLC makes the trigger of; each needs a synchronisation type (P-CHAN-00041)."""
+    """The same for the trigger's end."""
     shortest_block_ms: Positive
     """The controller's cycle: shorter blocks starve it."""
     most_blocks: Annotated[int, Field(strict=True, ge=10)]
@@ -283,9 +290,13 @@ class Controller(Part):
     """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
     1 they keep their time, and nobody but the program keeps the limits."""
     sinumerik: Sinumerik | None = None
+    """Settings of SINUMERIK programs."""
     twincat: TwinCat | None = None
+    """Settings of TwinCAT CNC (TF5200) and ISG programs."""
     setpoints: Setpoints | None = None
+    """Settings of tables of set points."""
     urscript: UrScript | None = None
+    """Settings of URScript programs."""
 
     @property
     def cycle(self) -> float:

@@ -6,6 +6,7 @@ import json
 import re
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,7 +39,16 @@ _ADVICE = {
     "# encoder_resolution_um, strut_noise_um, and of vibration acceleration_noise_m_s2 and\n"
     "# angular_acceleration_noise_rad_s2: hexcite identify tells what the residuals look like. So it does of errors\n"
     "# that depend on the pose: pose_error_N and pose_error_length_mm, which plans then count on.",
-    "recording": "Names, units and clock of the recorded columns, where they differ from hexcite's (CONVENTIONS.md).",
+    "recording": "How recordings are written: `hexcite look RECORDING --case CASE` proposes this table. By example:\n"
+    "# delimiter = ';', decimal = ',', header_rows = 2, names_row = 1      # text that is not plain CSV\n"
+    '# clock = { unit = "ms" }            # of the stamps; { period_ms = 1.0 } where a file has none\n'
+    '# units = { struts = "m", forces = "kN" }\n'
+    "# and below all keys of this table, our name of a column = the file's:\n"
+    "# [recording.columns]\n"
+    '# t_s = "time"\n'
+    '# l1_mm = "Strut1.ActPos"\n'
+    '# f1_N = "Force1"\n'
+    '# trigger = "Trigger"',
     "controller": "How the controller is set up. Nothing here is guessed: check each with its machine's parameters.",
     "controller.sinumerik": "SINUMERIK programs; without one delete this table, and the next ones likewise. The\n"
     "# transformation of a hexapod is the machine builder's: ask for these words.",
@@ -92,7 +102,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
             if table[1] in _ADVICE:
                 lines.append(f"# {_ADVICE[table[1]]}")
             line = table[0]  # what follows it is about the built-in case's source
-            told = _explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
+            told = explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
         elif key := re.match(r"(\w+) = ", line):
             lines += textwrap.wrap(told.get(key[1], ""), _WIDTH, initial_indent="# ", subsequent_indent="# ")
             line = re.sub(r"\] # .*", "]", line)
@@ -217,18 +227,15 @@ def _place(name: str, folder: Path) -> Path:
     return file
 
 
-def _explanations(part: type[Part]) -> Mapping[str, str]:
-    """Field -> the string that stands below it; of several fields with one string it is above the first."""
+def explanations(part: type[Part]) -> Mapping[str, str]:
+    """What each key of a table means: the string that stands below its field in the class."""
     (body,) = (node.body for node in ast.parse(inspect.getsource(part)).body if isinstance(node, ast.ClassDef))
-    told: dict[str, str] = {}
-    waiting: str | None = None
-    for node in body:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            waiting = waiting or node.target.id
-        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and waiting is not None:
-            told[waiting] = " ".join(str(node.value.value).split())
-            waiting = None
-    return told
+    return {
+        field.target.id: " ".join(str(text.value.value).split())
+        for field, text in pairwise(body)
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
+        if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant)
+    }
 
 
 _MACHINE = ("machine", "workspace", "limits.motion")

@@ -19,7 +19,7 @@ from cases.errors import CaseError
 from cases.machine import Limits, Machine, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
 from cases.poses import Poses
-from cases.recording import STRUTS, RecordingFormat
+from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import MINUTE, MM, as_html, coordinate_words, pose_words
 
@@ -60,23 +60,37 @@ class Case(Part):
     """One machine. Parts that a setup lacks (a wrist sensor has no hexapod) are None."""
 
     schema_version: Literal[1]
+    """Version of this description."""
     name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")
+    """Small letters, digits and underscores."""
     title: str
+    """What it is, in a line."""
     setup: Literal["1a", "1b", "R"]
     """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, R a force/torque sensor."""
     gravity_m_s2: Vector
+    """Gravitational acceleration in {B}."""
     sensor_frame: SensorFrame
+    """Where forces are measured."""
     sensors: Sensors
+    """What the sensors measure, and how well."""
     recording: RecordingFormat
+    """How recordings are written down."""
     machine: AnyMachine | None = None
-    """A hexapod, or a chain of joints."""
+    """A hexapod's joints and home, or a chain of joints."""
     workspace: Workspace | None = None
+    """What a hexapod can reach."""
     limits: AnyLimits | None = None
+    """What an excitation may use."""
     poses: Poses | None = None
+    """Candidates for measuring at standstills."""
     controller: Controller | None = None
+    """How the controller is set up."""
     nominal: RigidBody | None = None
+    """Expected values of the moving body: mass, centre of gravity, inertia."""
     simulation: Simulation | None = None
+    """A simulated machine for rehearsals."""
     payloads: Payloads | None = None
+    """Known weights, for a validation."""
 
     _origin: str = PrivateAttr("")
 

@@ -19,7 +19,7 @@ from cases.parts import (
     condition_of_lines,
     frozen,
 )
-from cases.recording import BAR_FORCES, WRENCH
+from cases.recording_format import BAR_FORCES, WRENCH
 from cases.units import DEG, MM, MS, UM
 
 
@@ -31,6 +31,7 @@ class Disturbances(Part):
     """
 
     source: str
+    """Where the values come from."""
     mode_Hz: Positive
     """Structural mode between drives and platform, without payload; it falls with the root of the moved mass."""
     mode_damping: Annotated[float, Field(strict=True, gt=0, lt=1)]
@@ -73,7 +74,9 @@ class Bars(Part):
     """Six single-axis force sensors, each in a bar that carries the platform from a lower to an upper point."""
 
     lower: Joints
+    """Lower end of each bar in {P}, in the order of the channels."""
     upper: Joints
+    """Upper end of each bar in {P}, in the same order."""
 
     @model_validator(mode="after")
     def _spans_space(self) -> "Bars":
@@ -94,13 +97,16 @@ class Transducer(Part):
     """A six-axis force/torque sensor at the origin of {P}."""
 
     sense: Literal["load_on_sensor", "sensor_on_load"]
+    """Which force a positive reading means: that of the load on the sensor, or its reaction."""
 
 
 class SensorFrame(Part):
     """Where the forces are measured: a frame of bars or a force/torque sensor; exactly one of the two."""
 
     bars: Bars | None = None
+    """Six bars with one force sensor each."""
     transducer: Transducer | None = None
+    """A six-axis force/torque sensor."""
 
     @model_validator(mode="after")
     def _one_form(self) -> "SensorFrame":
@@ -118,6 +124,7 @@ class Sensors(Part):
     """Properties of the six channels."""
 
     range_N: Positive | None = None
+    """Largest force that a sensor measures; plans use 80 % of it at most."""
     range_Nm: Positive | None = None
     """Of the moments of a force/torque sensor; the number of `range_N` unless given."""
     weights: Literal["equal", "per_channel", "per_unit", "stated"]
@@ -187,7 +194,9 @@ class RigidBody(Part):
     """Mass, centre of gravity in {P} and inertia about the centre of gravity, axes of {P}."""
 
     mass_kg: Positive
+    """Mass."""
     centre_of_gravity_mm: Vector
+    """Centre of gravity in {P}."""
     inertia_kg_m2: Six
     """I11, I12, I13, I22, I23, I33 as in (17)."""
 
@@ -231,34 +240,47 @@ class Compensation(Part):
     """Factors k0..k3 of the platform's elastic deformation, (13) and (15) with the units of CONVENTIONS."""
 
     k0_N_m: Number
+    """Force for each metre of displacement in x and y."""
     k1_Nm_m: Number
+    """Moment for each metre of displacement in x and y."""
     k2_N: Number
+    """Force for each radian of tilt."""
     k3_Nm: Number
+    """Moment for each radian of tilt."""
 
 
 class Truth(Part):
     """All parameters that the simulated machine has."""
 
     body: RigidBody
+    """Mass, centre of gravity and inertia of what moves."""
     offsets_N: Six
+    """What the six sensors read without a load."""
     compensation: Compensation = Compensation(k0_N_m=0.0, k1_Nm_m=0.0, k2_N=0.0, k3_Nm=0.0)
+    """Factors of the elastic deformation."""
 
 
 class Simulation(Part):
     """The simulated machine: its parameters and how imperfectly it measures."""
 
     source: str
+    """Where the values come from."""
     parameters: Truth
+    """The true parameters."""
     encoder_resolution_um: NonNegative
-    """Of drives that slide."""
+    """Step of the encoders of struts, and of joints that slide."""
     encoder_resolution_mdeg: NonNegative = 0.0
-    """Of joints that turn."""
+    """Step of the encoders of joints that turn."""
     force_noise_N: NonNegative
+    """Standard deviation of white noise on a force sample."""
     moment_noise_Nm: NonNegative | None = None
     """Of the moments of a force/torque sensor; the number of `force_noise_N` unless given."""
     force_delay_ms: NonNegative
+    """How much later than the motion the forces are recorded."""
     force_sampling_offset_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
+    """Where between two samples of the struts the forces are sampled, as a share of the time between them."""
     encoder_rate_Hz: Positive
+    """Samples of the struts per second."""
     acceleration_noise_m_s2: NonNegative = 0.0
     """White accelerations of the platform beside those of the struts, as in `Sensors`."""
     angular_acceleration_noise_rad_s2: NonNegative = 0.0
@@ -297,5 +319,6 @@ class Payloads(Part):
     """Known weights that are mounted one after the other to validate an identification."""
 
     source: str
+    """Where the values come from."""
     weights: Annotated[tuple[RigidBody, ...], Field(min_length=1)]
     """In order of mounting; centres of gravity in {P}."""

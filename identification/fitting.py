@@ -11,7 +11,7 @@ from scipy.linalg import block_diag
 from cases.errors import IdentificationError, NegativeMass
 from identification.estimation.biases import Biases, gain, widened, with_uncertain_offsets
 from identification.estimation.compressed import joint_triangle
-from identification.estimation.estimators import Method, Problem, gauss_markov_of, method
+from identification.estimation.estimators import FitProblem, Method, gauss_markov_of, method
 from identification.estimation.fit import Fit, of_forces, w_of, whitened
 from identification.model import Model
 from identification.regressor_blocks import MASS
@@ -66,7 +66,7 @@ class Fitted(NamedTuple):
 
 
 def fit_samples(
-    samples: Samples, how: Method, problem: Problem, delay: float = 0.0, held: Delay | None = None
+    samples: Samples, how: Method, problem: FitProblem, delay: float = 0.0, held: Delay | None = None
 ) -> Fitted:
     """Gauss-Newton over the delay; it stays in the last fit as a nuisance, so that its uncertainty counts.
 
@@ -136,7 +136,7 @@ def _converged(
     run: Samples,
     forces: Array,
     how: Method,
-    problem: Problem,
+    problem: FitProblem,
     delay: float,
     held: Delay | None,
     near: Array | None = None,

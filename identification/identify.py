@@ -15,7 +15,7 @@ from cases.errors import IdentificationError, NegativeMass, RecordingError
 from cases.schema import Case
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.estimator import require_alive
-from identification.estimation.estimators import Method, Problem
+from identification.estimation.estimators import FitProblem, Method
 from identification.finding import Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
 from identification.findings.plausibility import Scan, scan
@@ -146,7 +146,7 @@ def samples_of(
 
 def _evaluated(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
     scanned = scan(recording, case)
-    problem = Problem.of(model, case, how)
+    problem = FitProblem.of(model, case, how)
     samples = samples_of(recording, case, model, conditioning, scanned, how.biases)
     if conditioning.flexible and (how.priors or not isinstance(samples, Run)):
         raise RecordingError("--flexible sees a mode in struts behind the low-pass, without --prior; leave it out")

@@ -11,10 +11,10 @@ from cases.units import as_html
 from identification.identifiability import Identifiability
 from identification.recording import Recording
 from identification.result import Estimate, Value
-from identification.saved import SavedResult, load_result, solution_of, with_tare
+from identification.saved_result import SavedResult, load_result, solution_of, with_tare
 
 if TYPE_CHECKING:
-    from identification.force import ExternalForce
+    from identification.external import ExternalForce
     from identification.runs.residuals import Residuals
 
 # Of what recording.json says of a run, what a result keeps.
@@ -128,7 +128,7 @@ def force(recording: Recording, result: Result, whole: bool = True) -> "External
     Raises:
         RecordingError, IdentificationError: the recording cannot be evaluated.
     """
-    from identification.force import external_force
+    from identification.external import external_force
     from identification.runs.rates import on_one_clock
 
     return external_force(on_one_clock(recording, result.case), result.case, result.solution, whole)
@@ -144,7 +144,7 @@ def tare(recording: Recording, result: Result) -> Result:
     Raises:
         IdentificationError: the machine moves, or there are fewer than two samples.
     """
-    from identification.force import tare as new_offsets
+    from identification.external import tare as new_offsets
     from identification.runs.rates import on_one_clock
 
     known = result.solution

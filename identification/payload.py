@@ -12,7 +12,7 @@ from identification.model import Model
 from identification.parameters import physical_form
 from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS, Block
 from identification.result import Value
-from identification.saved import SavedResult
+from identification.saved_result import SavedResult
 
 Array = NDArray[np.float64]
 

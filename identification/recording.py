@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cases.basis import KEPT, Artefact, recording_basis
 from cases.errors import RecordingError
 from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
-from cases.recording import (
+from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
     CLOCK,

@@ -5,7 +5,7 @@ default the recording is delayed, sampled between encoder cycles, quantised and 
 ripple, the structure vibrates and forces err with the pose: nothing of which the identification models know.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,9 @@ from identification.loaded import (
 from identification.machine import machine_of
 from identification.model import expected_forces, full_model, identification_model
 from identification.noise.stated import acceleration_to_force
-from identification.parameters import linear_parameters
+from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
+from identification.result import Estimate
 from identification.trajectories.executed import Execution
 
 Array = NDArray[np.float64]
@@ -181,3 +182,27 @@ def sensed(
     for start, end in trigger_times:
         trigger |= (run.t >= start) & (run.t < end)
     return Recording(source, run.t, _quantised(run.struts, case, simulation), None, forces, trigger), parts
+
+
+def truth_rows(case: Case, estimate: Estimate) -> list[dict[str, Any]]:
+    """Truth, estimate, standard deviation and error of each physical parameter, SI units.
+
+    The standard deviation is the larger of (28) and the autocorrelation-robust one.
+
+    Raises:
+        CaseError: the case describes no simulated machine.
+    """
+    model = identification_model(case, estimate.model)
+    u = linear_parameters(model, case.need_simulation("the comparison with the truth").parameters)
+    truth, _ = physical_form(model).of(u, np.zeros((len(u), len(u))))
+    return [
+        {
+            "name": name,
+            "unit": value.unit,
+            "truth": float(true),
+            "estimate": value.value,
+            "std": value.reported,
+            "error": value.value - float(true),
+        }
+        for true, (name, value) in zip(truth, estimate.physical.items(), strict=True)
+    ]

@@ -1,1 +1,41 @@
-"""Which motion is worth running: excitation families, their optimisation, comparison and the command line."""
+"""Plans of motions and poses, what they promise, and the way from a plan through program and run to parameters."""
+
+from typing import TYPE_CHECKING
+
+from cases.door import door
+
+if TYPE_CHECKING:
+    from planner.bounds.kept import bound as bound
+    from planner.comparison.advising import compare as compare
+    from planner.demonstration import demo as demo
+    from planner.families.settings import Fourier as Fourier
+    from planner.families.settings import Manual as Manual
+    from planner.families.settings import PointToPoint as PointToPoint
+    from planner.families.settings import Spline as Spline
+    from planner.library import plan as plan
+    from planner.library import plan_poses as plan_poses
+    from planner.plans import Plan as Plan
+    from planner.reports.report import report as report
+    from planner.retiming.retimed_plan import retime as retime
+    from planner.runs.identifying import identify as identify
+    from planner.runs.running import run as run
+    from planner.runs.written import write as write
+    from planner.validation.validation import validate as validate
+
+__getattr__, __dir__ = door(
+    __name__,
+    {
+        "planner.bounds.kept": "bound",
+        "planner.comparison.advising": "compare",
+        "planner.demonstration": "demo",
+        "planner.families.settings": "Fourier Manual PointToPoint Spline",
+        "planner.library": "plan plan_poses",
+        "planner.plans": "Plan",
+        "planner.reports.report": "report",
+        "planner.retiming.retimed_plan": "retime",
+        "planner.runs.identifying": "identify",
+        "planner.runs.running": "run",
+        "planner.runs.written": "write",
+        "planner.validation.validation": "validate",
+    },
+)

@@ -1,5 +1,7 @@
 """Plans from Python: what notebooks and the command line call."""
 
+import math
+import time
 from collections.abc import Callable
 from typing import TypedDict, Unpack
 
@@ -8,16 +10,20 @@ from threadpoolctl import threadpool_limits
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.model import full_model
+from identification.model import full_model, identification_model
+from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.interruption import Interrupted
-from planner.plan import Plan
+from planner.noise import expected_noise
 from planner.planning import make_until_ctrl_c
-from planner.poses.request import PoseRequest
-from planner.progress import Progress
+from planner.plans import Plan
+from planner.pose_errors import PoseErrors
+from planner.poses.pose_request import PoseRequest
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
-from planner.search.parallel import SILENT, Listener
+from planner.search.parallel import SILENT, Listener, News
+from planner.search.patience import FEWEST, IDLE, WORTHWHILE, gain
+from planner.search.solving import Failed, Start
 from planner.target import UNITS, Target, parse_targets
 
 Told = Callable[[str], None]
@@ -49,7 +55,7 @@ class Settings(TypedDict, total=False):
 
 
 class PoseSettings(TypedDict, total=False):
-    """What may be asked of poses; `planner.poses.request.PoseRequest` has the defaults.
+    """What may be asked of poses; `planner.poses.pose_request.PoseRequest` has the defaults.
 
     Attributes:
         criterion: letter of Table 4.
@@ -124,14 +130,14 @@ def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **s
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
-    from planner.poses.plan import poses_planned  # SciPy, which motions do without
+    from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
     return poses_planned(PoseRequest(**settings), case, progress or (lambda _: None))
 
 
 ROUNDS = 4  # of shortening: each lands within a few percent of what the information rate promises
 RESERVE = 1.03  # shorter motions carry a little less information a second: turning round at the ends takes its time
-WORTHWHILE = 0.97  # share of the duration below which another plan is worth its time
+SHORTER = 0.97  # share of the duration below which another plan is worth its time
 SHORTEST = 2.0  # [s]
 
 
@@ -164,7 +170,7 @@ def shortest_plan(request: Request, case: Case, make: Callable[[Request], Plan])
         if duration <= too_short:
             duration = (too_short + best.motion.duration) / 2
         duration = request.family.allowed_duration(duration)
-        if duration > WORTHWHILE * best.motion.duration or best.interrupted:
+        if duration > SHORTER * best.motion.duration or best.interrupted:
             break
         try:
             trial = make(request.lasting(duration))
@@ -195,3 +201,70 @@ def _missed(request: Request, best: Plan, target: Target) -> BaseException:
     return InfeasiblePlan(
         f"target {target.text} is out of reach in {request.duration:g} s: the best found has {reached}; {remedy}"
     )
+
+
+class Progress:
+    """Follows the starts of a search.
+
+    Args:
+        request: what is planned.
+        case: for which machine.
+        remark: shows a line.
+    """
+
+    def __init__(self, request: Request, case: Case, remark: Callable[[str], None]) -> None:
+        self.request, self.remark, self.bound = request, remark, None
+        model = identification_model(case, request.model)
+        self.size = len(model.names)
+        noise = expected_noise(case, model, request.payload)
+        if request.family.optimised and noise.whitening is None and PoseErrors.of(case, noise) is None:
+            remark("the limit of information")
+            self.bound = box_bound(case, model)
+        self.begin(request)
+
+    def begin(self, request: Request) -> None:
+        """Another search begins."""
+        self.request, self.began = request, time.monotonic()
+        self.best: Start | None = None
+        self.count = self.since = 0
+
+    def done(self, start: Start | Failed) -> None:
+        """A start has ended."""
+        if isinstance(start, Start) and start.family.name != self.request.family.name:
+            return
+        self.count, self.since = self.count + 1, self.since + 1
+        if isinstance(start, Start):
+            before = -math.inf if self.best is None else self.best.promise
+            if gain(self.request.criterion, self.size, before, start.promise) >= WORTHWHILE:
+                self.since = 0
+            if self.best is None or start.promise > self.best.promise:
+                self.best = start
+        self.remark(self.words())
+
+    def news(self, word: News) -> None:
+        """A start is under way."""
+        self.remark(self.words())
+
+    def words(self) -> str:
+        """One line."""
+        passed = time.monotonic() - self.began
+        if self.best is None:
+            return f"first starts, {passed:.0f} s"
+        if self.bound is not None:
+            reached = f"{100 * self.bound.efficiency(self.best.logdet):.1f} % of the limit of information"
+        else:
+            reached = f"criterion {self.request.criterion} {self.best.score:.4g}"
+        return f"{reached} after {self.count} starts, {passed:.0f} s, {self._left(passed)}"
+
+    def _left(self, passed: float) -> str:
+        if self.request.seconds is not None:
+            return f"{max(0.0, self.request.seconds - passed):.0f} s left"
+        if self.request.starts is not None:
+            left = self.request.starts - self.count
+        else:
+            left = max(FEWEST - self.count, IDLE - self.since)
+        if left <= 0:
+            return "refining the best"
+        return f"about {passed / self.count * left:.0f} s left" + (
+            "" if self.request.starts else " unless more is found"
+        )

@@ -7,14 +7,14 @@ from typing import Any
 from cases.basis import Artefact, plan_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text, read_json
-from cases.recording import POSE
+from cases.recording_format import POSE
 from cases.schema import Case
 from identification.limits import LimitReport
 from identification.model import identification_model
 from identification.motion import sample
 from planner.families.saved import motion_of_entries
-from planner.plan import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
-from planner.poses.request import PoseRequest
+from planner.plans import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
+from planner.poses.pose_request import PoseRequest
 from planner.request import LONGEST, Request
 from planner.verifying import problem_of
 from planner.worth import PoseWorth, Worth

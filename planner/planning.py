@@ -27,7 +27,7 @@ from planner.found import Found, notes, weaknesses
 from planner.infeasible import remedy
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.pose_errors import PoseErrors, without_pose_errors
 from planner.readiness import require_plannable
 from planner.request import LONGEST, Request

@@ -1,1 +1,11 @@
-"""A planned motion as a program for a controller, and back."""
+"""Programs for controllers, written, read back and proven, executed; and the calibrated model for the controller."""
+
+from typing import TYPE_CHECKING
+
+from cases.door import door
+
+if TYPE_CHECKING:
+    from postprocessors.program_file import Program as Program
+    from postprocessors.program_file import read_program as read_program
+
+__getattr__, __dir__ = door(__name__, {"postprocessors.program_file": "Program read_program"})

@@ -51,7 +51,7 @@ def _comments(text: str) -> list[str]:
     return [f"(- {line})" for line in lines]
 
 
-class _Writer:
+class _LinuxCncWriter:
     """Words for the axis accelerations that the controller is set up with, and the points of its timed paths.
 
     Args:
@@ -158,7 +158,7 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
     timed = case.chain is None and any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
     headroom = controller.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
     axes = tuple("XYZABC") if case.chain is None else case.chain.names
-    writer = _Writer(axes, limits, headroom, controller.block, case.chain is not None)
+    writer = _LinuxCncWriter(axes, limits, headroom, controller.block, case.chain is not None)
     lines = [c for line in (*program.header, OFFSETS) for c in _comments(line)]
     # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.
     lines += ["G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]

@@ -37,7 +37,7 @@ class Pieces:
 
 
 @dataclass(frozen=True, slots=True)
-class Deviation:
+class PieceDeviation:
     """Largest distance from the plan at the same instant.
 
     Args:
@@ -134,13 +134,13 @@ def _hermite(motion: Trajectory, times: Array, degree: int) -> Pieces:
     return Pieces(times, np.stack([*known, *rest_coefficients], axis=1))
 
 
-def even_deviation(found: Pieces, motion: Trajectory) -> Deviation:
+def even_deviation(found: Pieces, motion: Trajectory) -> PieceDeviation:
     """If the parameter of each piece passes evenly in time."""
     p = np.linspace(0.0, 1.0, CHECKS + 1)
     return _deviation(found, motion, found.at(p), p)
 
 
-def path_speed_deviation(found: Pieces, motion: Trajectory) -> Deviation:
+def path_speed_deviation(found: Pieces, motion: Trajectory) -> PieceDeviation:
     """If each piece is passed at constant speed of the origin along its path, in the time planned for it."""
     p = np.linspace(0.0, 1.0, 8 * CHECKS + 1)
     poses = found.at(p)
@@ -154,9 +154,9 @@ def path_speed_deviation(found: Pieces, motion: Trajectory) -> Deviation:
     return _deviation(found, motion, np.einsum("kmi,kij->kmj", powers, found.coefficients), even)
 
 
-def _deviation(found: Pieces, motion: Trajectory, poses: Array, p: Array) -> Deviation:
+def _deviation(found: Pieces, motion: Trajectory, poses: Array, p: Array) -> PieceDeviation:
     starts, steps = found.times[:-1, None], np.diff(found.times)[:, None]
     instants = np.minimum(starts + steps * p, motion.duration)
     exact = motion.at(instants.ravel()).pose.reshape(poses.shape)
     off = poses - exact
-    return Deviation(float(np.linalg.norm(off[..., :3], axis=2).max()), float(np.abs(off[..., 3:]).max()))
+    return PieceDeviation(float(np.linalg.norm(off[..., :3], axis=2).max()), float(np.abs(off[..., 3:]).max()))

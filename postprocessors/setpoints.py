@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases.errors import HexciteError, ProgramError
-from cases.recording import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
+from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
@@ -42,7 +42,7 @@ SAME = 1e-9  # [m, rad] that a table may be off the plan: rounding
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _TablePart:
     """A stretch of whole cycles.
 
     Args:
@@ -56,15 +56,15 @@ class _Part:
     on: bool
 
 
-def _parts(program: NeutralProgram, cycle: float) -> Iterator[_Part]:
+def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
     moving: list[Trajectory] = []
     on = False
 
-    def joined() -> Iterator[_Part]:
+    def joined() -> Iterator[_TablePart]:
         if moving:
             motion = Joined(tuple(moving)) if len(moving) > 1 else moving[0]
             cycles = max(1, int(np.ceil(motion.duration / cycle - 1e-6)))
-            yield _Part(Slowed(motion, motion.duration / (cycles * cycle)), cycles, on)
+            yield _TablePart(Slowed(motion, motion.duration / (cycles * cycle)), cycles, on)
             moving.clear()
 
     for block in program.blocks:
@@ -78,7 +78,7 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_Part]:
                 moving.append(source)
             case Dwell():
                 yield from joined()
-                yield _Part(None, max(1, int(np.ceil(block.duration / cycle - 1e-6))), on)
+                yield _TablePart(None, max(1, int(np.ceil(block.duration / cycle - 1e-6))), on)
             case Trigger():
                 yield from joined()
                 on = block.on
@@ -89,7 +89,7 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_Part]:
     yield from joined()
 
 
-def _sampled(part: _Part, cycle: float) -> list[Array]:
+def _sampled(part: _TablePart, cycle: float) -> list[Array]:
     """Poses, rates and accelerations at the rows of a part but its first; the last at rest."""
     assert part.motion is not None
     t = np.minimum(np.arange(1, part.cycles + 1) * cycle, part.motion.duration)

@@ -51,7 +51,7 @@ POLY_ANGLE_DECIMALS = 8
 AXES_OF_A_POSE = 6
 
 
-class _Writer:
+class _SinumerikWriter:
     """Keeps what holds from block to block: which axes the feed counts."""
 
     def __init__(self, case: Case, settings: Sinumerik, limits: MotionLimits, guarantees: Guarantees) -> None:
@@ -186,7 +186,7 @@ def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:
     """
     limits = case.need_machine("a program")[2].motion
     settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
-    writer = _Writer(case, settings, limits, sinumerik_guarantees(Reading("", (), 0), case))
+    writer = _SinumerikWriter(case, settings, limits, sinumerik_guarantees(Reading("", (), 0), case))
     rpy = "ORIWKS ORIRPY" if settings.orientation_words[0][-1].isdigit() else "ORIWKS"
     lines = [f"%_N_{settings.program_name}_MPF", ";$PATH=/_N_MPF_DIR"]
     lines += [c for line in program.header for c in comments(line)]

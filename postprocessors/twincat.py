@@ -44,7 +44,7 @@ from postprocessors.wording import (
 TIME_DECIMALS = 9  # of a second
 
 
-class _Writer:
+class _TwinCatWriter:
     """Keeps what holds from block to block: which axes the feed counts."""
 
     def __init__(self, settings: TwinCat, limits: MotionLimits, guarantees: Guarantees, block: float) -> None:
@@ -129,7 +129,7 @@ def write_twincat(program: NeutralProgram, case: Case) -> bytes:
     limits = case.need_machine("a program")[2].motion
     controller = case.need_controller("a TwinCAT program")
     settings = controller.need_twincat(case.name)
-    writer = _Writer(settings, limits, twincat_guarantees(Reading("", (), 0), case), controller.block)
+    writer = _TwinCatWriter(settings, limits, twincat_guarantees(Reading("", (), 0), case), controller.block)
     lines = [f"%{settings.program_name}", *(c for line in program.header for c in comments(line))]
     lines += ["G71 G90 G17 G94 G162", f"#SLOPE [TYPE={settings.slope}]", f"#KIN ID[{settings.kinematic_id}]"]
     lines += ["#TRAFO ON", "#FGROUP [X,Y,Z]"]

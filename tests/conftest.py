@@ -10,7 +10,7 @@ from hypothesis import Phase, settings
 
 from cases.loading import load_case
 from cases.schema import Case
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing
+from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
 AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)

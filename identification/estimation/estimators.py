@@ -37,7 +37,7 @@ CONFLICT = 3.0  # standard deviations between data and a prior from which it is 
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class FitProblem:
     """What stacked data do not say about themselves.
 
     Args:
@@ -58,7 +58,7 @@ class Problem:
     noise: StatedNoise | None = None
 
     @classmethod
-    def of(cls, model: Model, case: Case, how: "Method") -> "Problem":
+    def of(cls, model: Model, case: Case, how: "Method") -> "FitProblem":
         """With the noise of the channels as the method's weights say, or else the case's.
 
         Raises:
@@ -74,7 +74,7 @@ class Problem:
         return cls(model, weights == "equal", alike=PER_UNIT if weights == "per_unit" else EACH)
 
 
-Maker = Callable[[Problem], Estimator]
+Maker = Callable[[FitProblem], Estimator]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +113,7 @@ class Method:
         """
         return select(model, {} if self.maker is nonlinear_of else self.known, self.dropped)
 
-    def estimator(self, problem: Problem) -> Estimator:
+    def estimator(self, problem: FitProblem) -> Estimator:
         """The estimator of all parameters of a problem.
 
         Raises:
@@ -139,33 +139,33 @@ class Method:
             return partial(_consistent, problem=problem, free=self._selected(gauss_markov_of(problem), problem))
         return self._selected(self.maker(problem), problem)
 
-    def _selected(self, estimator: Estimator, problem: Problem) -> Estimator:
+    def _selected(self, estimator: Estimator, problem: FitProblem) -> Estimator:
         return partial(estimate_selected, selection=self.selection(problem.model), estimator=estimator)
 
 
-def gauss_markov_of(problem: Problem) -> Estimator:
+def gauss_markov_of(problem: FitProblem) -> Estimator:
     """(24) with W = 1, or from the variance of each channel."""
     if problem.pooled:
         return partial(gauss_markov, weights=np.ones(6), nuisance=problem.nuisance, filtered=problem.filtered)
     return partial(per_channel, nuisance=problem.nuisance, filtered=problem.filtered, alike=problem.alike)
 
 
-def robust_of(problem: Problem) -> Estimator:
+def robust_of(problem: FitProblem) -> Estimator:
     """Huber's M-estimate: gross errors of the forces lose their pull."""
     return partial(_robust, problem=problem)
 
 
-def full_of(problem: Problem) -> Estimator:
+def full_of(problem: FitProblem) -> Estimator:
     """(24) with W from the full covariance of the channels."""
     return partial(_full, problem=problem)
 
 
-def consistent_of(problem: Problem) -> Estimator:
+def consistent_of(problem: FitProblem) -> Estimator:
     """(24), then the nearest parameters that a body of positive density has."""
     return partial(_consistent, problem=problem, free=gauss_markov_of(problem))
 
 
-def nonlinear_of(problem: Problem) -> Estimator:
+def nonlinear_of(problem: FitProblem) -> Estimator:
     """(18) in physical parameters, by Gauss-Newton."""
     return partial(_nonlinear, problem=problem, known={})
 
@@ -206,14 +206,14 @@ def method(
     return Method(ESTIMATORS[name], name, known, tuple(dropped), tuple(priors), weights, biases)
 
 
-def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:
+def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
     found = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
     share = ", ".join(f"{100 * r:.0f}" for r in found.reduced)
     told = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
     return replace(found.fit, findings=(note(Kind.ESTIMATOR, told), *_settled("robust", found.converged, found.rounds)))
 
 
-def _full(regressors: Array, forces: Array, names: Sequence[str], problem: Problem) -> Fit:
+def _full(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
     found = full_weights(regressors, forces, names, problem.nuisance, problem.filtered)
     return replace(found.fit, findings=_settled("full", found.converged, found.rounds))
 
@@ -224,7 +224,7 @@ def _settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
     return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
 
 
-def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem: Problem, free: Estimator) -> Fit:
+def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, free: Estimator) -> Fit:
     start = free(regressors, forces, names)
     found = consistent(regressors, forces, names, start, THINNEST)
     if found.fit is None:
@@ -241,7 +241,7 @@ def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem:
 
 
 def _nonlinear(
-    regressors: Array, forces: Array, names: Sequence[str], problem: Problem, known: Mapping[str, float]
+    regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, known: Mapping[str, float]
 ) -> Fit:
     pooled = problem.pooled
     weights = np.ones(6) if pooled else gauss_markov_of(problem)(regressors, forces, names).weights
@@ -258,7 +258,7 @@ def _nonlinear(
 
 
 def _with_priors(
-    regressors: Array, forces: Array, names: Sequence[str], problem: Problem, priors: Sequence[Prior]
+    regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, priors: Sequence[Prior]
 ) -> Fit:
     weights = np.ones(6) if problem.pooled else gauss_markov_of(problem)(regressors, forces, names).weights
     found = with_priors(regressors, forces, problem.model, weights, priors, problem.filtered)

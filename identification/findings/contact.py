@@ -19,7 +19,7 @@ from scipy.special import chdtri, ndtri
 
 from cases.errors import IdentificationError
 from identification.estimation.compressed import column_scale
-from identification.estimation.estimators import Method, Problem, robust_of
+from identification.estimation.estimators import FitProblem, Method, robust_of
 from identification.findings.plausibility import MOST_NAMED, places
 from identification.findings.residual_checks import systematic
 from identification.fitting import Fitted, fit_samples
@@ -226,7 +226,7 @@ MOST_TOUCHED = 0.25  # of the samples in contact; more is no identification run
 
 
 def free_of_contact(
-    recording: Recording, fitted: Fitted, how: Method, problem: Problem, held: Delay | None = None
+    recording: Recording, fitted: Fitted, how: Method, problem: FitProblem, held: Delay | None = None
 ) -> tuple[Fitted, tuple[Contact, ...]]:
     """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
 
@@ -303,7 +303,7 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
         )
 
 
-def _without_pull(matrices: Array, forces: Array, run: Samples, how: Method, problem: Problem) -> Array:
+def _without_pull(matrices: Array, forces: Array, run: Samples, how: Method, problem: FitProblem) -> Array:
     """U of a robust fit, shape (u,), of a long run to a part of it: gross deviations do not draw it to them."""
     selection, part = how.selection(run.model), fair_part(len(forces))
     matrices, forces = matrices[part], forces[part]

@@ -4,10 +4,12 @@ A new check is one more function in `CHECKS`. What cannot be at all is refused.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
 from cases.errors import IdentificationError
 from cases.schema import Case
@@ -17,7 +19,7 @@ from identification.finding import Finding, Kind, note, warning
 from identification.findings.plausibility import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
-from identification.noise.components import noise_components
+from identification.noise.stated import acceleration_to_force, inverse_root
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
 from identification.regressor_blocks import MASS
@@ -100,21 +102,21 @@ CONSEQUENCE = (
 )
 
 
-class Stretch(NamedTuple):
+class OverrideStretch(NamedTuple):
     """Samples that went at one feed: a slice of the recording, and the feed over the programmed one."""
 
     rows: slice
     scale: float
 
 
-def recorded_overrides(recording: Recording) -> tuple[Stretch, ...]:
+def recorded_overrides(recording: Recording) -> tuple[OverrideStretch, ...]:
     """Stretches of the motion that the recording's own column says went at another feed than 100 %."""
     if recording.override is None or recording.t is None:
         return ()
     on = np.ones(len(recording.forces), dtype=bool) if recording.trigger is None else recording.trigger
     rows = np.flatnonzero(on & (np.abs(recording.override - 1.0) > 1e-6))
     return tuple(
-        Stretch(slice(int(part[0]), int(part[-1]) + 1), float(np.median(recording.override[part])))
+        OverrideStretch(slice(int(part[0]), int(part[-1]) + 1), float(np.median(recording.override[part])))
         for group in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
         for part in np.split(group, 1 + np.flatnonzero(np.abs(np.diff(recording.override[group])) > STEP))
         if len(part)
@@ -218,3 +220,85 @@ def _rated(recording: Recording, case: Case, _how: Method, fitted: Fitted) -> li
 Check = Callable[[Recording, Case, Method, Fitted], list[Finding]]
 CHECKS: tuple[Check, ...] = (_cut_off, _own, _placed, _late, _unlikely, _not_compared, _looks_like, _fed, _rated)
 """What is looked at after every fit, in the order in which it is told."""
+
+
+TURNS = 10  # of covariance and metric
+LEAST = 100  # independent samples; with fewer the covariance is too uncertain to be taken apart
+TELLING = 0.1  # share of the residuals' variance from which noise of accelerations is worth a word
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseComponents:
+    """Standard deviations of white noise of one recorded sample that would leave such residuals.
+
+    Args:
+        force: of a force channel [N].
+        moment: of a moment channel of a force/torque sensor [N m]; None for bars.
+        acceleration: of the origin of {P}, in each direction [m/s^2].
+        angular: of the angular acceleration [rad/s^2].
+        share: of the residuals' variance, in units of the channels' own, that the accelerations explain.
+    """
+
+    force: float
+    moment: float | None
+    acceleration: float
+    angular: float
+    share: float
+
+    def finding(self, weights: str) -> Finding:
+        """What is to be told of it, `weights` being those of the identification; keys as in the case."""
+        moments = "" if self.moment is None else f" and {self.moment:.3g} N m"
+        told = (
+            f"the residuals look like noise of {self.force:.3g} N{moments} in the channels and of "
+            f"{self.acceleration:.3g} m/s^2 and {self.angular:.3g} rad/s^2 in the accelerations: if that is the "
+            "machine's, state it in [sensors] of the case (force_noise_N, acceleration_noise_m_s2, "
+            "angular_acceleration_noise_rad_s2), for smaller deviations with --weights stated"
+        )
+        entries = {
+            "force_noise_N": self.force,
+            **({} if self.moment is None else {"moment_noise_Nm": self.moment}),
+            "acceleration_noise_m_s2": self.acceleration,
+            "angular_acceleration_noise_rad_s2": self.angular,
+            "share_of_accelerations": self.share,
+        }
+        silent = self.share < TELLING or weights == "stated"
+        return note(Kind.NOISE, "" if silent else told, noise_components=entries)
+
+
+def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None:
+    """Takes the residuals of a run apart; None where they are too few.
+
+    Args:
+        run: that was fitted.
+        fit: its values begin with u; its residuals are those of the forces behind the filter.
+        wrench: whether the channels are three forces and three moments.
+    """
+    freedom = len(run.rows) * run.filter.noise_gain * run.filter.stride - len(fit.values) / 6
+    if freedom < LEAST:
+        return None
+    found = fit.residuals.T @ fit.residuals * run.filter.stride / freedom
+    if np.linalg.matrix_rank(found) < len(found):
+        return None
+    return _taken_apart(found, run.model, fit.values[: len(run.model.parameters)], wrench)
+
+
+def _taken_apart(found: Array, model: Model, values: Array, wrench: bool) -> NoiseComponents:
+    """The components of a covariance of the channels, shape (6, 6)."""
+    felt = acceleration_to_force(model, values)
+    kinds = [np.r_[np.ones(3), np.zeros(3)], np.r_[np.zeros(3), np.ones(3)]] if wrench else [np.ones(6)]
+    parts = [np.diag(k) for k in kinds] + [felt[:, k] @ felt[:, k].T for k in (slice(0, 3), slice(3, 6))]
+    covariance = found
+    theta = np.zeros(len(parts))
+    for _ in range(TURNS):
+        root = inverse_root(covariance)
+        columns = np.stack([(root @ part @ root.T).ravel() for part in parts], axis=1)
+        size = np.linalg.norm(columns, axis=0)
+        theta = nnls(columns / size, (root @ found @ root.T).ravel())[0] / size
+        covariance = sum((t * part for t, part in zip(theta, parts, strict=True)), np.zeros((6, 6)))
+        covariance = covariance + 1e-9 * np.diag(np.diag(found))  # positive definite also without noise of a channel
+    shaken = np.diag(covariance - sum((t * np.diag(k) for t, k in zip(theta, kinds, strict=False)), np.zeros((6, 6))))
+    std = np.sqrt(theta)
+    return NoiseComponents(
+        float(std[0]), float(std[1]) if wrench else None, float(std[-2]), float(std[-1]),
+        float(np.mean(shaken / np.diag(covariance))),
+    )  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError
-from cases.recording import STRUTS
+from cases.recording_format import STRUTS
 from cases.schema import Case
 from identification.findings.plausibility import scan
 from identification.hexapod import Hexapod

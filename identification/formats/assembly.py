@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import (
+from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
     DRIVE_VELOCITIES,
@@ -36,7 +36,7 @@ from identification.formats.checks import (
 )
 from identification.formats.header import without
 from identification.formats.stream import Stream
-from identification.formats.table import Array, Table, listed
+from identification.formats.table import Array, ColumnTable, listed
 
 # Columns whose clock `recording.clock.offset_s` may shift, by the names it uses.
 _SHIFTED: dict[StreamName, tuple[str, ...]] = {
@@ -48,7 +48,7 @@ _SHIFTED: dict[StreamName, tuple[str, ...]] = {
 }
 
 
-def stream_of(table: Table, case: Case, form: RecordingFormat, origin: Fraction) -> Stream:
+def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fraction) -> Stream:
     """Channels of a table in SI.
 
     Args:
@@ -67,7 +67,7 @@ def stream_of(table: Table, case: Case, form: RecordingFormat, origin: Fraction)
     return with_lost_rows(_stream(marked(table, form), t, case, form))
 
 
-def start_of(table: Table, form: RecordingFormat) -> Fraction:
+def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
     """Time of the first sample [s], exact: epochs in ns leave no digits for a double to round.
 
     Raises:
@@ -119,14 +119,14 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
     return stream
 
 
-def _nothing(table: Table, forces: tuple[str, ...], form: RecordingFormat) -> str:
+def _nothing(table: ColumnTable, forces: tuple[str, ...], form: RecordingFormat) -> str:
     """What to say of a file in which nothing serves the case."""
     if ACCELEROMETER[0] in table.values:
         return "has readings of an accelerometer; say in [recording.accelerometer] of the case how it is mounted"
     return without([form.file_name(c) for c in (STRUTS[0], POSE[0], ROTATION[0], forces[0])], table.names)
 
 
-def _group(table: Table, form: RecordingFormat, wanted: tuple[str, ...]) -> Array | None:
+def _group(table: ColumnTable, form: RecordingFormat, wanted: tuple[str, ...]) -> Array | None:
     """Columns that belong together in SI units, shape (n, k); None if the file has none of them."""
     found = [ours in table.values for ours in wanted]
     if not any(found):
@@ -143,7 +143,7 @@ def _group(table: Table, form: RecordingFormat, wanted: tuple[str, ...]) -> Arra
     return group
 
 
-def _struts(table: Table, case: Case, form: RecordingFormat) -> Array | None:
+def _struts(table: ColumnTable, case: Case, form: RecordingFormat) -> Array | None:
     """Strut lengths of a hexapod, positions of the joints of a chain."""
     if case.chain is not None:
         return _group(table, form, case.chain.columns)
@@ -161,14 +161,14 @@ def _struts(table: Table, case: Case, form: RecordingFormat) -> Array | None:
     return np.array(form.drives.sign) * drives[:, form.drives.index] + form.drives.offset
 
 
-def _strut_velocities(table: Table, form: RecordingFormat) -> Array | None:
+def _strut_velocities(table: ColumnTable, form: RecordingFormat) -> Array | None:
     struts, drives = _group(table, form, STRUT_VELOCITIES), _group(table, form, DRIVE_VELOCITIES)
     if drives is None or form.drives is None:
         return struts
     return np.array(form.drives.sign) * drives[:, form.drives.index]
 
 
-def _specific_forces(table: Table, form: RecordingFormat) -> Array | None:
+def _specific_forces(table: ColumnTable, form: RecordingFormat) -> Array | None:
     """In the axes of {P}; without an accelerometer in the case such columns are somebody else's."""
     if form.accelerometer is None:
         return None

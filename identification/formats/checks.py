@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
-from cases.recording import CLOCK, OVERRIDE, ROTATION, STRUTS, TRIGGER, RecordingFormat, units_of
+from cases.recording_format import CLOCK, OVERRIDE, ROTATION, STRUTS, TRIGGER, RecordingFormat, units_of
 from cases.schema import Case
 from cases.units import MM
 from identification.formats.clock import UNIFORMITY, crowded, lost_samples
 from identification.formats.stream import Channel, Stream
-from identification.formats.table import Array, Table, shown
+from identification.formats.table import Array, ColumnTable, shown
 
 # Rotation matrices are printed with a few digits; beyond this they are no rotations (transposed columns, wrong order).
 ORTHOGONALITY = 1e-3
@@ -24,7 +24,7 @@ MOST_OVERRIDE = 3.0  # controls offer 120 to 200 %
 _FIRST = 10_000  # rows that tell a wrong unit as well as all of them
 
 
-def require_stamps(table: Table, form: RecordingFormat) -> None:
+def require_stamps(table: ColumnTable, form: RecordingFormat) -> None:
     """Raises RecordingError at the first time stamp that is no number, or none of a clock."""
     if table.stamps is None:
         return
@@ -40,7 +40,7 @@ def require_stamps(table: Table, form: RecordingFormat) -> None:
         )
 
 
-def require_increasing(table: Table, form: RecordingFormat) -> None:
+def require_increasing(table: ColumnTable, form: RecordingFormat) -> None:
     """Raises RecordingError where a time stamp is not later than the one above it."""
     assert table.stamps is not None
     stamps = table.stamps
@@ -57,7 +57,7 @@ def require_increasing(table: Table, form: RecordingFormat) -> None:
     )
 
 
-def require_override(table: Table, override: Array, form: RecordingFormat) -> None:
+def require_override(table: ColumnTable, override: Array, form: RecordingFormat) -> None:
     """Raises RecordingError at the first feed override, shape (n,), that no control has."""
     wrong = (override < 0.0) | (override > MOST_OVERRIDE)
     if wrong.any():
@@ -69,14 +69,19 @@ def require_override(table: Table, override: Array, form: RecordingFormat) -> No
         )
 
 
-def require_switch(table: Table, trigger: Array, form: RecordingFormat) -> None:
-    """Raises RecordingError at the first value of the trigger, shape (n,), that is neither 0 nor 1."""
-    wrong = (trigger != 0.0) & (trigger != 1.0)
+def require_switch(table: ColumnTable, trigger: Array, form: RecordingFormat) -> None:
+    """Raises RecordingError at the first value of the trigger, shape (n,), that is neither 0 nor its usual other one.
+
+    That is 1, or the voltage of a switch.
+    """
+    on = trigger[trigger > 0.0]
+    usual = float(np.median(on)) if len(on) else 1.0
+    wrong = (trigger != 0.0) & (trigger != usual)
     if wrong.any():
         row = int(np.argmax(wrong))
         raise RecordingError(
             f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(TRIGGER))}: {trigger[row]:g} is neither "
-            "0 nor 1; export the trigger as a switch, or leave the column out"
+            f"0 nor {usual:g}; export the trigger as a switch, or leave the column out"
         )
 
 
@@ -143,12 +148,12 @@ class Marked(NamedTuple):
         columns: those in which they are, as the file calls them.
     """
 
-    table: Table
+    table: ColumnTable
     missing: Rows | None
     columns: tuple[str, ...]
 
 
-def marked(table: Table, form: RecordingFormat) -> Marked:
+def marked(table: ColumnTable, form: RecordingFormat) -> Marked:
     """A table with what was not measured marked and replaced.
 
     Raises:

@@ -22,15 +22,15 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
-from identification.formats.header import Selection, cells, decoded, require_known, select
-from identification.formats.table import Table, shown
-from identification.formats.text import Block, Dialect, Fields, lines_of, parse, read_blocks, read_head
+from cases.recording_format import RecordingFormat
+from identification.formats.header import ColumnChoice, cells, decoded, require_known, select
+from identification.formats.table import ColumnTable, shown
+from identification.formats.text import Fields, TextBlock, TextFormat, lines_of, parse, read_blocks, read_head
 
 NOTHING = ("", " ")  # fields of what was not measured
 
 
-def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
+def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch.
 
     Args:
@@ -40,7 +40,7 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.
     """
-    dialect = Dialect(form.delimiter or ",", form.decimal or ".", NOTHING, form.encoding)
+    dialect = TextFormat(form.delimiter or ",", form.decimal or ".", NOTHING, form.encoding)
     header_rows, names = _header(file, form, dialect)
     chosen = select(file, names, form)
     tick = form.clock.period if chosen.clock is None else form.tick
@@ -49,8 +49,13 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
 
 
 def rows_of(
-    file: Path, blocks: Iterable[Block], names: Sequence[str], chosen: Selection, dialect: Dialect, tick: float | None
-) -> Iterator[Table]:
+    file: Path,
+    blocks: Iterable[TextBlock],
+    names: Sequence[str],
+    chosen: ColumnChoice,
+    dialect: TextFormat,
+    tick: float | None,
+) -> Iterator[ColumnTable]:
     """Turns lines of numbers into tables.
 
     Args:
@@ -82,13 +87,13 @@ def rows_of(
                         "the row"
                     )
                 stamps = clock.to_numpy()
-        yield Table(str(file), tuple(names), values, stamps, tick or 0.0, lines_of(block, rows))
+        yield ColumnTable(str(file), tuple(names), values, stamps, tick or 0.0, lines_of(block, rows))
         count += rows
     if not count:
         raise RecordingError(f"{file}: has a header but no rows; record again")
 
 
-def _header(file: Path, form: RecordingFormat, dialect: Dialect) -> tuple[int, list[str]]:
+def _header(file: Path, form: RecordingFormat, dialect: TextFormat) -> tuple[int, list[str]]:
     """Number of header lines, and names of the columns."""
     rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
     lines = read_head(file)
@@ -109,10 +114,10 @@ _OVERRUN = b"overrun"
 _NUMBER_OF_SAMPLE = "sample number"
 
 
-def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
+def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch; see `delimited.halsampler_tables`."""
     assert form.column_names is not None  # the case is checked
-    dialect = Dialect(form.delimiter or " ", form.decimal or ".")
+    dialect = TextFormat(form.delimiter or " ", form.decimal or ".")
     names, numbered = _columns(file, list(form.column_names), dialect)
     chosen = select(file, names, form)
     tick = form.clock.period if chosen.clock is None else form.tick
@@ -123,7 +128,7 @@ def halsampler_tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
     yield from rows_of(file, (b for b in blocks if b.data.strip()), names, chosen, dialect, tick)
 
 
-def _columns(file: Path, names: list[str], dialect: Dialect) -> tuple[list[str], bool]:
+def _columns(file: Path, names: list[str], dialect: TextFormat) -> tuple[list[str], bool]:
     """Names of all fields of a line, and whether the first is the number of the sample."""
     lines = (line for line in read_head(file) if line.strip() and not line.startswith(_OVERRUN))
     text = next(lines, b"").decode(errors="replace")
@@ -140,7 +145,7 @@ def _columns(file: Path, names: list[str], dialect: Dialect) -> tuple[list[str],
     )
 
 
-def _without_overruns(file: Path, block: Block, counted: bool) -> Block:
+def _without_overruns(file: Path, block: TextBlock, counted: bool) -> TextBlock:
     """The block with its lines `overrun` blanked; the first line of a file may be one without a loss."""
     if _OVERRUN not in block.data:
         return block
@@ -155,4 +160,4 @@ def _without_overruns(file: Path, block: Block, counted: bool) -> Block:
                 "halsampler -t and a longer queue (depth of the sampler)"
             )
         lines[k] = b""
-    return Block(block.first_line, b"\n".join(lines))
+    return TextBlock(block.first_line, b"\n".join(lines))

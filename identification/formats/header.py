@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cases.errors import RecordingError
-from cases.recording import CLOCK, COLUMNS, RecordingFormat
+from cases.recording_format import CLOCK, COLUMNS, RecordingFormat
 from identification.formats.table import listed, shown
-from identification.formats.text import Dialect, not_text
+from identification.formats.text import TextFormat, not_text
 
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks", "|": "vertical bars"}
 _SEARCHED_LINES = 50  # no export known to us has a longer header
@@ -15,7 +15,7 @@ _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 
 
 @dataclass(frozen=True, slots=True)
-class Selection:
+class ColumnChoice:
     """Which of a file's columns are ours.
 
     Args:
@@ -27,7 +27,7 @@ class Selection:
     clock: int | None
 
 
-def decoded(file: Path, lines: Sequence[bytes], dialect: Dialect) -> list[str]:
+def decoded(file: Path, lines: Sequence[bytes], dialect: TextFormat) -> list[str]:
     """Header lines as text.
 
     Raises:
@@ -46,12 +46,12 @@ def decoded(file: Path, lines: Sequence[bytes], dialect: Dialect) -> list[str]:
     return texts
 
 
-def cells(line: str, dialect: Dialect) -> list[str]:
+def cells(line: str, dialect: TextFormat) -> list[str]:
     """Fields of a header line."""
     return [name.strip() for name in dialect.split(line)]
 
 
-def select(file: Path, names: Sequence[str], form: RecordingFormat) -> Selection:
+def select(file: Path, names: Sequence[str], form: RecordingFormat) -> ColumnChoice:
     """Our columns among those of a file.
 
     Raises:
@@ -64,7 +64,7 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> Selection
             raise RecordingError(f"{file}: column {shown(theirs)} is there twice; rename or remove one")
         if theirs in names:
             positions[ours] = names.index(theirs)
-    return Selection({k: p for k, p in positions.items() if k != CLOCK}, positions.get(CLOCK))
+    return ColumnChoice({k: p for k, p in positions.items() if k != CLOCK}, positions.get(CLOCK))
 
 
 def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form: RecordingFormat, row: int) -> None:
@@ -83,7 +83,7 @@ def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form
     expected = form.delimiter or ","
     for k, line in enumerate(lines[:_SEARCHED_LINES], 1):
         for separator, word in _SEPARATORS.items():
-            found = {c.strip() for c in Dialect(separator).split(line.decode(form.encoding, "replace"))}
+            found = {c.strip() for c in TextFormat(separator).split(line.decode(form.encoding, "replace"))}
             if not (found & ours) or len(found) < 2:
                 continue
             if separator != expected:

@@ -8,15 +8,15 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
+from cases.recording_format import RecordingFormat
 from identification.formats.header import select, unknown_columns
-from identification.formats.table import Array, Lines, Stamps, Table, shown
+from identification.formats.table import Array, ColumnTable, Lines, Stamps, shown
 from identification.formats.text import unreadable
 
 _TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
-def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
+def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file, row group by row group.
 
     Args:
@@ -38,7 +38,7 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[Table]:
         raise RecordingError(f"{file}: is a damaged Parquet file ({reason}); copy or export it again") from error
 
 
-def _tables(file: Path, parquet: pq.ParquetFile, form: RecordingFormat) -> Iterator[Table]:
+def _tables(file: Path, parquet: pq.ParquetFile, form: RecordingFormat) -> Iterator[ColumnTable]:
     names = tuple(parquet.schema_arrow.names)
     chosen = select(file, names, form)
     if not chosen.values:
@@ -52,7 +52,7 @@ def _tables(file: Path, parquet: pq.ParquetFile, form: RecordingFormat) -> Itera
         stamps, tick = _stamps(file, clock[0], batch, form.tick, count) if clock else (None, 0.0)
         if stamps is None and form.clock.period is not None:
             stamps, tick = np.arange(count, count + batch.num_rows), form.clock.period
-        yield Table(str(file), names, values, stamps, tick, Lines(count + 1, word="row"))
+        yield ColumnTable(str(file), names, values, stamps, tick, Lines(count + 1, word="row"))
         count += batch.num_rows
     if not count:
         raise RecordingError(f"{file}: has columns but no rows; record again")

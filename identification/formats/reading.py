@@ -12,28 +12,28 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import POSE, ROTATION, RecordingFormat
+from cases.recording_format import POSE, ROTATION, RecordingFormat
 from cases.schema import Case
-from identification.formats import delimited, twincat
+from identification.formats import delimited, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.header import without
 from identification.formats.stream import Recording, Stream, either
-from identification.formats.table import Array, Stamps, Table
+from identification.formats.table import Array, ColumnTable, Stamps
 from identification.formats.text import require_file, unreadable
 
 BYTES = 40  # of memory that reading and evaluating a run take at most for each number in it
 _PARQUET = b"PAR1"
 
-_READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[Table]]] = {
+_READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[ColumnTable]]] = {
     "csv": delimited.tables,
     "halsampler": delimited.halsampler_tables,
-    "twincat-scope": twincat.tables,
+    "twincat-scope": scope.tables,
     "sinumerik-trace": delimited.tables,
 }
 
 
-def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Table, ...]:
+def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[ColumnTable, ...]:
     """Reads a file: one table for each clock in it.
 
     Args:
@@ -84,20 +84,20 @@ def free_memory() -> int:
 class _Pile:
     """Batches of one clock, column by column: joined so that each number is held twice for a moment only."""
 
-    def __init__(self, first: Table) -> None:
+    def __init__(self, first: ColumnTable) -> None:
         self._first = first
         self._values: dict[str, list[Array]] = {name: [] for name in first.values}
         self._stamps: list[Stamps] = []
         self._skipped: list[int] = []
 
-    def add(self, table: Table) -> None:
+    def add(self, table: ColumnTable) -> None:
         for name, column in table.values.items():
             self._values[name].append(column)
         if table.stamps is not None:
             self._stamps.append(table.stamps)
         self._skipped += table.lines.skipped
 
-    def joined(self) -> Table:
+    def joined(self) -> ColumnTable:
         values = {name: _whole(self._values.pop(name)) for name in list(self._values)}
         stamps: Any = _whole(self._stamps) if self._stamps else None
         lines = replace(self._first.lines, skipped=tuple(self._skipped))
@@ -136,7 +136,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     """
     if not paths:
         raise RecordingError("no recording is named; give the files of one run")
-    tables: list[tuple[Table, RecordingFormat]] = []
+    tables: list[tuple[ColumnTable, RecordingFormat]] = []
     for path in paths:
         file, form = _file_of(path, case.recording)
         held = sum(table.rows * len(table.values) for table, _ in tables)

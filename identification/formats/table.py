@@ -50,7 +50,7 @@ class Lines:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class ColumnTable:
     """Columns of a file that share their rows, in the file's units.
 
     Args:

@@ -36,7 +36,7 @@ _DECIMAL_COMMAS = re.compile(r"[0-9],[0-9]")
 
 
 @dataclass(frozen=True, slots=True)
-class Dialect:
+class TextFormat:
     """How a text file writes its numbers.
 
     Args:
@@ -73,7 +73,7 @@ def is_number(text: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class TextBlock:
     """Whole lines of a file.
 
     Args:
@@ -127,7 +127,7 @@ def read_head(file: Path) -> list[bytes]:
 
 def read_blocks(
     file: Path, header_rows: int = 0, trailing_rows: int = 0, size: int = SIZE, kept: int = _KEPT
-) -> Iterator[Block]:
+) -> Iterator[TextBlock]:
     """Whole lines of a text file, block by block, without header, trailing rows and blank lines at the end.
 
     Args:
@@ -147,10 +147,10 @@ def read_blocks(
             continue
         rows = block.data.split(b"\n", above)
         if len(rows) > above and rows[-1]:
-            yield Block(header_rows + 1, rows[-1])
+            yield TextBlock(header_rows + 1, rows[-1])
 
 
-def _all_blocks(file: Path, trailing_rows: int, size: int, kept: int) -> Iterator[Block]:
+def _all_blocks(file: Path, trailing_rows: int, size: int, kept: int) -> Iterator[TextBlock]:
     line, rest = 1, b""
     try:
         with file.open("rb") as stream:
@@ -160,7 +160,7 @@ def _all_blocks(file: Path, trailing_rows: int, size: int, kept: int) -> Iterato
                 end = max(len(rest) - kept, 0)
                 cut = rest.rfind(b"\n", 0, end) + 1
                 if cut:
-                    yield Block(line, rest[:cut])
+                    yield TextBlock(line, rest[:cut])
                     line += rest.count(b"\n", 0, cut)
                     rest = rest[cut:]
                 elif end > _LONGEST_LINE:
@@ -168,7 +168,7 @@ def _all_blocks(file: Path, trailing_rows: int, size: int, kept: int) -> Iterato
     except OSError as error:
         raise unreadable(file, error) from error
     if data := _without_end(rest, trailing_rows):
-        yield Block(line, data)
+        yield TextBlock(line, data)
 
 
 def _without_end(data: bytes, trailing_rows: int) -> bytes:
@@ -198,7 +198,7 @@ class Fields:
     stamps: Sequence[int]
 
 
-def parse(file: Path, block: Block, fields: Fields, dialect: Dialect) -> Mapping[int, pa.ChunkedArray]:
+def parse(file: Path, block: TextBlock, fields: Fields, dialect: TextFormat) -> Mapping[int, pa.ChunkedArray]:
     """The wanted columns of a block by position: numbers as float64, stamps as int64 or float64.
 
     Raises:
@@ -231,7 +231,7 @@ def parse(file: Path, block: Block, fields: Fields, dialect: Dialect) -> Mapping
     return columns
 
 
-def lines_of(block: Block, rows: int) -> Lines:
+def lines_of(block: TextBlock, rows: int) -> Lines:
     """Where the rows of a block stand: pyarrow leaves blank lines out."""
     count = block.data.count(b"\n") + (not block.data.endswith(b"\n"))
     if count == rows:
@@ -241,7 +241,7 @@ def lines_of(block: Block, rows: int) -> Lines:
 
 
 def explain(
-    file: Path, block: Block, names: Sequence[str], wanted: Sequence[int], dialect: Dialect, cause: str
+    file: Path, block: TextBlock, names: Sequence[str], wanted: Sequence[int], dialect: TextFormat, cause: str
 ) -> RecordingError:
     """The error for a block that could not be read: its first line that is to blame.
 
@@ -273,12 +273,12 @@ def explain(
     return RecordingError(f"{file}: is not a CSV table: {reason}; correct that line")
 
 
-def not_text(place: str, dialect: Dialect) -> RecordingError:
+def not_text(place: str, dialect: TextFormat) -> RecordingError:
     """The error for bytes that the file's encoding does not know."""
     return RecordingError(f"{place}: is not {dialect.encoding.upper()} text; save the file as UTF-8")
 
 
-def _lines(block: Block) -> Iterator[tuple[int, bytes, bool]]:
+def _lines(block: TextBlock) -> Iterator[tuple[int, bytes, bool]]:
     """Number, text and whether it ends with a line break, of each line that is not blank."""
     lines = block.data.split(b"\n")
     for k, line in enumerate(lines):
@@ -286,7 +286,7 @@ def _lines(block: Block) -> Iterator[tuple[int, bytes, bool]]:
             yield block.first_line + k, line.rstrip(b"\r"), k < len(lines) - 1
 
 
-def _why(found: Sequence[str], names: Sequence[str], dialect: Dialect, text: str, ends: bool) -> str:
+def _why(found: Sequence[str], names: Sequence[str], dialect: TextFormat, text: str, ends: bool) -> str:
     if len(found) < len(names) and not ends:
         return "the file is cut off in its last line: remove that line"
     if len(found) > len(names) and dialect.delimiter == "," and _DECIMAL_COMMAS.search(text):
@@ -296,7 +296,7 @@ def _why(found: Sequence[str], names: Sequence[str], dialect: Dialect, text: str
     return "correct or remove the row"
 
 
-def _not_a_number(text: str, dialect: Dialect) -> str:
+def _not_a_number(text: str, dialect: TextFormat) -> str:
     if not text.strip():
         return "is empty where a number is needed; correct or remove the row"
     value = f"{shown(text)!r} is not a number"

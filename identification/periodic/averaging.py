@@ -31,7 +31,7 @@ from identification.periodic.periods import (
     longest_window,
     telling_harmonics,
 )
-from identification.periodic.repeating import FourierSeries, Part, find_part, fit_series, given_part
+from identification.periodic.repeating import FourierSeries, RepeatingPart, find_part, fit_series, given_part
 from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position
@@ -67,7 +67,7 @@ class PeriodicRun:
     model: Model
     hexapod: Hexapod
     recording: Recording
-    part: Part
+    part: RepeatingPart
     used: Rows
     struts: FourierSeries
     forces_series: FourierSeries

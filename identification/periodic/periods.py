@@ -14,7 +14,7 @@ from scipy.special import chdtri
 from cases.errors import RecordingError
 from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import places
-from identification.periodic.repeating import FourierSeries, Part, fit_series
+from identification.periodic.repeating import FourierSeries, RepeatingPart, fit_series
 from identification.recording import Recording
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ class PeriodScatter(NamedTuple):
         return np.asarray(self.smoothed(harmonics, 1).real.mean(axis=0) * samples)
 
 
-def each_period(t: Array, values: Array, part: Part, harmonics: int) -> PeriodScatter:
+def each_period(t: Array, values: Array, part: RepeatingPart, harmonics: int) -> PeriodScatter:
     """The series of each period.
 
     Args:

@@ -30,7 +30,7 @@ AS_LONG = 0.9  # of the longest stretch; among lags that reach it the shortest i
 REMEDY = "leave --period out, or give --period SECONDS where the run holds a single one"
 
 
-class Part(NamedTuple):
+class RepeatingPart(NamedTuple):
     """The periodic part of a run.
 
     Args:
@@ -55,7 +55,7 @@ class Part(NamedTuple):
         return self.misfit / self.motion
 
 
-def find_part(t: Array, struts: Array, window: NDArray[np.int64]) -> Part:
+def find_part(t: Array, struts: Array, window: NDArray[np.int64]) -> RepeatingPart:
     """The period and the part of the run that it holds for: at least two periods of it.
 
     Args:
@@ -69,7 +69,7 @@ def find_part(t: Array, struts: Array, window: NDArray[np.int64]) -> Part:
     x = struts[window] - struts[window].mean(axis=0)
     motion = float(np.sqrt(np.mean(x**2)))
     step = float(t[-1] - t[0]) / (len(t) - 1)
-    best: Part | None = None
+    best: RepeatingPart | None = None
     for lag in _lags(x, motion):
         first, end = _longest(x, lag, COARSE * motion)
         if end - first < (1.0 - SHORT) * lag:
@@ -86,7 +86,7 @@ def find_part(t: Array, struts: Array, window: NDArray[np.int64]) -> Part:
     raise RecordingError(_refusal(x, step, motion, best))
 
 
-def given_part(t: Array, struts: Array, window: NDArray[np.int64], period: float) -> Part:
+def given_part(t: Array, struts: Array, window: NDArray[np.int64], period: float) -> RepeatingPart:
     """The part of the run that a period holds for: one period may be all there is, if it ends where it begins.
 
     Args:
@@ -172,13 +172,13 @@ def _longest(x: Array, lag: int, tolerance: float) -> tuple[int, int]:
     return int(edges[2 * longest]), int(edges[2 * longest + 1])
 
 
-def _part(t: Array, struts: Array, rows: NDArray[np.int64], period: float, motion: float) -> Part:
+def _part(t: Array, struts: Array, rows: NDArray[np.int64], period: float, motion: float) -> RepeatingPart:
     """The last whole periods of rows; the first ones hold what dies out after the start."""
     step = float(t[-1] - t[0]) / (len(t) - 1)
     away = _a_period_later(t, struts, rows, period)
     if not len(away):
         ends = struts[rows[-1]] - struts[rows[0]]
-        return Part(period, int(rows[0]), int(rows[-1]) + 1, 1, float(np.sqrt(np.mean(ends**2))), motion)
+        return RepeatingPart(period, int(rows[0]), int(rows[-1]) + 1, 1, float(np.sqrt(np.mean(ends**2))), motion)
     # Rests before and after leave the motion slowly; what is out of the ordinary at the ends is none of it.
     alike = np.flatnonzero(away <= max(USUAL * float(np.median(away)), LEAST * motion))
     rows = rows[alike[0] : alike[-1] + 1 + len(rows) - len(away)]
@@ -186,7 +186,7 @@ def _part(t: Array, struts: Array, rows: NDArray[np.int64], period: float, motio
     rows = rows[len(rows) - min(round(periods * period / step), len(rows)) :]
     away = _a_period_later(t, struts, rows, period)
     misfit = float(np.sqrt(np.mean(away**2))) if len(away) else 0.0
-    return Part(period, int(rows[0]), int(rows[-1]) + 1, periods, misfit, motion)
+    return RepeatingPart(period, int(rows[0]), int(rows[-1]) + 1, periods, misfit, motion)
 
 
 def _a_period_later(t: Array, struts: Array, rows: NDArray[np.int64], period: float) -> Array:
@@ -201,7 +201,7 @@ def _a_period_later(t: Array, struts: Array, rows: NDArray[np.int64], period: fl
     return np.asarray(np.sqrt(np.mean(away**2, axis=1)))
 
 
-def _refusal(x: Array, step: float, motion: float, best: Part | None) -> str:
+def _refusal(x: Array, step: float, motion: float, best: RepeatingPart | None) -> str:
     """How far the best period misses, in words."""
     if best is not None:
         period, misfit = best.period, best.misfit

@@ -209,7 +209,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
         squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
     squares = np.minimum(squares, (paces / path.duration * (1.0 + 1e-6)) ** 2)
 
-    class Limits(LinearConstraint):  # type: ignore[misc]
+    class PathLimits(LinearConstraint):  # type: ignore[misc]
         """All limits at once, computed for all gridpoints in one go."""
 
         def __init__(self) -> None:
@@ -246,4 +246,4 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
             values = (here.pose, here.rates * path.duration, here.accelerations * path.duration**2)
             return np.asarray(values[order])
 
-    return Limits(), Path()
+    return PathLimits(), Path()

@@ -28,10 +28,11 @@ def list_cases(json: Json = False) -> None:
     else:
         print_table(
             "Built-in cases",
-            ("case", "setup", "what it is", "file"),
-            [[r["name"], r["setup"], r["title"], r["file"]] for r in rows],
+            ("case", "setup", "what it is"),
+            [[r["name"], r["setup"], r["title"]] for r in rows],
             False,
         )
+        print("hexcite case new NAME --like CASE begins one of your own; hexcite case show CASE draws it")
 
 
 @app.command("check")
@@ -76,8 +77,10 @@ def check(
         print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box", LIMIT_COLUMNS, rows
         )
-    rows = [[r.command, f"misses {', '.join(r.missing)}" if r.missing else "has all that it needs"] for r in lacks]
-    print_table("Commands", ("hexcite ..", "this case"), rows, False)
+    print(f"ready for: {'; '.join(r.command for r in lacks if not r.missing) or 'no command'}")
+    for r in lacks:
+        if r.missing:
+            print(f"not ready for {r.command}: misses {', '.join(r.missing)}")
     for remark in remarks:
         print(f"look at {remark}")
     if reach is not None:

@@ -25,7 +25,7 @@ def compare(
 
     Told are cost, information and standard deviations, and which to prefer.
 
-    A result belongs to the run it was made of, a run to the plan whose path it followed.
+    A result belongs to the run it was made of, a run to the plan that its program was written from.
     """
     from cases.files import COMPARISON, check_folder, output_place
     from cases.loading import load_case

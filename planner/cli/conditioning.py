@@ -15,7 +15,7 @@ from identification.estimation.selection import symmetric_platform
 from identification.model import Model
 from identification.parameters import physical_form
 from identification.samples import Conditioning, Periodic
-from identification.saved import biases_of
+from identification.saved_result import biases_of
 
 AUTO = "auto"
 

@@ -32,18 +32,18 @@ def demo(
     from cases.files import DEMO, check_folder, output_place, write_text
     from cases.loading import load_case
     from identification.model import full_model
-    from planner.cli.identified import answer_of_result, show_result
     from planner.cli.plan import answer_of_plan, show_plan
     from planner.cli.post import answer_of_program, answer_of_proof, show_check, show_program
     from planner.cli.run import answer_of_run, show_run
-    from planner.demo import ACCEPTED, language_of
-    from planner.demo import demo as whole_chain
-    from planner.plan import Plan
+    from planner.cli.shown_result import answer_of_result, show_result
+    from planner.demonstration import ACCEPTED, language_of
+    from planner.demonstration import demo as whole_chain
+    from planner.plans import Plan
     from planner.reports.demo import demo_page
     from planner.reports.page import render
     from planner.reports.report import report
-    from planner.runs.running import Outcome, best_controller
-    from postprocessors.files import Program
+    from planner.runs.running import RunOutcome, best_controller
+    from postprocessors.program_file import Program
 
     loaded = load_case(case)
     place = output_place(output, Path("hexcite-demo"), overwrite)
@@ -63,7 +63,7 @@ def demo(
         elif not json:
             print(f"      {line}")
 
-    def done(value: "Plan | Program | Outcome | Result") -> None:
+    def done(value: "Plan | Program | RunOutcome | Result") -> None:
         if isinstance(value, Plan):
             made = answer["plan"] = answer_of_plan(value, place / "plan")
             report(value, place / "plan" / "report.html")
@@ -84,7 +84,7 @@ def demo(
             told(checked["verdict"], lambda: show_check(checked))
             name, why = (on, "as asked") if on else best_controller(dialect.name)
             step(f"run: on {name} ({why})")
-        elif isinstance(value, Outcome):
+        elif isinstance(value, RunOutcome):
             ran = answer["run"] = answer_of_run(value, place / "recording")
             line = f"{ran['controller']}: {ran['duration_s']:.3f} s of {ran['planned_s']:.3f} s planned, "
             line += f"{ran['path_error_mm']:.3f} mm from the path, D-efficiency {ran['d_efficiency']:.3f} as executed"

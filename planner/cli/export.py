@@ -18,7 +18,6 @@ def export(
     force: Annotated[
         bool, typer.Option("--force", help="Export a result with warnings; they are written into the file.")
     ] = False,
-    build: Annotated[bool, typer.Option("--build", help="Compile it too (c: gcc; linuxcnc: halcompile).")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write; for c a folder.")] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
@@ -33,7 +32,7 @@ def export(
     if to not in TARGETS:
         raise HexciteError(f"target {to!r} is unknown; choose {', '.join(TARGETS)}")
     calibration = load_calibration(result, case, force, stale)
-    files = write(calibration, to, output, build, overwrite)
+    files = write(calibration, to, output, overwrite)
     answer: dict[str, Any] = {
         "file": str(files[0]),
         "files": [str(file) for file in files],

@@ -5,11 +5,11 @@ from typing import Annotated, Any
 
 import typer
 
-from cases.recording import WRENCH
 from planner.cli.console import Json, Overwrite, Stale, print_json, print_table
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 UNITS = ("N", "N", "N", "N m", "N m", "N m")
+WRENCH = tuple(f"{axis}_{unit.replace(' ', '')}" for axis, unit in zip(AXES, UNITS, strict=True))
 
 Parameters = Annotated[Path, typer.Option("--parameters", help="Result folder of hexcite identify.")]
 CaseOption = Annotated[
@@ -31,10 +31,11 @@ def force(
 ) -> None:
     """Compute external force and moment over a recording."""
     from cases.files import atomic_file, check_file, output_place
-    from identification.force import external_force
+    from cases.recording_format import WRENCH
+    from identification.external import external_force
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
-    from identification.saved import load_result
+    from identification.saved_result import load_result
     from planner.runs.recorded import case_of
 
     file = output_place(output, Path(f"{recording.resolve().stem}-force.csv"), overwrite)
@@ -70,6 +71,8 @@ def _write(file: Path, found: Any) -> None:
     import pyarrow as pa
     import pyarrow.csv as pacsv
 
+    from cases.recording_format import WRENCH
+
     table = {"t_s": found.t} | {name: np.ascontiguousarray(found.wrench[:, k]) for k, name in enumerate(WRENCH)}
     pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))
 
@@ -90,10 +93,10 @@ def tare(
     All other parameters stay as they are.
     """
     from cases.files import RESULT, atomic_folder, check_folder, json_text, output_place
-    from identification.force import tare as new_offsets
+    from identification.external import tare as new_offsets
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
-    from identification.saved import load_result, with_tare
+    from identification.saved_result import load_result, with_tare
     from planner.runs.recorded import case_of
 
     folder = output_place(output, Path(f"{parameters.resolve().stem}-tared"), overwrite)
@@ -133,8 +136,8 @@ def payload(
     Mass, centre of gravity and inertia, as far as both results determine them.
     """
     from identification.payload import payload_between, payload_on_table, require_two
-    from identification.saved import load_result
-    from planner.cli.identified import PARAMETER_COLUMNS, parameter_rows
+    from identification.saved_result import load_result
+    from planner.cli.shown_result import PARAMETER_COLUMNS, parameter_rows
 
     old, new = load_result(before), load_result(after)
     loaded = old.artefact.case(case)

@@ -95,10 +95,9 @@ def identify(
     from identification.recording import files_of
     from planner.cli.conditioning import Typed, method_of, read_conditioning
     from planner.cli.console import save_with_page
-    from planner.cli.identified import answer_of_result, show_result, verify_result
-    from planner.poses.expected import poses_of_plan
-    from planner.runs.identified import Wish, identified_file
-    from planner.runs.recorded import Still, case_of
+    from planner.cli.shown_result import answer_of_result, show_result, verify_result
+    from planner.runs.identifying import Wish, identified_file
+    from planner.runs.recorded import StandstillWish, case_of, poses_of_plan
 
     conditioning = read_conditioning(period, harmonics, flexible)
     if verify is not None:
@@ -111,7 +110,7 @@ def identify(
         lambda model: method_of(typed, model, loaded),
         words,
         conditioning,
-        Still(None if poses is None else poses_of_plan(poses, loaded), standstills),
+        StandstillWish(None if poses is None else poses_of_plan(poses, loaded), standstills),
     )
     folder = output_place(output, Path(f"{recordings[0].resolve().stem}-result"), overwrite)
     check_folder(folder, RESULT, recordings, overwrite)

@@ -19,8 +19,10 @@ from planner.cli.console import (
     status,
 )
 
+MOST_USED = 0.9  # share of a limit from which on it is shown
+
 if TYPE_CHECKING:
-    from planner.plan import Plan
+    from planner.plans import Plan
 
 Out = Annotated[
     Path | None, typer.Option("-o", "--output", help="Folder to write; named after case and family by default.")
@@ -169,27 +171,17 @@ def answer_of_plan(plan: "Plan", folder: Path) -> dict[str, Any]:
 
 def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     """Prints a plan for people."""
-    from planner.search.last_words import solver_text
 
     for weakness in answer["weaknesses"]:
         print(f"WEAK: {weakness}")
-    rows = [
-        [str(s["seed"]), "refined" if s["refined"] else "explored",
-         "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",
-         f"{s['logdet']:.3f}", f"{s['criterion_value']:.4g}", str(s["iterations"]), f"{s['seconds']:.1f} s",
-         solver_text(s["solver"])]
-        for s in answer["starts"]
-    ]  # fmt: skip
-    columns = ("seed", "stage", "at start", "at end", answer["criterion"], "iterations", "time", "solver")
-    if rows:
-        print_table(
-            "Starts, best first (log det of the mean information and criterion, reference scaling)", columns, rows
-        )
     for failed in answer["failed_starts"]:
         print(f"start {failed['seed']} led nowhere: {failed['reason']}")
     if answer["interrupted"]:
         print("stopped by Ctrl-C: this is the best of what was found until then")
-    print_table("Limits, proven at 10 kHz in NumPy", LIMIT_COLUMNS, limit_rows(answer["limits"]))
+    shown = {name: v for name, v in answer["limits"].items() if v["ratio"] >= MOST_USED or v["status"] != "proven"}
+    fewer = len(answer["limits"]) - len(shown)
+    title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
+    print_table(title, LIMIT_COLUMNS, limit_rows(shown))
     kind = "certified" if answer["bound"]["certified"] else "an estimate"
     print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
     if any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
@@ -214,7 +206,8 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
         print(f"  {line}")
     first, last = (plan.case.words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
-    print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
+    starts = f"; {len(answer['starts'])} starts" if answer["starts"] else ""
+    print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
         f"{answer['report']}"

@@ -8,7 +8,7 @@ import typer
 from planner.cli.console import Criterion, Json, Overwrite, Plots, print_json, print_table, progress, status
 
 if TYPE_CHECKING:
-    from planner.plan import Plan
+    from planner.plans import Plan
 
 
 def poses(
@@ -38,8 +38,8 @@ def poses(
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
     from planner.cli.console import save_with_page
-    from planner.poses.plan import poses_planned
-    from planner.poses.request import PoseRequest
+    from planner.poses.planned_poses import poses_planned
+    from planner.poses.pose_request import PoseRequest
 
     request = PoseRequest(criterion, count, method, model, candidates, seed, noise)
     loaded = load_case(case)
@@ -61,7 +61,7 @@ def poses(
 def _show(answer: dict[str, Any], plan: "Plan") -> None:
     from identification.model import identification_model
     from identification.parameters import physical_form
-    from planner.poses.request import METHODS, Method
+    from planner.poses.pose_request import METHODS, PoseMethod
     from planner.precision import std_text
 
     form = physical_form(identification_model(plan.case, plan.model))
@@ -69,7 +69,7 @@ def _show(answer: dict[str, Any], plan: "Plan") -> None:
     for p in form.parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
         rows.append([p.name, std_text(answer["predicted_std"][p.name] * scale), unit])
-    print(f"{METHODS[Method(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
+    print(f"{METHODS[PoseMethod(answer['method'])]}, criterion {answer['criterion']}, model {answer['model']}")
     print(f"predicted for averaged forces that scatter by {answer['assumed_noise_N']:.3g} N:")
     print_table("Standard deviations", ("parameter", "std", "unit"), rows)
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")

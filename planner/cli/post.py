@@ -8,8 +8,8 @@ import typer
 from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
 
 if TYPE_CHECKING:
-    from planner.plan import Plan
-    from postprocessors.files import Program
+    from planner.plans import Plan
+    from postprocessors.program_file import Program
 
 Accept = Annotated[
     list[str] | None,
@@ -44,9 +44,9 @@ def post(
     It is read back and proven before it is written.
     """
     from cases.files import check_file, output_place
-    from planner.plan import Plan
-    from planner.runs.in_struts import changed_motion
-    from planner.runs.writing import language_of, write
+    from planner.plans import Plan
+    from planner.runs.followed import changed_motion
+    from planner.runs.written import language_of, write
     from postprocessors.dialects import DIALECTS
 
     if plan is None:
@@ -120,7 +120,7 @@ def check(
 ) -> None:
     """Read a program back, independently of its writer, and prove it."""
     from cases.loading import load_case
-    from postprocessors.files import read_program
+    from postprocessors.program_file import read_program
 
     loaded = load_case(case)
     with status(f"proving {program.name}", json):
@@ -135,7 +135,7 @@ def check(
 
 def answer_of_proof(program: "Program") -> dict[str, Any]:
     """The JSON answer of a program that was proven, or not."""
-    from planner.runs.fingerprints import written_for_another
+    from planner.runs.written import written_for_another
 
     proof, other = program.proof, written_for_another(program.content, program.case)
     return {

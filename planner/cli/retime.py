@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cases.schema import Case
     from identification.motion import Trajectory
     from planner.request import Request
-    from planner.retiming.retimed import Rating
+    from planner.retiming.retimed import PaceRating
 
 
 def retime(
@@ -66,14 +66,14 @@ def make_retimed(
     from identification.model import identification_model
     from identification.motion import sample
     from planner.cli.console import save_with_page
-    from planner.plan import SAMPLE_RATE, motion_csv
-    from planner.retiming.plan import method_of, retimed_plan
-    from planner.retiming.retimed import Method, retimed
+    from planner.plans import SAMPLE_RATE, motion_csv
+    from planner.retiming.retimed import RetimingMethod, retimed
+    from planner.retiming.retimed_plan import method_of, retimed_plan
 
     table = _checked(source, output, overwrite)
     given = _given(source, case, model, stale)
     chosen = method_of(method, given.motion, fastest)
-    if output is not None and not table and chosen is Method.TOPPRA:
+    if output is not None and not table and chosen is RetimingMethod.TOPPRA:
         raise HexciteError(
             f"{output}: toppra's accelerations step, without limit of jerk, and make no plan; use --method ipopt, or "
             "name a table (-o after.csv)"
@@ -95,7 +95,7 @@ def make_retimed(
         "model": given.request.model,
         "before": _rating(found.before),
         "after": _rating(found.after),
-        "jerk_limited": found.method is not Method.TOPPRA,
+        "jerk_limited": found.method is not RetimingMethod.TOPPRA,
         "off_path_mm": found.off_path[0] / MM,
         "off_path_deg": found.off_path[1] / DEG,
         "remarks": [*found.remarks, *given.stale],
@@ -135,9 +135,9 @@ def _given(source: Path, case: str | None, model: int | None, stale: bool) -> _G
     from cases.errors import HexciteError
     from cases.loading import load_case
     from planner.families.settings import Manual
-    from planner.plan import Plan
+    from planner.plans import Plan
     from planner.request import Request
-    from planner.retiming.motion_table import read_motion
+    from planner.retiming.retimed_plan import read_motion
 
     if not source.exists():
         raise HexciteError(
@@ -156,7 +156,7 @@ def _given(source: Path, case: str | None, model: int | None, stale: bool) -> _G
     return _Given(read_motion(source), load_case(case), request)
 
 
-def _rating(rating: "Rating") -> dict[str, Any]:
+def _rating(rating: "PaceRating") -> dict[str, Any]:
     return {
         "duration_s": rating.duration,
         "criteria": rating.criteria,

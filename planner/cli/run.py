@@ -9,7 +9,7 @@ import typer
 from planner.cli.console import Json, Overwrite, print_json, status
 
 if TYPE_CHECKING:
-    from planner.runs.running import Outcome
+    from planner.runs.running import RunOutcome
 
 ANSWERED = (
     "controller", "samples", "planned_s", "path_error_mm", "d_efficiency", "d_efficiency_planned",
@@ -58,14 +58,14 @@ def run(
         show_run(answer, outcome)
 
 
-def answer_of_run(outcome: "Outcome", folder: Path) -> dict[str, Any]:
+def answer_of_run(outcome: "RunOutcome", folder: Path) -> dict[str, Any]:
     """The JSON answer of a run that was written."""
     about = outcome.recording.record
     answer = {"recording": str(folder), "duration_s": about["executed_s"]} | {key: about[key] for key in ANSWERED}
     return answer | {"poses": len(about["poses_m_rad"]), "simulated": True}
 
 
-def show_run(answer: dict[str, Any], outcome: "Outcome") -> None:
+def show_run(answer: dict[str, Any], outcome: "RunOutcome") -> None:
     """Prints a run for people."""
     around = outcome.around
     mounted = f", {len(around.weights)} weights of {around.load:.4g} kg mounted" if around.weights else ""
@@ -91,7 +91,7 @@ def _of_limit(share: float) -> str:
     return f"{100 * share:.0f} %" if share <= 10.0 else "more than ten times"
 
 
-def _exceeded(peaks: dict[str, float], outcome: "Outcome") -> Iterator[str]:
+def _exceeded(peaks: dict[str, float], outcome: "RunOutcome") -> Iterator[str]:
     """Limits that were exceeded: by the controller that ran, which is not always the one that the program is for."""
     exceeded = {name for name, share in peaks.items() if share > 1.01}
     enforced = frozenset() if outcome.run.real else outcome.guarantees.enforced

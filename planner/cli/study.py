@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.cli.console import Json, print_json, print_table
+from planner.cli.console import Json, print_json, print_table, progress
 
 
 def study(
@@ -42,9 +42,9 @@ def run(
     from cases.loading import load_case
     from planner.interruption import Interrupted
     from planner.study.cluster import local_client, remote_client, require_dask
-    from planner.study.running import about_study, cells_of, missing, run_study
     from planner.study.spec import load_spec
-    from planner.study.store import ABOUT, DONE, PLANNED, check_study, read_rows, schema
+    from planner.study.store import ABOUT, DONE, PLANNED, check_study, read_rows
+    from planner.study.study_run import about_study, cells_of, missing, run_study
     from planner.study.summary import best_groups, groups
 
     loaded, wanted = load_case(case), load_spec(spec)
@@ -66,22 +66,22 @@ def run(
     if left or not (folder / ABOUT).exists():
         context = local_client(workers, wanted.cells.memory_GB) if scheduler is None else remote_client(scheduler)
         try:
-            with context as client, _progress(left, quiet) as count:
+            with context as client, progress("cells", left, quiet) as count:
                 began = time.perf_counter()
                 threads = sum(client.nthreads().values())
                 if not quiet:
                     print(f"Study {wanted.name} of {loaded.name}: {left} of {len(cells)} cells to do, in {folder}")
 
-                def done(outcome: Any) -> None:
+                def done(end: Any) -> None:
                     nonlocal busy
-                    busy += outcome.seconds
-                    count(outcome.reason)
+                    busy += end.seconds
+                    count("" if end.reason is None else "(the last one failed)")
 
                 computed = run_study(client, wanted, loaded, folder, done, retry)
         except Interrupted:
             raise Interrupted(f"what is done is kept in {folder}, the same command goes on") from None
     seconds = time.perf_counter() - began
-    table = read_rows(folder, schema())
+    table = read_rows(folder)
     found = groups(table)
     report = folder / "report.html"
     write_text(report, _page(read_json(folder / ABOUT, "hexcite study"), table))
@@ -126,49 +126,3 @@ def _show(answer: dict[str, Any], best: dict[str, Any], case: str) -> None:
     if answer["overhead"] is not None:
         print(f"study time x cores / time in cells: {answer['overhead']:.2f}")
     print(f"report written: {answer['report']}")
-
-
-def _progress(total: int, quiet: bool) -> Any:
-    """A bar with rate and time left on stderr; yields a function that counts one cell."""
-    from collections.abc import Callable, Iterator
-    from contextlib import contextmanager
-
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    @contextmanager
-    def bar() -> Iterator[Callable[[str | None], None]]:
-        console = Console(stderr=True)
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[rate]}"),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-        )
-        hidden = quiet or not console.is_terminal
-        with Progress(*columns, console=console, disable=hidden, transient=True) as shown:
-            task = shown.add_task("cells", total=total, rate="")
-            failed = 0
-
-            def count(reason: str | None) -> None:
-                nonlocal failed
-                failed += reason is not None
-                speed = shown.tasks[0].speed
-                rate = f"{60 * speed:.1f}/min" if speed else ""
-                shown.update(
-                    task, advance=1, rate=rate, description="cells" + (f" ({failed} failed)" if failed else "")
-                )
-
-            yield count
-
-    return bar()

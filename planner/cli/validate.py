@@ -8,7 +8,7 @@ import typer
 from planner.cli.console import Json, Overwrite, print_json, print_table, progress
 
 if TYPE_CHECKING:
-    from planner.validation.validate import Validation
+    from planner.validation.validation import Validation
 
 
 def validate(
@@ -42,17 +42,17 @@ def validate(
     """Identify known weights by each method; compare with theory.
 
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
-    what it models. Interrupted, the same command goes on with what is missing.
+    what it models. Interrupted, the same command uses the plans that are there.
     """
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case
     from planner.cli.console import save_with_page
-    from planner.validation.carrying_out import Settings, unfinished
+    from planner.validation.carrying_out import ValidationSettings, unfinished
     from planner.validation.experiment import chosen, mounted_weights
-    from planner.validation.validate import disturbances_of, validate_recordings
-    from planner.validation.validate import validate as carried_out
+    from planner.validation.validation import disturbances_of, validate_recordings
+    from planner.validation.validation import validate as carried_out
 
-    settings = Settings(on, starts, seed, plans)
+    settings = ValidationSettings(on, starts, seed, plans)
     loaded = load_case(case)
     if recordings is not None:
         _only_recordings(

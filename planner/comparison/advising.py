@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from cases.basis import bound_hash
 from cases.errors import HexciteError
@@ -14,9 +13,8 @@ from cases.files import COMPARISON, atomic_folder, check_folder, json_text
 from cases.schema import Case
 from identification.noise.pose_field import PoseField
 from planner.comparison.entries import Entry, Level, entry_of_plan, read_entry
-from planner.plan import Plan
+from planner.plans import Plan
 
-SAME_PATH = 2e-3  # [m] a run that strays less from a plan, and the plan from it, is a run of that plan
 SAME_NOISE = 1.05  # ratio of the noise that two predictions assume, below which they compare
 ONE_NOISE = 1.0001  # ratio of noises that are one
 SAME_LOAD = 1e-3  # [kg] of the weights mounted
@@ -26,19 +24,16 @@ NO_DIFFERENCE = 1.05  # ratio of standard deviations below which the shorter one
 def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
     """Entries that belong together: a plan, its runs and their results; a result knows its run by hash.
 
-    A run follows the plan whose fingerprint it carries; where it carries none of these, one from whose path neither
-    strays. A result without its run belongs to the plan of that run. A result takes what its run knows of time and
-    machine.
+    A run belongs to the plan whose fingerprint it carries, a result without its run to the plan of that run. A result
+    takes what its run knows of time and machine.
     """
     found = [[e] for e in entries if e.level is Level.PLANNED]
     for run in (e for e in entries if e.level is Level.EXECUTED):
-        plans = [g for g in found if g[0].level is Level.PLANNED]
-        named = [g for g in plans if run.plan is not None and run.plan == g[0].plan]
-        home = next((g for g in named or plans if named or _follows(run, g[0])), None)
-        if home is None:
-            found.append([run])
+        plans = [g for g in found if g[0].level is Level.PLANNED and run.plan is not None and run.plan == g[0].plan]
+        if plans:
+            plans[0].append(run)
         else:
-            home.append(run)
+            found.append([run])
     for result in (e for e in entries if e.level is Level.IDENTIFIED):
         runs = [(g, e) for g in found for e in g if e.level is Level.EXECUTED and e.hashes & result.hashes]
         plans = [g for g in found if result.plan is not None and g[0].plan == result.plan]
@@ -52,13 +47,6 @@ def groups(entries: Sequence[Entry]) -> list[list[Entry]]:
         else:
             found.append([result])
     return found
-
-
-def _follows(run: Entry, plan: Entry) -> bool:
-    if run.path is None or plan.path is None or run.level is plan.level:
-        return False
-    there, back = cKDTree(plan.path).query(run.path)[0], cKDTree(run.path).query(plan.path)[0]
-    return bool(max(there.max(), back.max()) < SAME_PATH * 5 and np.mean(there) < SAME_PATH)
 
 
 def warnings_of(entries: Sequence[Entry]) -> tuple[str, ...]:
@@ -285,7 +273,7 @@ class Comparison:
 def compare(things: Sequence[Plan | Path | str], case: Case | None = None, stale: bool = False) -> Comparison:
     """Cost, information and standard deviations side by side, and which excitation to prefer.
 
-    A result belongs to the run it was made of, a run to the plan whose path it followed.
+    A result belongs to the run it was made of, a run to the plan that its program was written from.
 
     Args:
         things: plans, and folders of plans, poses, runs and results, in any mix.

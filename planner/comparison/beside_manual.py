@@ -9,7 +9,7 @@ from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner.deviations import worst_std
 from planner.families.manual import manual_motion, sequence_file
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.search.problem import mean_information
 
 

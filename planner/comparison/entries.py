@@ -16,29 +16,25 @@ from cases.files import another_kind, read_json
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
 from identification.findings.plausibility import scan
-from identification.hexapod import Hexapod
 from identification.identify import default_model
 from identification.model import Model, identification_model
-from identification.motion import sample
 from identification.recording import Recording, files_of, read
 from identification.reference import reference_scaling
 from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
-from identification.saved import load_result
+from identification.saved_result import load_result
 from planner.deviations import predicted_std
 from planner.noise import expected_noise
-from planner.plan import Plan
 from planner.plan_folder import fingerprint, load_plan
+from planner.plans import Plan
 from planner.pose_errors import PoseErrors
-from planner.poses.criteria import pose_regressors
+from planner.poses.pose_criteria import pose_regressors
 from planner.runs.recorded import standing_of
 from planner.search.problem import mean_information
 from planner.vibration import Vibration, vibration
 
 Array = NDArray[np.float64]
-
-PATH_RATE = 500.0  # [1/s]
 
 
 class Level(IntEnum):
@@ -73,7 +69,6 @@ class Entry:
         parameters: by name.
         s0: of an identified one [N].
         notes: figures of the execution, by name.
-        path: positions on the way, shape (n, 3) [m]; None where it is unknown.
         hashes: fingerprints of the recordings that it is or was made of.
         plan: fingerprint of the plan that it is or followed; None where nothing says.
         noise: of a force sample that predictions assume [N]; None for identified ones.
@@ -94,7 +89,6 @@ class Entry:
     parameters: Mapping[str, Told]
     s0: float | None
     notes: Mapping[str, float]
-    path: Array | None
     hashes: frozenset[str]
     plan: str | None = None
     noise: float | None = None
@@ -174,7 +168,7 @@ def entry_of_plan(saved: Plan, name: str) -> Entry:
     told = {n: Told(None, scale * float(s), units[n]) for n, s in saved.predicted_std.items()}
     return Entry(
         name, Level.PLANNED, saved.case, model.number, saved.family, saved.duration, samples,
-        _criteria(information, model), told, None, {}, sample(saved.motion, PATH_RATE).pose[:, :3], frozenset(),
+        _criteria(information, model), told, None, {}, frozenset(),
         fingerprint(saved), noise, float(load), warnings=saved.stale, vibration=vibrating,
     )  # fmt: skip
 
@@ -201,7 +195,6 @@ def _run(path: Path, given: Case | None, stale: bool) -> Entry:
     model = identification_model(case, default_model(recording, case))
     scaling = reference_scaling(case, model)
     matrices, struts, samples = _matrices(recording, case, model)
-    way = None if struts is None or recording.t is None else Hexapod.of(case).poses(struts)[:, :3]
     information = _seen(matrices, None, scaling)
     duration = about.get("executed_s")
     noise = expected_noise(case, model)
@@ -222,7 +215,7 @@ def _run(path: Path, given: Case | None, stale: bool) -> Entry:
         str(path), Level.EXECUTED, case, model.number, str(about.get("controller", "recorded")).split(" (")[0],
         None if duration is None else float(duration), samples, _criteria(information, model),
         {n: Told(None, s, units[n]) for n, s in expected.items()}, None,
-        {n: float(about[n]) for n in figures if about.get(n) is not None}, way, _fingerprints(path),
+        {n: float(about[n]) for n in figures if about.get(n) is not None}, _fingerprints(path),
         about.get("plan_hash"), noise.sensors, _mounted(about), _machine(about),
         (*(str(about[k]) for k in ("remark",) if about.get(k)), *stale_in),
     )  # fmt: skip
@@ -289,6 +282,6 @@ def _result(path: Path, given: Case | None, stale: bool) -> Entry:
     return Entry(
         str(path), Level.IDENTIFIED, case, saved.model, str(data.get("estimator", "")),
         None if seconds is None else float(seconds), samples, criteria, told,
-        float(data["s0_N"]), {}, None, saved.recordings, data.get("plan_hash"),
+        float(data["s0_N"]), {}, saved.recordings, data.get("plan_hash"),
         warnings=tuple(dict.fromkeys((*(str(w) for w in data.get("warnings", ())), *stale_in))),
     )  # fmt: skip

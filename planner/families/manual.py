@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import find_case
-from cases.manual import Sequence, load_poses, load_sequence
+from cases.manual_steps import Sequence, load_poses, load_sequence
 from cases.schema import Case
 from identification.limits import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
 from identification.motion import Joined, StandingPoses, Standstill, Trajectory

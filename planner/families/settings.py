@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.manual import load_poses, load_sequence
+from cases.manual_steps import load_poses, load_sequence
 from cases.schema import Case
 from identification.motion import Trajectory
 from planner.controlled import CONTROLLERS, Controlled, controlled, moves_in

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.model import Model
-from planner.poses.criteria import POSE_CRITERIA, pose_regressors, total_information
+from planner.poses.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
+from planner.poses.pose_request import PoseMethod, PoseRequest
 from planner.poses.refinement import refine
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change
-from planner.poses.request import Method, PoseRequest
 
 Array = NDArray[np.float64]
 
@@ -56,9 +56,9 @@ def choose(
     """
     count = request.wanted(len(candidates), regressors.shape[2])
     criterion = POSE_CRITERIA[request.criterion]
-    if request.method == Method.ALL:
+    if request.method == PoseMethod.ALL:
         return Choice(candidates, "every candidate")
-    if request.method == Method.BACKWARD_CHANGE:
+    if request.method == PoseMethod.BACKWARD_CHANGE:
         if len(candidates) > MOST_EXHAUSTIVE:
             raise HexciteError(
                 f"method backward-change evaluates every removal and is meant for {MOST_EXHAUSTIVE} candidates at "
@@ -72,7 +72,7 @@ def choose(
             f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(kept)}, every further "
             f"removal loses rank; ask for {len(kept)} or more"
         )
-    if request.method in (Method.BACKWARD, Method.BACKWARD_CHANGE):
+    if request.method in (PoseMethod.BACKWARD, PoseMethod.BACKWARD_CHANGE):
         return Choice(candidates[kept], "as many as asked for")
     refined = refine(case, model, scaling, criterion, candidates[kept])
     return Choice(refined.poses, f"refined: {refined.status}")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model
-from planner.poses.criteria import pose_regressors
+from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import SIZE, PoseSpace
 
 Array = NDArray[np.float64]

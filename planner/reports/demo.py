@@ -7,14 +7,14 @@ import numpy as np
 from cases.schema import Case
 from identification.motion import sample
 from identification.trajectories.path import instants
-from planner.demo import Demo
-from planner.precision import std_text, value_text
+from planner.demonstration import Demo
+from planner.precision import parameter_words, std_text, value_text
 from planner.reports.charts import Chart
 from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_plots
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
 from planner.reports.plan import pictured, starts_items
-from planner.runs.running import Outcome
+from planner.runs.running import RunOutcome
 
 DRAWN_RATE = 200.0  # [1/s]
 RECORDED_RATE = 500.0  # [1/s]: shows the ripple of a controller's blocks
@@ -98,10 +98,10 @@ def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     known = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
     estimate, error = known
     truth, ratio = f"{row['truth'] * scale:.6g}", f"{row['error'] / row['std']:+.2f}"
-    return row["name"], truth, estimate, std_text(std), error, ratio, unit
+    return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
 
 
-def _motion(case: Case, outcome: Outcome) -> tuple[Item, ...]:
+def _motion(case: Case, outcome: RunOutcome) -> tuple[Item, ...]:
     note = Note("Dashed: the limit of the axis in its colour, grey where axes share it.")
     return (*motion_plots(case, sample(outcome.planned, DRAWN_RATE)), note)
 
@@ -116,7 +116,7 @@ def _proof(answer: dict[str, Any]) -> tuple[Item, ...]:
     return tuple(items)
 
 
-def _executed(case: Case, answer: dict[str, Any], outcome: Outcome) -> tuple[Item, ...]:
+def _executed(case: Case, answer: dict[str, Any], outcome: RunOutcome) -> tuple[Item, ...]:
     """Accelerations that the controller really made, along x, y, z or of each joint, beside the planned ones."""
     t = instants(outcome.run.trigger, RECORDED_RATE)
     execution, limits = outcome.run.execution, case.need_motion("the page of a demo")[1]

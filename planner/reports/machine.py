@@ -9,7 +9,7 @@ from cases.schema import Case
 from cases.units import MM
 from identification.motion import Trajectory, sample
 from planner.reports.outlines import box_outlines, room, tool_outlines
-from planner.reports.page import Machine
+from planner.reports.page import MachineItem
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ MOST_FRAMES = 3000
 SECONDS_A_POSE = 0.5  # of a pose set, when played
 
 
-def moving_machine(case: Case, trajectory: Trajectory, note: str) -> Machine:
+def moving_machine(case: Case, trajectory: Trajectory, note: str) -> MachineItem:
     """The machine of a case along a trajectory.
 
     Args:
@@ -28,10 +28,10 @@ def moving_machine(case: Case, trajectory: Trajectory, note: str) -> Machine:
     """
     rate = min(FRAMES_A_SECOND, MOST_FRAMES / max(trajectory.duration, 1e-9))
     motion = sample(trajectory, rate)
-    return Machine(_scene(case, motion.t, motion.pose, steps=False), note)
+    return MachineItem(_scene(case, motion.t, motion.pose, steps=False), note)
 
 
-def posing_machine(case: Case, poses: Array, note: str) -> Machine:
+def posing_machine(case: Case, poses: Array, note: str) -> MachineItem:
     """The machine of a case in one pose after the other.
 
     Args:
@@ -39,7 +39,7 @@ def posing_machine(case: Case, poses: Array, note: str) -> Machine:
         poses: shape (n, 6) [m, rad].
         note: caption.
     """
-    return Machine(_scene(case, SECONDS_A_POSE * np.arange(float(len(poses))), poses, steps=True), note)
+    return MachineItem(_scene(case, SECONDS_A_POSE * np.arange(float(len(poses))), poses, steps=True), note)
 
 
 def _scene(case: Case, t: Array, poses: Array, steps: bool) -> dict[str, Any]:

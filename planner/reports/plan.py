@@ -16,15 +16,15 @@ from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
 from identification.overload import SHARE, load_shares, sensor_forces
 from identification.parameters import physical_form
-from identification.provenance import provenance
 from identification.reference import reference_scaling
+from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
-from planner.plan import Plan
-from planner.precision import std_text
+from planner.plans import Plan
+from planner.precision import parameter_words, std_text
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots
 from planner.reports.machine import moving_machine
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
+from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
 from planner.search.last_words import solver_text
 
 Array = NDArray[np.float64]
@@ -65,13 +65,13 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         inputs=tuple(inputs),
         warnings=_warnings(plan),
         sections=(
-            Section("What the plan promises", (_headline(plan), *_deviations(plan, model, manual))),
+            Section("What the plan promises", (_headline(plan), _verdicts(plan), *_deviations(plan, model, manual))),
             *pictured(case, plan.motion),
             Section("How close it comes to each limit", (limits_plot(plan.limits.to_json()), *_bound_by(plan))),
             Section("The motion and its limits", (*motion_plots(case, motion), _dashed())),
             *([Section("Struts", _struts(case, motion))] if case.hexapod is not None else []),
             Section("Predicted sensor forces", _forces(case, motion, request.payload)),
-            Section("What the motion tells", (*_information(plan, model), *_identifiability(plan, model))),
+            Section("Information of the motion", (*_information(plan, model), *_identifiability(plan, model))),
             Section("How the plan was found", starts_items(plan.to_json())),
         ),
     )
@@ -115,6 +115,29 @@ def _headline(plan: Plan) -> Tiles:
     return Tiles(tuple(tiles))
 
 
+def _verdicts(plan: Plan) -> Answers:
+    """Whether the motion keeps all limits, and whether a controller that limits jerk can follow it."""
+    limits = plan.limits.to_json().values()
+    steps = [v["at"] for v in limits if v["status"].startswith("steps")]
+    proven = [v for v in limits if v["status"] == "proven"]
+    most = max(proven, key=lambda v: v["ratio"])
+    claims = [
+        Answer(
+            all(v["ratio"] <= 1.0 + 1e-6 for v in proven),
+            "The motion keeps every limit that is proven.",
+            f"{len(proven)} limits; most used is {most['at']} with {100 * most['ratio']:.1f} %",
+        ),
+        Answer(
+            not steps,
+            "Jerk is limited.",
+            f"accelerations step in {', '.join(steps)}: for controllers without a jerk limit"
+            if steps
+            else "proven too",
+        ),
+    ]
+    return Answers(tuple(claims))
+
+
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
     """Predicted standard deviations, beside those of the hand-made motion at equal time."""
     worth = plan.of_motion[1]
@@ -138,7 +161,7 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
     for p in physical_form(model).parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
         std = plan.predicted_std[p.name]
-        row = [p.name, std_text(std * scale)]
+        row = [parameter_words(p.name), std_text(std * scale)]
         if other is not None:
             row += [std_text(other[p.name] * scale), f"{other[p.name] / std:.2f}"]
         rows.append((*row, unit))
@@ -185,7 +208,14 @@ def _struts(case: Case, motion: Motion) -> tuple[Item, ...]:
         ("strut-velocities", velocity, "velocity [m/s]", (-v, v)),
         ("strut-accelerations", acceleration, "acceleration [m/s²]", (-a, a)),
     )
-    return tuple(Plot(n, _lines(motion.t, values, names, unit, of, 280)) for n, values, unit, of in panels)
+    return tuple(
+        Plot(
+            n,
+            _lines(motion.t, values, names, unit, of, 280),
+            f"Strut {unit.split(' [')[0]} over time; dashed: its limits.",
+        )
+        for n, values, unit, of in panels
+    )
 
 
 def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
@@ -232,7 +262,7 @@ def _information(plan: Plan, model: Model) -> tuple[Item, ...]:
     figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
     figure.update_xaxes(tickangle=-60)
     figure.update_yaxes(title="std of one sample, scaled")
-    words = "In reference scaling, for a noise of 1. The gap is what telling a parameter from the others costs."
+    words = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
     return (Plot("information", figure.update_layout(height=360, barmode="group"), words), _progress(plan, matrices))
 
 

@@ -2,7 +2,7 @@
 
 from matplotlib.axes import Axes
 
-from cases.recording import POSE
+from cases.recording_format import POSE
 from planner.precision import share_text
 from planner.reach import UNITS, Reach
 

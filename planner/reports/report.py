@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from identification.model import Model
     from identification.outcome import Result
     from planner.comparison.advising import Comparison
-    from planner.plan import Plan
-    from planner.validation.validate import Validation
+    from planner.plans import Plan
+    from planner.validation.validation import Validation
 
     Shown = Plan | Result | Comparison | Validation
 
@@ -86,7 +86,7 @@ def figures(value: "Shown", folder: Path) -> None:
 def _figures(value: "Shown") -> "Iterator[tuple[str, Figure]]":
     from identification.outcome import Result
     from planner.comparison.advising import Comparison
-    from planner.plan import Plan
+    from planner.plans import Plan
     from planner.reports.plots import identifiability_figure, residual_figure
 
     if isinstance(value, Result):
@@ -108,10 +108,10 @@ def _figures(value: "Shown") -> "Iterator[tuple[str, Figure]]":
 
 def _figures_of_plan(plan: "Plan") -> "Iterator[tuple[str, Figure]]":
     from identification.motion import sample
-    from planner.plan import SAMPLE_RATE
-    from planner.poses.plan import candidates_of
-    from planner.poses.plots import density_figure, pose_figure
-    from planner.poses.request import PoseRequest
+    from planner.plans import SAMPLE_RATE
+    from planner.poses.planned_poses import candidates_of
+    from planner.poses.pose_plots import density_figure, pose_figure
+    from planner.poses.pose_request import PoseRequest
     from planner.reports.plots import identifiability_figure, trajectory_figure
     from planner.worth import PoseWorth
 
@@ -128,7 +128,7 @@ def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
     """The model of a plan of poses, and what its poses determine."""
     from identification.identifiability import analyse
     from identification.model import identification_model
-    from planner.poses.criteria import pose_regressors
+    from planner.poses.pose_criteria import pose_regressors
 
     model = identification_model(plan.case, plan.model)
     return model, analyse(pose_regressors(model, plan.poses), model.names)

@@ -7,23 +7,23 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cases.schema import Case
-from identification.provenance import provenance
-from planner.precision import with_deviation
+from identification.saved_result import provenance
+from planner.precision import parameter_words, with_deviation
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.reports.ratios import Series, ratio_figure
 from planner.validation.experiment import TABLE_3
 from planner.validation.remedy import REMEDY_COLUMNS, Remedy
-from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, Step
-from planner.validation.verdict import OFF_COLUMNS, Finding, off_rows
+from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, MethodStep
+from planner.validation.verdict import OFF_COLUMNS, Claim, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))
 SCALES = {"zC": (1e3, "mm"), "xC": (1e3, "mm"), "yC": (1e3, "mm")}
 LEAST_DEVIATION = 1e-12  # the first step is its own theory
 
 
-def table_7(steps: Sequence[Step]) -> list[list[str]]:
+def table_7(steps: Sequence[MethodStep]) -> list[list[str]]:
     """Table 7's layout: a row a load, values with their relative deviation from theory."""
     rows = []
     for step in steps:
@@ -40,14 +40,14 @@ def table_7(steps: Sequence[Step]) -> list[list[str]]:
     return rows
 
 
-def _methods(steps: Sequence[Step]) -> list[str]:
+def _methods(steps: Sequence[MethodStep]) -> list[str]:
     return list(dict.fromkeys(step.method for step in steps))
 
 
 def validation_page(
     case: Case,
-    steps: Sequence[Step],
-    verdict: Sequence[Finding],
+    steps: Sequence[MethodStep],
+    verdict: Sequence[Claim],
     columns: Mapping[int, Identified],
     machine: str,
     failed: Mapping[str, str],
@@ -114,15 +114,15 @@ def validation_page(
     )
 
 
-def _loads(steps: Sequence[Step]) -> str:
+def _loads(steps: Sequence[MethodStep]) -> str:
     return ", ".join(dict.fromkeys(f"{s.load:.0f}" for s in steps)) + " kg"
 
 
-def _findings(verdict: Sequence[Finding]) -> Answers:
+def _findings(verdict: Sequence[Claim]) -> Answers:
     return Answers(tuple(Answer(f.holds, f.claim, f.figures) for f in verdict))
 
 
-def _warnings(steps: Sequence[Step]) -> list[str]:
+def _warnings(steps: Sequence[MethodStep]) -> list[str]:
     """Each warning once, with the runs that it was given for: those that differ by numbers alone count as one."""
     given: dict[str, list[tuple[str, str]]] = {}
     for step in steps:
@@ -146,7 +146,7 @@ def _deviation_note() -> Note:
     )
 
 
-def _std_plots(steps: Sequence[Step]) -> list[Plot]:
+def _std_plots(steps: Sequence[MethodStep]) -> list[Plot]:
     """Reported standard deviations without payload, at each method's own s0, and for one second of measuring."""
     bare = [s for s in steps if s.weights == 0]
     timed = [s for s in bare if s.duration is not None]
@@ -165,7 +165,9 @@ def _std_plots(steps: Sequence[Step]) -> list[Plot]:
     return plots
 
 
-def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], note: str, true: bool = False) -> Plot:
+def _std_plot(
+    name: str, bare: Sequence[MethodStep], factor: Callable[[MethodStep], float], note: str, true: bool = False
+) -> Plot:
     series = [
         Series(
             step.method,
@@ -180,7 +182,7 @@ def _std_plot(name: str, bare: Sequence[Step], factor: Callable[[Step], float], 
     return Plot(name, ratio_figure(series).update_layout(height=400, showlegend=True), note)
 
 
-def _std_table(steps: Sequence[Step]) -> Table:
+def _std_table(steps: Sequence[MethodStep]) -> Table:
     bare = [s for s in steps if s.weights == 0]
     names = list(dict.fromkeys(n for s in bare for n in s.estimate.physical))
     rows = [("measuring time", *("-" if s.duration is None else f"{s.duration:.1f} s" for s in bare))]
@@ -193,7 +195,7 @@ def _std_table(steps: Sequence[Step]) -> Table:
     return Table(("without payload", *(s.method for s in bare)), tuple(rows))
 
 
-def _error_plots(steps: Sequence[Step]) -> list[Item]:
+def _error_plots(steps: Sequence[MethodStep]) -> list[Item]:
     """Errors of a simulated machine in reported standard deviations, with the band that counts as chance."""
     plots: list[Item] = []
     for name in COMPARED:
@@ -213,14 +215,15 @@ def _error_plots(steps: Sequence[Step]) -> list[Item]:
         figure.update_xaxes(title="load [kg]")
         figure.update_yaxes(title=f"error of {name} / std")
         if drawn:
-            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), half=True))
+            note = f"{parameter_words(name).capitalize()}: points inside the band may be chance."
+            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), note, half=True))
     if plots:
         told = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
         plots.insert(0, Note(told))
     return plots
 
 
-def _s0_plot(steps: Sequence[Step]) -> Plot:
+def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
     figure = Chart()
     for k, method in enumerate(_methods(steps)):
         own = [s for s in steps if s.method == method]
@@ -234,7 +237,8 @@ def _s0_plot(steps: Sequence[Step]) -> Plot:
         )
     figure.update_xaxes(title="load [kg]")
     figure.update_yaxes(title="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
-    return Plot("s0", figure.update_layout(height=340, showlegend=True))
+    note = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
+    return Plot("s0", figure.update_layout(height=340, showlegend=True), note)
 
 
 def _models(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
@@ -262,7 +266,7 @@ def _models(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
     return (Table(("parameter", *(f"model {n}" for n in sorted(columns))), tuple(rows)), Note(note + truth))
 
 
-def std_figure(steps: Sequence[Step]) -> Figure:
+def std_figure(steps: Sequence[MethodStep]) -> Figure:
     """Standard deviations without payload, for papers: bars from zero are the reported ones, lines the true ones."""
     bare = [s for s in steps if s.weights == 0]
     panels = ("m", "xC", "zC", "IC33", "k0", "k1")

@@ -2,7 +2,7 @@
 
 Point-to-point moves get the jerk-limited law that a controller computes online, in whole cycles (ruckig). Other paths
 keep the limits of rates, accelerations and jerks of coordinates and struts at another pace (ipopt, see
-`planner.retiming.path`), or all but those of jerks (toppra).
+`planner.retiming.path_pace`), or all but those of jerks (toppra).
 """
 
 from collections.abc import Callable
@@ -26,14 +26,14 @@ from identification.trajectories.path_timing import UntimedPath, retime
 from identification.trajectories.profile import Profile, StraightMove
 from planner.bounds.kept import Bound, box_bound
 from planner.families.ptp import unit_profile
-from planner.retiming.path import retimed_path
+from planner.retiming.path_pace import retimed_path
 from planner.search.inside import MARGIN
 from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]
 
 
-class Method(StrEnum):
+class RetimingMethod(StrEnum):
     """How a motion is re-timed."""
 
     RUCKIG = "ruckig"
@@ -42,7 +42,7 @@ class Method(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Rating:
+class PaceRating:
     """What a motion is worth and whether it keeps the limits.
 
     Args:
@@ -71,27 +71,27 @@ class Retimed:
         off_path: largest distance from the planned path, of the position [m] and of an angle [rad].
     """
 
-    method: Method
+    method: RetimingMethod
     motion: Trajectory
-    before: Rating
-    after: Rating
+    before: PaceRating
+    after: PaceRating
     remarks: tuple[str, ...]
     off_path: tuple[float, float] = (0.0, 0.0)
 
 
-def fitting_method(motion: Trajectory) -> Method:
+def fitting_method(motion: Trajectory) -> RetimingMethod:
     """Ruckig for sequences of moves and pauses, ipopt for everything else."""
     moves = isinstance(motion, Joined) and all(
         isinstance(part, StraightMove | CircularMove | Standstill) for part in motion.parts
     )
-    return Method.RUCKIG if moves else Method.IPOPT
+    return RetimingMethod.RUCKIG if moves else RetimingMethod.IPOPT
 
 
 def retimed(
     motion: Trajectory,
     case: Case,
     model: Model,
-    method: Method,
+    method: RetimingMethod,
     fastest: bool,
     told: Callable[[str], None] = lambda _: None,
 ) -> Retimed:
@@ -112,10 +112,10 @@ def retimed(
     """
     off_path, after = (0.0, 0.0), motion
     try:
-        if method is Method.RUCKIG:
+        if method is RetimingMethod.RUCKIG:
             after, slowed = by_controller(motion, case)
             remarks = _slowed(slowed, len(after.parts))
-        elif method is Method.IPOPT:
+        elif method is RetimingMethod.IPOPT:
             after, off_path, solver = retimed_path(motion, case, fastest, told)
             remarks = (solver,)
         else:
@@ -137,11 +137,11 @@ def _slowed(count: int, moves: int) -> tuple[str, ...]:
     return (f"{count} of {moves} moves are slower than their coordinates allow, because of the limits of the struts",)
 
 
-def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> Rating:
+def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceRating:
     information = mean_information(model, reference_scaling(case, model), motion)
     mu = singular_values(information, model.names)
     criteria = {letter: criterion.of(mu) for letter, criterion in CRITERIA.items()}
-    return Rating(motion.duration, criteria, bound.efficiency(criteria["D"]), prove(motion, case))
+    return PaceRating(motion.duration, criteria, bound.efficiency(criteria["D"]), prove(motion, case))
 
 
 SLOWINGS = 5  # of a move whose struts are too fast

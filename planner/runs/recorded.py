@@ -1,5 +1,6 @@
 """What stands beside a recording: its case, the poses it was to stand at, how long it was to last."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -7,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.basis import Artefact, recording_basis
-from cases.errors import HexciteError, RecordingError
+from cases.errors import FileProblem, HexciteError, RecordingError
 from cases.files import another_kind
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
@@ -15,16 +16,16 @@ from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
-from identification.runs.standing import average, find_standstills, match, stands_only
-from identification.saved import load_result
-from planner.poses.expected import poses_of_record
+from identification.runs.standstills import average, find_standstills, match, stands_only
+from identification.saved_result import load_result
+from planner.plan_folder import load_plan
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 Array = NDArray[np.float64]
 RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
-class Still(NamedTuple):
+class StandstillWish(NamedTuple):
     """What a user says about standstills in a run that was recorded with a clock.
 
     Args:
@@ -36,7 +37,7 @@ class Still(NamedTuple):
     asked: bool = False
 
 
-UNSAID = Still()
+UNSAID = StandstillWish()
 
 
 def case_of(
@@ -109,7 +110,9 @@ def shorter_than_planned(recording: Recording) -> tuple[Finding, ...]:
     return (warning(Kind.WINDOW, f"{told}off; what the plan promises is not of this run"),)
 
 
-def standing_of(recording: Recording, case: Case, still: Still = UNSAID) -> tuple[Recording, dict[str, Any] | None]:
+def standing_of(
+    recording: Recording, case: Case, still: StandstillWish = UNSAID
+) -> tuple[Recording, dict[str, Any] | None]:
     """The run's averaged standstills with what is to be told of them, where it was recorded at poses; else the run.
 
     A run of hexcite knows the poses of its program; `still` names others, or says that there are standstills.
@@ -136,3 +139,41 @@ def standing_of(recording: Recording, case: Case, still: Still = UNSAID) -> tupl
         "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
     }
     return standing.averages, told
+
+
+def poses_of_plan(folder: Path, case: Case) -> Array:
+    """Poses of a plan in the order of visit, shape (n, 6) [m, rad].
+
+    Args:
+        folder: of the plan.
+        case: of the recording.
+
+    Raises:
+        FileProblem: no plan there, or damaged.
+        HexciteError: no plan of poses.
+    """
+    plan = load_plan(folder, case)
+    if not len(plan.poses):
+        raise HexciteError(f"{folder}: is a plan of family {plan.family}, not of poses; name one of hexcite poses")
+    return plan.poses
+
+
+def poses_of_record(record: Mapping[str, Any]) -> Array | None:
+    """Poses that a program measured, shape (n, 6); None where it measured a motion, or unknown.
+
+    Args:
+        record: what `recording.json` says.
+
+    Raises:
+        FileProblem: the entry is damaged.
+    """
+    entry = record.get("poses_m_rad")
+    if not entry:
+        return None
+    try:
+        poses = np.array(entry, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
+    if poses.ndim != 2 or poses.shape[1] != 6 or not np.isfinite(poses).all():
+        raise FileProblem("recording.json: poses_m_rad: are no poses of six numbers; run the program again")
+    return poses

@@ -20,16 +20,15 @@ from identification.simulate import simulate_recording
 from identification.trajectories.executed import DriveExecution, executed_peaks
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
-from planner.runs.fingerprints import plan_of_program, written_for_another
 from planner.runs.followed import planned_excitation
-from planner.runs.standing import stood, way_of
+from planner.runs.stood import stood, way_of
+from planner.runs.written import plan_of_program, written_for_another
 from planner.search.problem import mean_information
-from postprocessors.execute.executed_run import ExecutedRun, moving_windows, windows
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
+from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
-from postprocessors.execute.log import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.files import Program, read_program
+from postprocessors.program_file import Program, read_program
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.measured import measured_poses, measures_at_poses
 from postprocessors.proving.stretches import Stretch, stretches
@@ -39,7 +38,7 @@ SLOWER = 4.0  # speed-up of a second session
 NOTICEABLE = 0.01  # of a run
 
 
-class Rating(NamedTuple):
+class RunRating(NamedTuple):
     """Planned against executed.
 
     Args:
@@ -65,7 +64,7 @@ class Rating(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class RunOutcome:
     """A run with its recording.
 
     Args:
@@ -82,7 +81,7 @@ class Outcome:
 
     run: ExecutedRun
     recording: Recording
-    rating: Rating
+    rating: RunRating
     planned: Trajectory
     program_hash: str
     guarantees: Guarantees
@@ -113,7 +112,7 @@ def require_seed(seed: int) -> None:
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")
 
 
-def execute(program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> Outcome:
+def execute(program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> RunOutcome:
     """Proves a program, runs it and simulates the recording.
 
     Args:
@@ -133,10 +132,10 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
     if at_poses:
         poses = measured_poses(parts)
         went = stood(run, poses, program.path)
-        rating = Rating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
+        rating = RunRating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
     else:
         poses, rating = np.zeros((0, 6)), _rating(case, planned, run)
-    outcome = Outcome(
+    outcome = RunOutcome(
         run=run,
         recording=simulate_recording(case, run.execution, run.trigger, seed, around=around),
         rating=rating,
@@ -219,14 +218,14 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)
 
 
-def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> Rating:
+def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> RunRating:
     model = identification_model(case, full_model(case))
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None:
         case.missing("recording.filter_cutoff_Hz", "the rating of a run")
     after = executed_information(model, scaling, run.execution, run.trigger, cutoff)
-    return Rating(
+    return RunRating(
         planned=planned.duration,
         executed=run.excitation,
         path_error=path_error(planned, run.execution, run.trigger),
@@ -270,7 +269,7 @@ def run(
     return execute(read, case, on, seed, around).recording
 
 
-def _record(outcome: "Outcome", program: Program, case: Case, seed: int) -> dict[str, Any]:
+def _record(outcome: "RunOutcome", program: Program, case: Case, seed: int) -> dict[str, Any]:
     """What `recording.json` says of a run."""
     rating, disturbances = outcome.rating, outcome.around.disturbances
     other = written_for_another(program.content, case)

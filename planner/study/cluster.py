@@ -9,8 +9,6 @@ from importlib.metadata import PackageNotFoundError, version
 from threading import current_thread, main_thread
 from typing import TYPE_CHECKING, Any
 
-from distributed import WorkerPlugin
-
 from cases.errors import HexciteError
 from planner.interruption import ctrl_c_waits
 
@@ -18,22 +16,9 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
-class Deaf(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
-    """Makes a worker ignore SIGINT."""
-
-    name = "hexcite-deaf"
-
-    def setup(self, worker: Any) -> None:
-        """Called in each worker as it starts."""
-        if current_thread() is main_thread():
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
 CONNECT = 5.0  # [s] to reach a scheduler
 PATIENCE = "120s"  # with processes of this computer: they are not lost because it is busy
-RESTARTING = (
-    "1h"  # a worker that takes longer to come again is given up for good; Dask's 15 s are none on a busy computer
-)
+RESTARTING = "1h"  # after which a worker that does not come again is given up; Dask's 15 s are too short
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), 1)
 
@@ -55,7 +40,14 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
         memory_GB: that a worker may take.
     """
     import dask
-    from distributed import Client, LocalCluster
+    from distributed import Client, LocalCluster, WorkerPlugin
+
+    class WithoutInterrupt(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
+        """Leaves Ctrl-C, which a terminal sends to every process, to the study."""
+
+        def setup(self, worker: Any) -> None:
+            if current_thread() is main_thread():
+                signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     settings = {
         "distributed.scheduler.allowed-failures": 1,
@@ -78,7 +70,7 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
                 silence_logs=logging.CRITICAL,
             )
         with cluster, Client(cluster) as client:
-            client.register_plugin(Deaf())
+            client.register_plugin(WithoutInterrupt())
             yield client
 
 

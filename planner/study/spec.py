@@ -50,7 +50,7 @@ class Grid(Part):
     seed: Values[Whole] = (0,)
 
 
-class Execution(Part):
+class ExecutionSpec(Part):
     """What to do with each plan: run it, and identify it with several seeds of the sensors' noise."""
 
     on: Literal["virtual"] = "virtual"
@@ -78,7 +78,7 @@ class Spec(Part):
     schema_version: Literal[1]
     name: str = Field(pattern=r"^[A-Za-z0-9_-]{1,60}$")
     grid: Grid = Grid()
-    execute: Execution | None = None
+    execute: ExecutionSpec | None = None
     cells: Cells = Cells()
     sample: Sample | None = None
 
@@ -118,7 +118,7 @@ def load_spec(name: str) -> Spec:
         first = error.errors(include_url=False)[0]
         key = ".".join(str(part) for part in first["loc"])
         if first["type"] == "extra_forbidden":
-            tables: dict[str, type[Part]] = {"grid": Grid, "execute": Execution, "cells": Cells, "sample": Sample}
+            tables: dict[str, type[Part]] = {"grid": Grid, "execute": ExecutionSpec, "cells": Cells, "sample": Sample}
             table = tables.get(str(first["loc"][0]), Spec) if len(first["loc"]) > 1 else Spec
             problem = f"unknown setting; known here are {', '.join(table.model_fields)}"
         else:
@@ -176,7 +176,7 @@ def request_of(settings: dict[str, Any]) -> Request:
     return Request(kind(**own), starts=1, **ours)
 
 
-def cell_key(settings: dict[str, Any], execute: Execution | None, case: Case, version: str) -> str:
+def cell_key(settings: dict[str, Any], execute: ExecutionSpec | None, case: Case, version: str) -> str:
     """What a cell's rows are known by: 16 hexadecimal digits of settings, execution, version and case.
 
     Of the case only what it uses counts; the settings of the controller where it runs the plans.

@@ -19,7 +19,7 @@ GROUPED = tuple(name for name in SETTINGS if name != "seed")
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class SettingsGroup:
     """Cells that differ in their seed only.
 
     Args:
@@ -55,7 +55,7 @@ class Group:
         return float(self.scores.max()) if len(self.scores) else float("nan")
 
 
-def groups(table: "pa.Table") -> list[Group]:
+def groups(table: "pa.Table") -> list[SettingsGroup]:
     """Groups of cells that differ in their seed only, in the order in which they first appear.
 
     Args:
@@ -68,13 +68,13 @@ def groups(table: "pa.Table") -> list[Group]:
     return [_group(key, rows, columns) for key, rows in members.items()]
 
 
-def _group(key: tuple[Any, ...], rows: list[int], columns: dict[str, list[Any]]) -> Group:
+def _group(key: tuple[Any, ...], rows: list[int], columns: dict[str, list[Any]]) -> SettingsGroup:
     plans = [r for r in rows if columns["noise_seed"][r] == PLANNED]
     done = [r for r in plans if columns["status"][r] == DONE]
     identified = [r for r in rows if columns["noise_seed"][r] != PLANNED and columns["status"][r] == DONE]
     intervals = sum(columns["parameters"][r] for r in identified)
     inside = sum(columns["inside_95"][r] for r in identified)
-    return Group(
+    return SettingsGroup(
         settings={name: value for name, value in zip(GROUPED, key, strict=True) if value is not None},
         cells=len(plans),
         done=len(done),
@@ -91,9 +91,9 @@ def _mean(values: list[Any]) -> float:
     return float(np.mean(values)) if values else float("nan")
 
 
-def best_groups(found: list[Group]) -> dict[str, Group]:
+def best_groups(found: list[SettingsGroup]) -> dict[str, SettingsGroup]:
     """For each criterion the settings whose best plan is the best; criteria without any plan are left out."""
-    best: dict[str, Group] = {}
+    best: dict[str, SettingsGroup] = {}
     for group in found:
         letter = group.settings["criterion"]
         if group.done and (letter not in best or group.best > best[letter].best):
@@ -151,7 +151,7 @@ def _failures(table: "pa.Table") -> list[tuple[str, int]]:
     return sorted(counts.items(), key=lambda item: -item[1])
 
 
-def _best(found: list[Group], case_file: str) -> tuple[Item, ...]:
+def _best(found: list[SettingsGroup], case_file: str) -> tuple[Item, ...]:
     rows = tuple(
         (letter, command_of(group.settings, case_file), f"{group.best:.4g}", f"{group.median:.4g}")
         for letter, group in sorted(best_groups(found).items())
@@ -164,7 +164,7 @@ def _best(found: list[Group], case_file: str) -> tuple[Item, ...]:
     )
 
 
-def _table(found: list[Group]) -> Table:
+def _table(found: list[SettingsGroup]) -> Table:
     varied = [name for name in GROUPED if len({g.settings.get(name) for g in found}) > 1]
     columns = (*varied, "cells", "done", "converged", "best", "median", "iterations", "s a cell", "coverage")
     rows = tuple(
@@ -192,7 +192,7 @@ def _share(value: float) -> str:
     return f"{100 * value:.1f} %" if np.isfinite(value) else "-"
 
 
-def _maps(found: list[Group]) -> tuple[Plot, ...]:
+def _maps(found: list[SettingsGroup]) -> tuple[Plot, ...]:
     """A heat map for each criterion and pair of other settings that vary."""
     plots = []
     for letter in sorted({g.settings["criterion"] for g in found}):
@@ -203,7 +203,7 @@ def _maps(found: list[Group]) -> tuple[Plot, ...]:
     return tuple(plots[:MOST_MAPS])
 
 
-def _map(letter: str, these: list[Group], row: str, column: str) -> Plot:
+def _map(letter: str, these: list[SettingsGroup], row: str, column: str) -> Plot:
     ys = sorted({g.settings[row] for g in these if row in g.settings and column in g.settings})
     xs = sorted({g.settings[column] for g in these if row in g.settings and column in g.settings})
     scores: dict[tuple[Any, Any], list[float]] = {}
@@ -216,10 +216,11 @@ def _map(letter: str, these: list[Group], row: str, column: str) -> Plot:
     figure.update_xaxes(title=column, type="category")
     figure.update_yaxes(title=row, type="category")
     figure.update_layout(title={"text": f"criterion {letter}"})
-    return Plot(f"map-{letter}-{row}-{column}", figure, half=True)
+    note = f"Median of the cells with this {row} and {column}."
+    return Plot(f"map-{letter}-{row}-{column}", figure, note, half=True)
 
 
-def _boxes(found: list[Group]) -> tuple[Item, ...]:
+def _boxes(found: list[SettingsGroup]) -> tuple[Item, ...]:
     plots: list[Item] = []
     for letter in sorted({g.settings["criterion"] for g in found}):
         these = [g for g in found if g.settings["criterion"] == letter and g.done]

@@ -20,11 +20,10 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.result import Estimate
-from identification.runs.standing import Standing, average, find_standstills, match
+from identification.runs.standstills import Standing, average, find_standstills, match
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.trajectories.executed import Execution
-from planner.validation.answer import LinearAnswer, linear_answer
-from planner.validation.step import BODY, Identified, Step, error_budget
+from planner.validation.step import BODY, Identified, LinearAnswer, MethodStep, error_budget, linear_answer
 
 Array = NDArray[np.float64]
 
@@ -101,21 +100,19 @@ def _weights(case: Case, count: int) -> tuple[RigidBody, ...]:
     return case.payloads.weights[:count]
 
 
-def steps(
-    excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None, bare: Identified | None = None
-) -> Iterator[Step]:
+def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturbances | None) -> Iterator[MethodStep]:
     """The simulated machine identified with numbers of weights on it.
 
     A set of poses is travelled through once: its standstills do not tell one way there from another.
 
     Args:
         excitation: the method.
-        mounted: numbers of weights, ascending.
+        mounted: numbers of weights, ascending from 0.
         disturbances: of the machine.
-        bare: what it said without weights; None: `mounted` begins with 0.
     """
     case = excitation.case
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None
+    bare: Identified | None = None
     for k in mounted:
         recording, parts = excitation.recorded(k, disturbances, once)
         estimate = identify(recording, case)
@@ -136,10 +133,10 @@ def steps(
         models = TABLE_3.get(excitation.name, ()) if k == 0 else ()
         columns = {number: Identified.of(identify(recording, case, number)) for number in models}
         found = Identified.of(estimate)
-        yield Step(excitation.name, k, load, excitation.duration, found, theory, truth, budget, scatter, columns)
+        yield MethodStep(excitation.name, k, load, excitation.duration, found, theory, truth, budget, scatter, columns)
 
 
-def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[Step]:
+def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) -> Iterator[MethodStep]:
     """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
 
     Args:
@@ -172,7 +169,7 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
         bare = estimate if bare is None else bare
         weights = _weights(case, k)
         load = sum(w.mass_kg for w in weights)
-        yield Step(folder.name, k, load, None, estimate, _theory(bare, weights), {})
+        yield MethodStep(folder.name, k, load, None, estimate, _theory(bare, weights), {})
 
 
 def _theory(bare: Identified, mounted: Sequence[RigidBody]) -> dict[str, float]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.schema import Case
-from planner.validation.step import BODY, CAUSES, SUSPICIOUS, Identified, Step
+from planner.validation.step import BODY, CAUSES, SUSPICIOUS, Identified, MethodStep
 
 OURS, MOVING, STANDING = ("ptp", "ptp-steps", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps
@@ -14,7 +14,7 @@ NEAR = 0.03  # of the mass: in Table 3 models 6, 7 and 9 agree within 1 %, while
 WITHOUT_K5 = (6, 7)  # models of motions that have no orientation-dependent error terms
 
 
-class Finding(NamedTuple):
+class Claim(NamedTuple):
     """A claim and its answer.
 
     Args:
@@ -32,7 +32,7 @@ class Finding(NamedTuple):
         return f"{'yes' if self.holds else 'NO'}: {self.claim} ({self.figures})"
 
 
-def findings(case: Case, steps: Sequence[Step], columns: Mapping[int, Identified]) -> list[Finding]:
+def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Identified]) -> list[Claim]:
     """Answers to what the paper's comparison asks, for the methods that were run.
 
     Args:
@@ -55,7 +55,7 @@ def findings(case: Case, steps: Sequence[Step], columns: Mapping[int, Identified
     return found
 
 
-def _smaller(ours: Step, theirs: Step) -> list[Finding]:
+def _smaller(ours: MethodStep, theirs: MethodStep) -> list[Claim]:
     """Standard deviations of one method against another's, or of a second of both where the other stands still.
 
     Those of motions are compared by (28) at each method's own s0, as the paper reports them; by those that allow for
@@ -71,13 +71,13 @@ def _smaller(ours: Step, theirs: Step) -> list[Finding]:
         if ours.duration and theirs.duration:
             share = float(np.sqrt(ours.duration / theirs.duration))
         holds, figures = _ratios({n: share * one.reported / other.reported for n, one, other in pairs})
-        return [Finding(f"{claim} for a second of measuring", holds, f"{figures}; {times}")]
+        return [Claim(f"{claim} for a second of measuring", holds, f"{figures}; {times}")]
     quick = None in (ours.duration, theirs.duration) or (ours.duration or 0.0) <= TIMING * (theirs.duration or 0.0)
     plain, figures = _ratios({n: one.std / other.std for n, one, other in pairs})
     robust, allowing = _ratios({n: one.reported / other.reported for n, one, other in pairs})
     found = [
-        Finding(f"{claim} in no more time, by (28) at each method's own s0", plain and quick, f"{figures}; {times}"),
-        Finding(
+        Claim(f"{claim} in no more time, by (28) at each method's own s0", plain and quick, f"{figures}; {times}"),
+        Claim(
             f"{claim} also where noise with memory and errors of the pose are allowed for",
             robust and quick,
             allowing + _honest(ours, theirs),
@@ -88,13 +88,11 @@ def _smaller(ours: Step, theirs: Step) -> list[Finding]:
         claim = (
             f"the true standard deviations of {ours.method}, over machines whose errors of the pose differ, are smaller"
         )
-        found.append(
-            Finding(f"{claim} than those of {theirs.method} for all {len(shared)} parameters", really, figures)
-        )
+        found.append(Claim(f"{claim} than those of {theirs.method} for all {len(shared)} parameters", really, figures))
     return found
 
 
-def _honest(*steps: Step) -> str:
+def _honest(*steps: MethodStep) -> str:
     """How far deviations that allow for noise with memory and errors of the pose are from the true ones."""
     if not all(s.scatter for s in steps):
         return ""
@@ -114,11 +112,11 @@ def _ratios(ratios: Mapping[str, float]) -> tuple[bool, str]:
     return not larger, words + (f"; not smaller: {', '.join(larger)}" if larger else "")
 
 
-def _seconds(step: Step) -> str:
+def _seconds(step: MethodStep) -> str:
     return "unknown time" if step.duration is None else f"{step.duration:.2f} s"
 
 
-def _true_mass(case: Case, columns: Mapping[int, Identified], numbers: Sequence[int]) -> Finding:
+def _true_mass(case: Case, columns: Mapping[int, Identified], numbers: Sequence[int]) -> Claim:
     """Section 5: a motion tells the mass without the orientation-dependent terms, standstills do not."""
     true = case.need_simulation("the comparison of models").parameters.body.mass_kg
     words, holds = [], True
@@ -128,7 +126,7 @@ def _true_mass(case: Case, columns: Mapping[int, Identified], numbers: Sequence[
         if number in numbers:
             holds = holds and abs(off) <= NEAR
         words.append(f"model {number}: {mass.value:.2f} +- {mass.reported:.2g} kg, {100 * off:+.1f} %")
-    return Finding(
+    return Claim(
         f"models {' and '.join(map(str, numbers))} give the true mass of {true:g} kg without K5, within "
         f"{100 * NEAR:g} %",
         holds,
@@ -136,7 +134,7 @@ def _true_mass(case: Case, columns: Mapping[int, Identified], numbers: Sequence[
     )
 
 
-def _inside(steps: Sequence[Step]) -> Finding:
+def _inside(steps: Sequence[MethodStep]) -> Claim:
     errors = [(s, n, e) for s in steps for n in BODY if (e := s.error(n)) is not None]
     off = [(s, n, e) for s, n, e in errors if abs(e) > SUSPICIOUS]
     causes: dict[str, int] = {}
@@ -149,14 +147,14 @@ def _inside(steps: Sequence[Step]) -> Finding:
         words += f"; the worst is {worst[1]} of {worst[0].method} at {worst[0].load:.0f} kg with {worst[2]:+.1f}"
     if causes:
         words += "; causes of the others: " + ", ".join(f"{c} ({n})" for c, n in causes.items())
-    return Finding(
+    return Claim(
         f"mass, centre of gravity and inertia lie within {SUSPICIOUS:g} reported standard deviations of the truth",
         not off,
         words,
     )
 
 
-def off_rows(steps: Sequence[Step]) -> list[list[str]]:
+def off_rows(steps: Sequence[MethodStep]) -> list[list[str]]:
     """Where an estimate is off: error and what it consists of, in reported standard deviations, and its cause."""
     rows = []
     for step in steps:
@@ -176,12 +174,12 @@ def off_rows(steps: Sequence[Step]) -> list[list[str]]:
 OFF_COLUMNS = ("method", "load", "parameter", "error", "in std", "mode", "pose", "noise", "ripple", "left out", "cause")
 
 
-def _off(step: Step, name: str) -> str:
+def _off(step: MethodStep, name: str) -> str:
     """Masses and inertias in per cent, coordinates in millimetres: those about zero have no per cent."""
     error = step.estimate.physical[name].value - step.truth[name]
     return f"{error * 1e3:+.2f} mm" if name[1:] == "C" else f"{100 * error / step.truth[name]:+.2f} %"
 
 
-def to_json(found: Sequence[Finding]) -> list[dict[str, Any]]:
+def to_json(found: Sequence[Claim]) -> list[dict[str, Any]]:
     """For the answer."""
     return [f._asdict() for f in found]

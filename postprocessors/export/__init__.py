@@ -1,1 +1,10 @@
-"""The calibrated measurement model as code and data for controllers: C99, Structured Text, LinuxCNC HAL, ISG, JSON."""
+"""The calibrated model in the languages of controllers."""
+
+from typing import TYPE_CHECKING
+
+from cases.door import door
+
+if TYPE_CHECKING:
+    from postprocessors.export.targets import export as export
+
+__getattr__, __dir__ = door(__name__, {"postprocessors.export.targets": "export"})

@@ -8,7 +8,7 @@ import casadi as ca
 from cases.schema import Case
 from cases.units import DEG
 from postprocessors.export.calibration import Calibration, comment_lines, environment, shared_values
-from postprocessors.export.instructions import INFIX, Language, functions_of, number, operand, signature, statements
+from postprocessors.export.instructions import INFIX, CodeLanguage, functions_of, number, operand, signature, statements
 
 RING = 256
 """Cycles that the signal chain remembers: 40 ms of delay and as much window at 4 kHz."""
@@ -19,18 +19,18 @@ _MATH = {"sqrt": "sqrt({0})", "sin": "sin({0})", "cos": "cos({0})", "atan2": "at
 _HALF_GAIN = 0.443  # cut-off times half window: a triangle of half width T has the gain sinc(f T)^2, 1/2 at f T = 0.443
 
 
-class Window(NamedTuple):
+class SignalWindow(NamedTuple):
     """The signal chain's window: half its width [s], and what it does."""
 
     half: float
     meaning: str
 
 
-def window_of(case: Case) -> Window:
+def window_of(case: Case) -> SignalWindow:
     """The triangular window whose gain is a half where the identification's filter has it; 10 ms without one."""
     cutoff = case.recording.filter_cutoff_Hz
     half = 0.010 if cutoff is None else round(_HALF_GAIN / cutoff, 6)
-    return Window(half, f"half gain at {_HALF_GAIN / half:.3g} Hz")
+    return SignalWindow(half, f"half gain at {_HALF_GAIN / half:.3g} Hz")
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ def _function(function: ca.Function, name: str, parameters: list[str]) -> dict[s
     def element(argument: str, k: int) -> str:
         return f"u->{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
 
-    language = Language(INFIX | _MATH, lambda k, _: f"t{k}", "const double {} = {};", "{} = {};", element, operand)
+    language = CodeLanguage(INFIX | _MATH, lambda k, _: f"t{k}", "const double {} = {};", "{} = {};", element, operand)
     arguments = [
         f"const {name}_parameters *u" if n == "u" else f"const double {n}[{function.numel_in(k)}]"
         for k, n in enumerate(function.name_in())

@@ -20,7 +20,7 @@ from identification.model import Model
 from identification.outcome import Result
 from identification.parameters import physical_form
 from identification.result import Value
-from identification.saved import SavedResult, load_result
+from identification.saved_result import SavedResult, load_result
 from postprocessors.export.instructions import number
 
 Array = NDArray[np.float64]

@@ -18,11 +18,11 @@ Six = Annotated[list[float], Field(min_length=6, max_length=6)]
 Three = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
-class _Part(BaseModel):
+class _Exported(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Origin(_Part):
+class Origin(_Exported):
     """What made the file, and from what."""
 
     hexcite: str = Field(description="version of hexcite")
@@ -35,7 +35,7 @@ class Origin(_Part):
     case_hash: str = Field(description="fingerprint of the case")
 
 
-class Parameter(_Part):
+class ExportedParameter(_Exported):
     """An identified value."""
 
     name: str
@@ -45,7 +45,7 @@ class Parameter(_Part):
     std_robust: float = Field(description="standard deviation that allows for noise that is not white")
 
 
-class Drives(_Part):
+class ExportedDrives(_Exported):
     """Struts from drive positions: strut k = sign[k] * position of drive[k] + offset[k]; drives counted from 1."""
 
     drive: list[int]
@@ -53,16 +53,16 @@ class Drives(_Part):
     offset_m: Six
 
 
-class Kinematics(_Part):
+class ExportedKinematics(_Exported):
     """The hexapod: strut k joins base joint k (in {B}) to platform joint k (in {P})."""
 
     base_m: Annotated[list[Three], Field(min_length=6, max_length=6)]
     platform_m: Annotated[list[Three], Field(min_length=6, max_length=6)]
     home: Six = Field(description="x, y, z [m], roll, pitch, yaw [rad] of {P} in {B}")
-    drives: Drives | None
+    drives: ExportedDrives | None
 
 
-class Document(_Part):
+class Document(_Exported):
     """A calibrated measurement model: external = -structure (forces - A(pose, twist, twist rate) u), (1)-(22).
 
     A has one column for each entry of `linear`. `external` acts on the platform, at the origin of {P}, along its axes.
@@ -79,11 +79,13 @@ class Document(_Part):
         description="J^-T of (2), row by row: sensor forces to force [N] and moment [N m] on the platform, in {P}"
     )
     force_delay_s: float = Field(description="how much later than the motion the forces were recorded")
-    kinematics: Kinematics | None = Field(description="null for a sensor without a hexapod")
-    linear: list[Parameter] = Field(description="u of (17)")
+    kinematics: ExportedKinematics | None = Field(description="null for a sensor without a hexapod")
+    linear: list[ExportedParameter] = Field(description="u of (17)")
     covariance: list[list[float]] = Field(description="of u by (28), in the same order")
     covariance_robust: list[list[float]] = Field(description="the same, allowing for noise that is not white")
-    physical: list[Parameter] = Field(description="mass, centre of gravity in {P}, inertia about it, offsets, factors")
+    physical: list[ExportedParameter] = Field(
+        description="mass, centre of gravity in {P}, inertia about it, offsets, factors"
+    )
 
 
 def document(calibration: Calibration) -> Document:
@@ -92,11 +94,12 @@ def document(calibration: Calibration) -> Document:
     kinematics = None
     if case.hexapod is not None:
         drives = case.recording.drives
-        kinematics = Kinematics(
+        kinematics = ExportedKinematics(
             base_m=case.hexapod.base.points.tolist(),
             platform_m=case.hexapod.platform.points.tolist(),
             home=case.hexapod.home.vector.tolist(),
-            drives=drives and Drives(drive=list(drives.order), sign=list(drives.sign), offset_m=drives.offset.tolist()),
+            drives=drives
+            and ExportedDrives(drive=list(drives.order), sign=list(drives.sign), offset_m=drives.offset.tolist()),
         )
     deviations = [np.sqrt(np.maximum(c.diagonal(), 0.0)) for c in (result.covariance, result.covariance_robust)]
     return Document(
@@ -120,13 +123,13 @@ def document(calibration: Calibration) -> Document:
         force_delay_s=result.delay,
         kinematics=kinematics,
         linear=[
-            Parameter(name=p.name, unit=p.unit, value=float(v), std=float(s), std_robust=float(r))
+            ExportedParameter(name=p.name, unit=p.unit, value=float(v), std=float(s), std_robust=float(r))
             for p, v, s, r in zip(calibration.model.parameters, result.values, *deviations, strict=True)
         ],
         covariance=result.covariance.tolist(),
         covariance_robust=result.covariance_robust.tolist(),
         physical=[
-            Parameter(name=name, unit=v.unit, value=v.value, std=v.std, std_robust=v.std_robust)
+            ExportedParameter(name=name, unit=v.unit, value=v.value, std=v.std, std_robust=v.std_robust)
             for name, v in calibration.physical.items()
         ],
     )

@@ -42,7 +42,7 @@ INFIX = {
 
 
 @dataclass(frozen=True, slots=True)
-class Language:
+class CodeLanguage:
     """How a language spells instructions.
 
     Args:
@@ -77,7 +77,7 @@ def operand(value: float) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
-def statements(function: ca.Function, language: Language) -> Iterator[str]:
+def statements(function: ca.Function, language: CodeLanguage) -> Iterator[str]:
     """The statements that evaluate `function`, in order.
 
     Outputs are stored while inputs are still read: they must not share memory.

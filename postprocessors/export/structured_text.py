@@ -3,7 +3,7 @@
 import casadi as ca
 
 from postprocessors.export.calibration import Calibration, comment_lines, environment, shared_values
-from postprocessors.export.instructions import INFIX, Language, functions_of, number, operand, signature, statements
+from postprocessors.export.instructions import INFIX, CodeLanguage, functions_of, number, operand, signature, statements
 
 
 def structured_text(calibration: Calibration, name: str) -> str:
@@ -38,7 +38,7 @@ def _function(function: ca.Function, camel: str, parameters: list[str]) -> dict[
         "cos": "COS({0})",
         "atan2": f"F_{camel}Atan2({{0}}, {{1}})",
     }
-    language = Language(operations, lambda _, slot: f"t[{slot}]", "{} := {};", "{} := {};", element, operand)
+    language = CodeLanguage(operations, lambda _, slot: f"t[{slot}]", "{} := {};", "{} := {};", element, operand)
     arguments = [
         f"u : ST_{camel}Parameters;" if n == "u" else f"{n} : ARRAY[0..{function.numel_in(k) - 1}] OF LREAL;"
         for k, n in enumerate(function.name_in())

@@ -10,7 +10,7 @@ from cases.errors import ProgramError
 from identification.motion import TimedPoints
 from identification.trajectories.polynomial import Piece, PolynomialMotion
 from identification.trajectories.tabulated import Tabulated
-from postprocessors.reading.words import Move, Pause, Polynomial, Reading, Rows, Stand, Switch, Timing, Turn
+from postprocessors.reading.words import Move, Pause, Polynomial, Reading, Stand, Switch, TableRows, Timing, Turn
 
 Array = NDArray[np.float64]
 
@@ -147,7 +147,7 @@ class _Grouping:
                 yield self._untimed(event)
             elif isinstance(event, Pause):
                 yield Still(event.line, event.duration, self.trigger)
-            elif isinstance(event, Rows):
+            elif isinstance(event, TableRows):
                 yield self._rows(event)
             elif isinstance(event, Stand):
                 self.pose = event.pose
@@ -157,7 +157,7 @@ class _Grouping:
         if self.waiting is not None:
             raise self.error(self.waiting.line, "the trigger waits for a next motion that never comes; use M64 or M65")
 
-    def _rows(self, event: Rows) -> Timed:
+    def _rows(self, event: TableRows) -> Timed:
         self.pose = event.poses[-1]
         times = np.asarray(np.arange(len(event.poses)) * event.cycle, dtype=float)
         lines = tuple(range(event.line + 1, event.line + len(times)))

@@ -63,7 +63,7 @@ SPELLING = Spelling(
 )
 
 
-class _Interpreter(ModalState):
+class _LinuxCncInterpreter(ModalState):
     """What the words mean."""
 
     def __init__(self, file: str, chain: Chain | None = None) -> None:
@@ -211,6 +211,6 @@ def read_linuxcnc(text: str, file: str, chain: Chain | None = None) -> Reading:
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.
     """
-    interpreter = _Interpreter(file, chain)
+    interpreter = _LinuxCncInterpreter(file, chain)
     reading = interpreter.read_program(program_lines(text, file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

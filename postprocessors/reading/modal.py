@@ -29,7 +29,7 @@ class PlaneProblem(Exception):
         self.word = word
 
 
-class Arc(NamedTuple):
+class ArcWords(NamedTuple):
     """What a block says.
 
     Args:
@@ -47,7 +47,7 @@ class Arc(NamedTuple):
     centres: dict[str, float]
 
 
-def arc_through(asked: Arc) -> tuple[Array, float]:
+def arc_through(asked: ArcWords) -> tuple[Array, float]:
     """Centre in the plane, shape (2,) [mm], and signed angle [rad].
 
     Raises:
@@ -290,7 +290,7 @@ class ModalState(ABC):
         end = self.end_of(seen, first)
         centres = {name: float(seen[name].value or 0.0) for name in "IJK" if name in seen}
         try:
-            centre, angle = arc_through(Arc(plane, self.active("G3"), self.pose, end, centres))
+            centre, angle = arc_through(ArcWords(plane, self.active("G3"), self.pose, end, centres))
         except PlaneProblem as problem:
             self.fail(seen.get(problem.word, first), str(problem))
         self.pose = end

@@ -18,7 +18,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited import strut_motion
 from identification.motion import Array, Motion
-from postprocessors.reading.words import Event, Pause, Reading, Rows, Stand, Switch
+from postprocessors.reading.words import Event, Pause, Reading, Stand, Switch, TableRows
 
 FORMAT = "hexcite setpoints 1"
 _STRUT_NAMES = tuple(f"l{k}" for k in range(1, 7))
@@ -52,7 +52,7 @@ def units_of(columns: tuple[str, ...]) -> Array:
     return np.array([DEG if "deg" in c else MM if "mm" in c else 1.0 for c in columns])
 
 
-class Table(NamedTuple):
+class SetpointTable(NamedTuple):
     """A table as read.
 
     Args:
@@ -66,7 +66,7 @@ class Table(NamedTuple):
     values: Array
 
 
-def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> Table:
+def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> SetpointTable:
     """The numbers of a table.
 
     Args:
@@ -96,7 +96,7 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
     return table
 
 
-def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
+def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTable:
     text = content.decode("latin-1").replace("\r\n", "\n")
     lines = text.split("\n")
     header: dict[str, str] = {}
@@ -117,7 +117,7 @@ def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
         row, column = _place(body, match.start())
         bad = body[row][column]
         raise ProgramError(file, number + 2 + row, column + 1, f"{bad!r} is no part of a plain number; correct it")
-    return Table(number + 2, header, _numbers(body, number + 2, file, columns))
+    return SetpointTable(number + 2, header, _numbers(body, number + 2, file, columns))
 
 
 def _place(body: list[str], position: int) -> tuple[int, int]:
@@ -147,7 +147,7 @@ def _numbers(body: list[str], first: int, file: str, columns: tuple[str, ...]) -
     return values
 
 
-def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
+def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTable:
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -163,7 +163,7 @@ def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> Table:
         raise ProgramError(file, 0, 0, f"column {wrong} does not hold 64-bit floats; write it so")
     said = (table.schema.metadata or {}).get(METADATA, b"").decode("latin-1")
     header = {m["key"]: m["value"] for line in reversed(said.split("\n")) if (m := _HEADER.match(line))}
-    return Table(1, header, np.column_stack([table.column(name).to_numpy() for name in columns]))
+    return SetpointTable(1, header, np.column_stack([table.column(name).to_numpy() for name in columns]))
 
 
 ROUNDING = np.array([1e-9, 1e-6]) * MM  # of poses and rates: a thousand times the last decimal of a table
@@ -176,7 +176,9 @@ _PARTS = ("pose", "rates", "accelerations")
 class _Rows:
     """The table in SI with the places of its cells."""
 
-    def __init__(self, file: str, table: Table, settings: Setpoints, columns: tuple[str, ...], count: int) -> None:
+    def __init__(
+        self, file: str, table: SetpointTable, settings: Setpoints, columns: tuple[str, ...], count: int
+    ) -> None:
         self.file, self.columns, self.units = file, columns, units_of(columns)
         self.parts = {name: slice(1 + k * count, 1 + (k + 1) * count) for k, name in enumerate(_PARTS)}
         self.struts = slice(1 + 3 * count, len(columns) - 1)
@@ -266,7 +268,7 @@ class _Rows:
                 raise self.error(end, len(self.columns) - 1, "the trigger switches in motion; switch at rest")
             rows = slice(start, end + 1)
             events.append(
-                Rows(self.first + start, self.cycle, self.pose[rows], self.rates[rows], self.accelerations[rows])
+                TableRows(self.first + start, self.cycle, self.pose[rows], self.rates[rows], self.accelerations[rows])
             )
         if bool(self.trigger[-1]) != on:
             events.append(Switch(self.first + len(still), not on, at_once=True))

@@ -33,7 +33,7 @@ SPELLING = Spelling(
 _COMPRESSED = {"N", "G1", "X", "Y", "Z", "F"}
 
 
-class _Interpreter(ModalState):
+class _SinumerikInterpreter(ModalState):
     """What the words mean."""
 
     def __init__(self, file: str, settings: Sinumerik) -> None:
@@ -251,4 +251,4 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
     """
     settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
-    return _Interpreter(file, settings).read_program(lines, sinumerik_words)
+    return _SinumerikInterpreter(file, settings).read_program(lines, sinumerik_words)

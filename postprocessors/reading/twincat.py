@@ -30,7 +30,7 @@ SPELLING = Spelling(
 )  # fmt: skip
 
 
-class _Interpreter(ModalState):
+class _TwinCatInterpreter(ModalState):
     """What the words mean."""
 
     def __init__(self, file: str, settings: TwinCat) -> None:
@@ -261,4 +261,4 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
     """
     settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
     lines = program_lines(content.decode("latin-1"), file, LONGEST_LINE, settings.most_blocks)
-    return _Interpreter(file, settings).read_program(lines, twincat_words)
+    return _TwinCatInterpreter(file, settings).read_program(lines, twincat_words)

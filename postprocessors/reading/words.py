@@ -111,7 +111,7 @@ class Stand:
 
 
 @dataclass(frozen=True, slots=True)
-class Rows:
+class TableRows:
     """A path given row by row, from rest to rest.
 
     Args:
@@ -152,7 +152,7 @@ class Switch:
     at_once: bool
 
 
-Event = Stand | Move | Turn | Polynomial | Rows | Pause | Switch
+Event = Stand | Move | Turn | Polynomial | TableRows | Pause | Switch
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,8 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters
 from identification.recording import Recording
-from identification.simulate import simulate_recording
+from identification.simulate import simulate_recording, truth_rows
 from identification.trajectories.executed import Execution
-from planner.comparison.truth import truth_rows
 from tests.simulated_machine import true_forces
 
 

@@ -14,7 +14,7 @@ from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.recording import Recording, read_recording, read_run
-from identification.saved import biases_of
+from identification.saved_result import biases_of
 from identification.simulate import simulate_recording
 from tests.bench.coverage import coloured_coverage
 from tests.bench.hour import hour_figures

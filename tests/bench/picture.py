@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from cases.loading import load_case
 from identification.motion import sample
 from identification.recording import read_recording
-from planner.comparison.truth import truth_rows
+from identification.simulate import truth_rows
 from planner.plan_folder import load_plan
 
 BLUE, RED, GREY = "#0072b2", "#d55e00", "#627d98"

@@ -6,10 +6,10 @@ from pathlib import Path
 from subprocess import CalledProcessError
 
 from cases.loading import load_case
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.files import read_program
+from postprocessors.program_file import read_program
 from tests.bench.long_programs import long_programs
 from tests.postprocessors.changed_case import changed
 

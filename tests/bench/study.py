@@ -11,14 +11,14 @@ import pyarrow as pa
 
 from cases.loading import load_case
 from planner.study.cluster import local_client
-from planner.study.running import about_study, run_study
 from planner.study.spec import Cells, Grid, Spec
-from planner.study.store import DONE, PLANNED, completed, opened, read_rows, schema
+from planner.study.store import DONE, PLANNED, completed, keep, open_study, read_rows
+from planner.study.study_run import about_study, run_study
 from planner.study.summary import study_page
 from planner.study.tasks import run_tasks
 
 CELLS = 200
-ROWS = 100_000
+ROWS, PART = 100_000, 100
 TASKS = 2_000
 
 
@@ -76,11 +76,11 @@ def _many_rows() -> list[list[str]]:
             )
             for k in range(ROWS)
         ]  # fmt: skip
-        with opened(folder, schema(), about_study(spec, case, ROWS)) as store:
-            for part in range(0, ROWS, 5000):
-                store.add(rows[part : part + 5000])
+        open_study(folder, about_study(spec, case, ROWS))
+        for part in range(0, ROWS, PART):
+            keep(folder, str(part), rows[part : part + PART])
         began = time.perf_counter()
-        table: pa.Table = read_rows(folder, schema())
+        table: pa.Table = read_rows(folder)
         page = render(study_page(about_study(spec, case, ROWS), table))
         seconds = time.perf_counter() - began
     assert len(table) == ROWS

@@ -9,7 +9,7 @@ import pytest
 from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import json_text
 from cases.loading import load_case
-from identification.force import external_force, tare
+from identification.external import external_force, tare
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify
@@ -17,7 +17,7 @@ from identification.motion import Standstill
 from identification.payload import payload_between, require_two
 from identification.recording import Recording
 from identification.runs.preparation import moving_run
-from identification.saved import SavedResult, load_result, with_tare
+from identification.saved_result import SavedResult, load_result, with_tare
 from identification.simulate import simulate_recording
 from tests.helpers import HOME, Harmonic, one_line
 from tests.simulated_machine import PoseExecution

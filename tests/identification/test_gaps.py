@@ -9,15 +9,15 @@ import pytest
 
 from cases.errors import RecordingError
 from cases.loading import load_case
+from identification.external import external_force
 from identification.findings.plausibility import scan
-from identification.force import external_force
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
 from identification.recording import read_recording, write_recording
 from identification.result import Estimate
 from identification.runs.preparation import moving_run
-from identification.saved import SavedResult
+from identification.saved_result import SavedResult
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, one_line
 from tests.simulated_machine import PoseExecution

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from cases.loading import built_in_cases
-from planner.plan import Plan
 from planner.plan_folder import load_plan
+from planner.plans import Plan
 from tests.planner.browser import browser
 from tests.planner.command_line import ACCEPT, hexcite
 

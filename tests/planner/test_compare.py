@@ -15,7 +15,7 @@ from planner.comparison.advising import groups, recommend
 from planner.comparison.entries import Entry, Level, Told, read_entry
 from planner.plan_folder import fingerprint_of
 from planner.reports.compare import _coloured, warnings_of
-from planner.runs.fingerprints import plan_of_program
+from planner.runs.written import plan_of_program
 from postprocessors.dialects import DIALECTS
 from tests.planner.browser import opened
 from tests.planner.command_line import ACCEPT, call, refused
@@ -26,7 +26,7 @@ Chain = dict[str, dict[str, Any]]
 def entry(case: Case, name: str, std: float, seconds: float, names: tuple[str, ...] = ("m", "zC")) -> Entry:
     told = {n: Told(1.0, std, "kg") for n in names}
     return Entry(
-        name, Level.IDENTIFIED, case, 9, "", seconds, 1000, {}, told, 1.0, {}, None, frozenset({name})
+        name, Level.IDENTIFIED, case, 9, "", seconds, 1000, {}, told, 1.0, {}, frozenset({name})
     )  # fmt: skip
 
 
@@ -67,7 +67,7 @@ def test_what_one_does_not_determine_is_said_and_not_compared(hexapod_case: Case
 
 
 def test_a_chain_is_one_excitation(chain: Chain, shared: Path):
-    """The run is known by the path that it followed, the result by the hash of its recording."""
+    """The run is known by the fingerprint of its plan, the result by the hash of its recording."""
     found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
     assert [[e.level for e in g] for g in found] == [[Level.PLANNED, Level.EXECUTED, Level.IDENTIFIED]]
     plan, run, result = found[0]
@@ -239,7 +239,7 @@ def test_a_result_of_ones_own_machine_is_compared_by_its_file(chain: Chain, shar
 
 def test_what_belongs_together_has_one_colour(chain: Chain, shared: Path):
     found = groups([read_entry(shared / name) for name in ("result", "plan", "recording")])
-    other = replace(found[0][0], name="another", path=None)
+    other = replace(found[0][0], name="another")
     colours = [colour for _, colour in _coloured([*found, [other]])]
     assert len(set(colours[:3])) == 1
     assert colours[3] != colours[0]

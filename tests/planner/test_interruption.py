@@ -11,7 +11,7 @@ from cases.schema import Case
 from planner import planning
 from planner.families.settings import family_class
 from planner.interruption import Interrupted, ctrl_c_raises
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.request import Request
 from planner.search.parallel import Listener, Outcome
 from planner.search.patience import Patience

@@ -1,9 +1,11 @@
 """The library as README shows it, in a notebook or a script without a guard, and values that are saved and loaded."""
 
+import pkgutil
 import re
 import subprocess
 import sys
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +19,8 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.limits import LimitCheck, LimitReport, Status
 from planner.families.settings import FAMILIES
-from planner.plan import Plan
-from planner.poses.request import Method, PoseRequest
+from planner.plans import Plan
+from planner.poses.pose_request import PoseMethod, PoseRequest
 from planner.request import Request
 from tests.helpers import one_line
 
@@ -63,6 +65,17 @@ def test_every_name_of_the_door_is_there():
     assert [name for name in dir(hx) if getattr(hx, name) is None] == []
     with pytest.raises(AttributeError, match=r"hexcite has no plans; it has .*plan"):
         _ = hx.plans
+
+
+@pytest.mark.parametrize("door", ["cases", "identification", "planner", "postprocessors", "postprocessors.export"])
+def test_every_package_gives_its_public_names_and_no_module_hides_one(door: str):
+    package = import_module(door)
+    modules = {module.name for module in pkgutil.iter_modules(package.__path__)}
+    assert modules.isdisjoint(dir(package))  # a module that is imported would take the place of the name
+    for name in dir(package):
+        assert getattr(package, name) is getattr(hx, name)
+    with pytest.raises(AttributeError, match=f"{door} has no nonsense"):
+        _ = package.nonsense
 
 
 @pytest.fixture(scope="module")
@@ -123,8 +136,10 @@ def test_what_was_asked_for_comes_back(family: Any, criterion: str, model: int, 
     assert isinstance(family, FAMILIES[request.name])
 
 
-@given(count=st.none() | st.integers(10, 99), method=st.sampled_from([m for m in Method if m is not Method.ALL]))
-def test_what_was_asked_of_poses_comes_back(count: int | None, method: Method):
+@given(
+    count=st.none() | st.integers(10, 99), method=st.sampled_from([m for m in PoseMethod if m is not PoseMethod.ALL])
+)
+def test_what_was_asked_of_poses_comes_back(count: int | None, method: PoseMethod):
     request = PoseRequest("N", count, method, 3, 500, 7, 0.5)
     assert PoseRequest.of_json(request.to_json() | {"criterion": "N", "model": 3}) == request
 

@@ -16,7 +16,7 @@ from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import Spline
 from planner.found import Found, notes
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.request import Request
 from planner.search.inside import MARGIN, keep_limits
 from planner.search.problem import build_problem, mean_information

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from planner.plan import Plan
+from planner.plans import Plan
 from tests.planner.command_line import ACCEPT, call, refused
 from tests.planner.json_answer import one_json_object
 

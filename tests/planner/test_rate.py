@@ -11,7 +11,7 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner.deviations import worst_std
-from planner.poses.plan import _noise
+from planner.poses.planned_poses import _noise
 from tests.helpers import Harmonic
 from tests.identification.test_findings import CASE, run
 

@@ -10,7 +10,7 @@ from cases.errors import HexciteError, ProgramError
 from cases.loading import load_case
 from identification.trajectories.polynomial import polynomials_of
 from postprocessors.dialects import dialect
-from postprocessors.execute.linuxcnc.running import run_linuxcnc
+from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.proving.stretches import Untimed, stretches

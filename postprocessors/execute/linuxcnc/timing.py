@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.errors import ExecutionError
+from postprocessors.execute.executed_run import ControllerLog
 from postprocessors.execute.linuxcnc.isolation import words
-from postprocessors.execute.log import ControllerLog
 
 ATTEMPTS = 3
 """Sessions for a program, each at half the speed-up of the one before, where cycles were lost or dwells not proven."""

@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation.estimators import ESTIMATORS, Problem, method
+from identification.estimation.estimators import ESTIMATORS, FitProblem, method
 from identification.estimation.priors import Prior
 from identification.finding import Severity
 from tests.helpers import one_line
 from tests.identification.moving_run import MODEL, NAMES, PHYSICAL, SAMPLES, A, U, forces
 
-PROBLEM = Problem(MODEL, pooled=True)
+PROBLEM = FitProblem(MODEL, pooled=True)
 
 
 @pytest.mark.parametrize("name", ESTIMATORS)
 @pytest.mark.parametrize("pooled", [True, False])
 def test_every_estimator_finds_the_parameters_within_their_errors(name: str, pooled: bool) -> None:
-    fit = method(name).estimator(Problem(MODEL, pooled))(A, forces(0), NAMES)
+    fit = method(name).estimator(FitProblem(MODEL, pooled))(A, forces(0), NAMES)
     assert np.abs((fit.values - U) / np.sqrt(np.diag(fit.covariance))).max() < 4.0
     assert fit.s0 == pytest.approx(1.0, abs=0.1)
 

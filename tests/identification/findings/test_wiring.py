@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from cases.recording import Drives
+from cases.recording_format import Drives
 from identification.findings.wiring import Order, _orders, other_wiring
 from identification.identify import identify
 from tests.helpers import HOME, one_line

@@ -11,8 +11,8 @@ from identification.limits import kinetic_shares, prove
 from identification.motion import Joined, TimedPoints
 from identification.trajectories.path_timing import retime
 from identification.trajectories.profile import StraightMove
-from planner.retiming import path as module
-from planner.retiming.path import retimed_path
+from planner.retiming import path_pace as module
+from planner.retiming.path_pace import retimed_path
 
 CASE = load_case("hexapod")
 HOME = CASE.machine.home.vector

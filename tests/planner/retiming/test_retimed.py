@@ -15,12 +15,11 @@ from identification.motion import Joined, Standstill, TimedPoints, sample
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import StraightMove, fastest_profile
 from planner.families.settings import Manual
-from planner.plan import motion_csv
 from planner.plan_folder import load_plan
+from planner.plans import motion_csv
 from planner.request import Request
-from planner.retiming.motion_table import read_motion
-from planner.retiming.plan import retimed_plan
-from planner.retiming.retimed import Method, by_controller, fitting_method, retimed
+from planner.retiming.retimed import RetimingMethod, by_controller, fitting_method, retimed
+from planner.retiming.retimed_plan import read_motion, retimed_plan
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -73,7 +72,7 @@ def test_a_controller_takes_whole_cycles_and_is_faster_than_a_slow_plan():
 
 
 def test_what_a_controller_makes_of_a_hasty_plan_keeps_the_limits_of_coordinates_and_struts():
-    found = retimed(moves(1.4), CASE, MODEL, Method.RUCKIG, False)
+    found = retimed(moves(1.4), CASE, MODEL, RetimingMethod.RUCKIG, False)
     passed = [c.name.split(" (")[0] for c in found.before.limits.violations]
     assert {"velocity", "acceleration", "jerk"} <= set(passed)
     assert found.after.limits.kept
@@ -88,7 +87,7 @@ def test_moves_are_as_slow_as_their_struts_need_and_no_slower():
     report = prove(after, case)
     assert report.kept
     assert max(c.ratio for c in report.checks if c.name.startswith("strut velocity")) > 0.99
-    assert retimed(moves(1.0), case, MODEL, Method.RUCKIG, False).remarks[0].startswith(f"{slowed} of 7 moves")
+    assert retimed(moves(1.0), case, MODEL, RetimingMethod.RUCKIG, False).remarks[0].startswith(f"{slowed} of 7 moves")
 
 
 def slow_struts():
@@ -99,7 +98,7 @@ def slow_struts():
 def test_toppra_is_named_where_it_is_missing(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "toppra.algorithm", None)
     with pytest.raises(HexciteError, match=r"toppra.* is not installed; install it"):
-        retimed(moves(1.0), CASE, MODEL, Method.TOPPRA, False)
+        retimed(moves(1.0), CASE, MODEL, RetimingMethod.TOPPRA, False)
 
 
 def test_arcs_keep_their_circle():
@@ -113,7 +112,7 @@ def test_arcs_keep_their_circle():
 
 def test_toppra_slows_a_hasty_motion_down_and_says_what_it_would_have_passed():
     case = slow_struts()
-    found = retimed(moves(1.0), case, MODEL, Method.TOPPRA, False)
+    found = retimed(moves(1.0), case, MODEL, RetimingMethod.TOPPRA, False)
     assert "strut velocity" in {c.name.split(" (")[0] for c in found.before.limits.violations}
     left = {c.name.split(" (")[0] for c in found.after.limits.violations}
     assert left <= {"jerk", "angular jerk"}  # toppra does not know jerk
@@ -122,16 +121,16 @@ def test_toppra_slows_a_hasty_motion_down_and_says_what_it_would_have_passed():
 
 
 def test_each_kind_of_motion_has_its_method():
-    assert fitting_method(moves(1.0)) is Method.RUCKIG
-    assert fitting_method(TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))) is Method.IPOPT
+    assert fitting_method(moves(1.0)) is RetimingMethod.RUCKIG
+    assert fitting_method(TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))) is RetimingMethod.IPOPT
 
 
 def test_a_continuous_path_is_nothing_for_ruckig():
     points = TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))
     with pytest.raises(InfeasiblePlan, match="use --method ipopt"):
-        retimed(points, CASE, MODEL, Method.RUCKIG, False)
+        retimed(points, CASE, MODEL, RetimingMethod.RUCKIG, False)
     with pytest.raises(InfeasiblePlan, match="use --method ipopt"):
-        retimed(Joined((points,)), CASE, MODEL, Method.RUCKIG, False)
+        retimed(Joined((points,)), CASE, MODEL, RetimingMethod.RUCKIG, False)
 
 
 def test_a_case_without_controller_settings_is_refused():
@@ -223,7 +222,7 @@ def test_a_retimed_motion_is_a_plan_that_can_be_posted(family: str, cache: Path,
 
 def test_a_plan_that_passes_a_limit_is_not_written(tmp_path: Path):
     far = StraightMove.fastest(HOME, HOME + np.array([0.0, 0.0, 0.15, 0.0, 0.0, 0.0]), *LIMITS)
-    found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, Method.RUCKIG, False)
+    found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, RetimingMethod.RUCKIG, False)
     request = Request(Manual(), model=0)
     with pytest.raises(InfeasiblePlan, match="is no plan: position"):
         retimed_plan(found, request, CASE, tmp_path, 0.0)

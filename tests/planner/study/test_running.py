@@ -14,18 +14,17 @@ import pytest
 
 from cases.basis import KEPT
 from cases.schema import Case
-from planner.study import running
-from planner.study.running import cells_of, missing, run_study
-from planner.study.spec import Execution, Grid, Spec
-from planner.study.store import DONE, FAILED, JOURNAL, PLANNED, completed, opened, read_rows, schema
+from planner.study import study_run
+from planner.study.spec import ExecutionSpec, Grid, Spec
+from planner.study.store import DONE, FAILED, PLANNED, completed, open_study, read_rows
+from planner.study.study_run import Job, cells_of, missing, run_study
 from planner.study.summary import best_groups, groups
-from planner.study.tasks import Outcome
-from planner.study.work import Job
+from planner.study.tasks import TaskEnd
 from tests.planner.command_line import PROGRAM, call, refused
 
 
 def study(seeds: int, orders: list[int], noise: int = 0) -> Spec:
-    execute = Execution(noise_seeds=noise) if noise else None
+    execute = ExecutionSpec(noise_seeds=noise) if noise else None
     return Spec(schema_version=1, name="x", grid=Grid(order=orders, seed=list(range(seeds))), execute=execute)
 
 
@@ -48,12 +47,12 @@ class Pretended:
                 for s in job.noise_seeds
             ]
             failed = job.request.family.order == 7
-            yield Outcome(key, None if failed else [plan, *noise], "no\troot" if failed else None, 1, 2.0, "tcp://w")
+            yield TaskEnd(key, None if failed else [plan, *noise], "no\troot" if failed else None, 2.0)
 
 
 def run(spec: Spec, case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch, stop_after: int = 10**9) -> Pretended:
     cluster = Pretended(stop_after)
-    monkeypatch.setattr(running, "run_tasks", cluster)
+    monkeypatch.setattr(study_run, "run_tasks", cluster)
     run_study(None, spec, case, folder, lambda outcome: None)
     return cluster
 
@@ -67,7 +66,7 @@ def test_a_stopped_study_goes_on_where_it_was(
     rest = run(spec, hexapod_case, tmp_path, monkeypatch)
     assert len(rest.jobs) == 6
     assert run(spec, hexapod_case, tmp_path, monkeypatch).jobs == []
-    assert len(read_rows(tmp_path, schema())) == 10
+    assert len(read_rows(tmp_path)) == 10
 
 
 def test_an_extended_study_computes_only_what_is_new(
@@ -84,7 +83,7 @@ def test_more_seeds_of_the_noise_are_added_to_the_same_cells(
     run(study(1, [2], noise=3), hexapod_case, tmp_path, monkeypatch)
     more = run(study(1, [2], noise=5), hexapod_case, tmp_path, monkeypatch)
     assert [j.noise_seeds for j in more.jobs] == [(3, 4)]
-    table = read_rows(tmp_path, schema())
+    table = read_rows(tmp_path)
     assert sorted(table["noise_seed"].to_pylist()) == [PLANNED, 0, 1, 2, 3, 4]
 
 
@@ -94,10 +93,10 @@ def test_a_failed_cell_is_a_row_with_its_reason_and_is_tried_again_on_request_on
     run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch)
     assert run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch).jobs == []
     again = Pretended()
-    monkeypatch.setattr(running, "run_tasks", again)
+    monkeypatch.setattr(study_run, "run_tasks", again)
     run_study(None, study(1, [2, 7]), hexapod_case, tmp_path, lambda outcome: None, retry=True)
     assert [j.request.family.order for j in again.jobs] == [7]
-    rows = {r["order"]: r for r in read_rows(tmp_path, schema()).to_pylist()}
+    rows = {r["order"]: r for r in read_rows(tmp_path).to_pylist()}
     assert (rows[2]["status"], rows[7]["status"]) == (DONE, FAILED)
     assert rows[7]["reason"] == "no\troot"
     assert rows[2]["case_hash"] == hexapod_case.hash
@@ -105,9 +104,9 @@ def test_a_failed_cell_is_a_row_with_its_reason_and_is_tried_again_on_request_on
 
 def test_a_lost_row_is_computed_again(tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
     run(study(3, [2]), hexapod_case, tmp_path, monkeypatch)
-    (file,) = (tmp_path / "rows").glob("*.parquet")
-    file.unlink()
-    assert len(missing(cells_of(study(3, [2]), hexapod_case), study(3, [2]), tmp_path)) == 3
+    first, *_ = (tmp_path / "rows").glob("*.parquet")
+    first.unlink()
+    assert len(missing(cells_of(study(3, [2]), hexapod_case), study(3, [2]), tmp_path)) == 1
 
 
 def table(rows: list[dict[str, Any]]) -> pa.Table:
@@ -156,7 +155,7 @@ def test_a_study_from_the_command_line(tmp_path: Path) -> None:
     assert again["best"] == first["best"]
     page = (folder / "report.html").read_text()
     assert "hexcite plan hexapod --family fourier --criterion D" in page
-    rows = read_rows(folder, schema()).to_pylist()
+    rows = read_rows(folder).to_pylist()
     assert {r["seed"] for r in rows} == {0, 1}
     assert all(r["score"] > -60.0 and r["seconds"] > 0.0 for r in rows)
 
@@ -168,11 +167,11 @@ def test_a_study_that_is_killed_loses_no_cell_and_leaves_no_workers(tmp_path: Pa
     spec.write_text(SMALL.replace("[0, 1]", str(list(range(12)))))
     command = [PROGRAM, "study", "hexapod", "--spec", spec, "--workers", "2", "-o", folder]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, env=os.environ | {"MARK": str(tmp_path)}) as process:
-        while not (folder / JOURNAL).exists() or len((folder / JOURNAL).read_text().splitlines()) < 3:
+        while len(list(folder.glob("rows/*.parquet"))) < 3:
             assert process.poll() is None
             time.sleep(0.05)
         process.kill()
-    kept = len(read_rows(folder, schema()))
+    kept = len(read_rows(folder))
     assert 3 <= kept < 12
     again = call("study", "hexapod", "--spec", spec, "--workers", 2, "-o", folder, "--json").json()
     assert (again["computed"], again["done"]) == (12 - kept, 12)
@@ -194,7 +193,7 @@ def _holds(environment: Path, entry: str) -> bool:
 @pytest.mark.slow
 def test_a_cell_gives_the_same_plan_on_any_worker(tmp_path: Path, hexapod_case: Case) -> None:
     from planner.study.spec import request_of
-    from planner.study.work import work
+    from planner.study.study_run import work
 
     request = request_of({"family": "fourier", "order": 2, "duration_s": 3.0, "seed": 1})
     (one,), (other,) = work(Job(hexapod_case, request, ())), work(Job(hexapod_case, request, ()))
@@ -213,8 +212,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) ->
     assert "cannot be read" in refused("study", "hexapod", "--spec", tmp_path / "none.toml", "-o", folder)
     assert not folder.exists()
     about = {"name": "small", "case": "mill", "case_hash": "other", KEPT: {}}
-    with opened(folder, schema(), about):
-        pass
+    open_study(folder, about)
     assert "holds a study of case mill before" in refused(
         "study", "hexapod", "--spec", spec, "--workers", 1, "-o", folder
     )
@@ -223,7 +221,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) ->
 def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(hexapod_case: Case) -> None:
     """The estimate holds the mass of machine and weights: an error against the bare machine's would be 20 kg."""
     from planner.study.spec import request_of
-    from planner.study.work import work
+    from planner.study.study_run import work
 
     request = request_of({"family": "fourier", "order": 3, "duration_s": 3.0, "seed": 0, "payload": 1})
     plan, run = work(Job(hexapod_case, request, (7,)))
@@ -240,12 +238,12 @@ def test_ctrl_c_keeps_what_is_done_and_leaves_no_workers(tmp_path: Path) -> None
     with subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment, start_new_session=True
     ) as process:
-        while not (folder / JOURNAL).exists() or not (folder / JOURNAL).read_text():
+        while not list(folder.glob("rows/*.parquet")):
             assert process.poll() is None
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=300)
     assert process.returncode == 130
     assert said == f"hexcite: interrupted; what is done is kept in {folder}, the same command goes on\n"
-    assert len(read_rows(folder, schema())) >= 1
+    assert len(read_rows(folder)) >= 1
     assert not [p for p in Path("/proc").glob("[0-9]*/environ") if _holds(p, f"MARK={tmp_path}")]

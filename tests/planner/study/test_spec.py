@@ -11,7 +11,17 @@ from cases.errors import FileProblem, HexciteError
 from cases.schema import Case
 from planner.families.settings import FAMILIES
 from planner.request import Request
-from planner.study.spec import Execution, Grid, Sample, Spec, cell_key, command_of, load_spec, request_of, settings_of
+from planner.study.spec import (
+    ExecutionSpec,
+    Grid,
+    Sample,
+    Spec,
+    cell_key,
+    command_of,
+    load_spec,
+    request_of,
+    settings_of,
+)
 from tests.helpers import one_line
 
 HEAD = 'schema_version = 1\nname = "mine"\n'
@@ -71,13 +81,13 @@ def test_a_cell_is_known_by_all_that_changes_its_rows(hexapod_case: Case, wrist_
     keys = {
         cell_key(settings, None, hexapod_case, "1.0"),
         cell_key(settings | {"order": 4}, None, hexapod_case, "1.0"),
-        cell_key(settings, Execution(), hexapod_case, "1.0"),
+        cell_key(settings, ExecutionSpec(), hexapod_case, "1.0"),
         cell_key(settings, None, wrist_case, "1.0"),
         cell_key(settings, None, hexapod_case, "1.1"),
     }
     assert len(keys) == 5
-    more = Execution(noise_seeds=50)  # asks for more rows of the same cell
-    assert cell_key(settings, more, hexapod_case, "1.0") == cell_key(settings, Execution(), hexapod_case, "1.0")
+    more = ExecutionSpec(noise_seeds=50)  # asks for more rows of the same cell
+    assert cell_key(settings, more, hexapod_case, "1.0") == cell_key(settings, ExecutionSpec(), hexapod_case, "1.0")
     assert cell_key({"order": 5, "family": "fourier"}, None, hexapod_case, "1.0") in keys
     renamed = hexapod_case.model_copy(update={"title": "the same machine in other words"})
     assert cell_key(settings, None, renamed, "1.0") in keys

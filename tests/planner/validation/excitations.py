@@ -10,7 +10,7 @@ from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.profile import StraightMove
 from planner.validation.experiment import Excitation, steps
-from planner.validation.step import Step
+from planner.validation.step import MethodStep
 from tests.helpers import Harmonic, paper_poses
 from tests.simulated_machine import PoseExecution
 
@@ -54,7 +54,7 @@ def standing(case: Case) -> Excitation:
 
 
 @cache
-def disturbed(method: str) -> tuple[Step, ...]:
+def disturbed(method: str) -> tuple[MethodStep, ...]:
     """Steps of the disturbed machine, without weights and with three."""
     return tuple(steps({"D": moving, "Q": standing}[method](CASE), (0, 3), FOUND))
 

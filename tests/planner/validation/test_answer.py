@@ -10,8 +10,8 @@ from identification.identify import identify
 from identification.loaded import pose_fields
 from identification.model import identification_model
 from identification.parameters import physical_form
-from planner.validation.answer import linear_answer
 from planner.validation.experiment import true_deviations
+from planner.validation.step import linear_answer
 from tests.planner.validation.excitations import CASE, FOUND, HOME, moving
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postprocessors.execute.log import ControllerLog
+from postprocessors.execute.executed_run import ControllerLog
 
 PROGRAM = """G17 G21 G40 G49 G54 G80 G90 G94
 (G4 P99 in a comment is no dwell)

@@ -11,15 +11,15 @@ import pytest
 
 from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
-from postprocessors.execute.linuxcnc import isolation, running
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from postprocessors.execute.linuxcnc import isolation, session
+from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from tests.postprocessors.execute.runs import PROGRAM, log_of
 
 
 def test_missing_installation_is_an_error_with_the_remedy(
     write: Callable[[str], Path], hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(running, "linuxcnc_missing", lambda: "it is not there; install it")
+    monkeypatch.setattr(session, "linuxcnc_missing", lambda: "it is not there; install it")
     with pytest.raises(ExecutionError, match=r"program\.ngc: cannot be run: it is not there; install it"):
         run_linuxcnc(write(PROGRAM), hexapod_case)
 
@@ -59,20 +59,20 @@ REPORT = {"outcome": "done", "version": "2.9.4", "errors": [], "messages": [], "
     ],
 )
 def test_reports_of_failure_become_one_line(change: dict[str, Any], said: str, tmp_path: Path) -> None:
-    (tmp_path / running.REPORT_FILE).write_text(json.dumps(REPORT | change))
+    (tmp_path / session.REPORT_FILE).write_text(json.dumps(REPORT | change))
     with pytest.raises(ExecutionError, match=re.escape(said)):
-        running.read_report(Path("p.ngc"), tmp_path)
+        session.read_report(Path("p.ngc"), tmp_path)
 
 
 def test_a_session_without_report_tells_what_linuxcnc_said_last(tmp_path: Path) -> None:
     (tmp_path / isolation.OUTPUT_FILE).write_text("Starting\nRealtime system did not load\n")
     with pytest.raises(ExecutionError, match="said last: Realtime system did not load"):
-        running.read_report(Path("p.ngc"), tmp_path)
+        session.read_report(Path("p.ngc"), tmp_path)
 
 
 def test_lost_cycles_are_an_error(tmp_path: Path) -> None:
-    with pytest.raises(running.LostCycles, match=r"3 of 10 cycles were not logged; .* speed-up below 20"):
-        running.read_log(Path("p.ngc"), tmp_path, REPORT | {"samples": 7, "lost": 3}, 20.0)
+    with pytest.raises(session.LostCycles, match=r"3 of 10 cycles were not logged; .* speed-up below 20"):
+        session.read_log(Path("p.ngc"), tmp_path, REPORT | {"samples": 7, "lost": 3}, 20.0)
 
 
 @pytest.mark.parametrize("losses", [0, 1, 2, 3])
@@ -81,15 +81,17 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
 ) -> None:
     speeds: list[float] = []
 
-    def session(program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speed: float, limit: float):
+    def pretended(
+        program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speed: float, limit: float
+    ):
         speeds.append(speed)
         if len(speeds) <= losses:
-            raise running.LostCycles(f"{program}: lost at {speed:g}")
+            raise session.LostCycles(f"{program}: lost at {speed:g}")
         return log_of([0, 2, 2, 0]), (0, 4)
 
-    for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", session)):
-        monkeypatch.setattr(running, name, value)
-    monkeypatch.setattr(running, "check_syntax", lambda *_: None)
+    for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", pretended)):
+        monkeypatch.setattr(session, name, value)
+    monkeypatch.setattr(session, "check_syntax", lambda *_: None)
     program = write("G21 G90 G94\nG1 X1 F600\nM2\n")
     if losses < 3:
         assert run_linuxcnc(program, hexapod_case).lines.tolist() == [0, 2, 2, 0]

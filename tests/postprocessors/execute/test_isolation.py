@@ -14,8 +14,8 @@ import pytest
 
 from cases.errors import ExecutionError
 from cases.schema import Case
-from postprocessors.execute.linuxcnc import isolation, running
-from postprocessors.execute.linuxcnc.running import run_linuxcnc
+from postprocessors.execute.linuxcnc import isolation, session
+from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from tests.postprocessors.execute.runs import PROGRAM
 
 ENDLESS = "G21 G90 G94\nG1 X100 F1\nM2\n"
@@ -68,10 +68,10 @@ def test_a_session_that_hangs_is_killed(
     write: Callable[[str], Path], hexapod_case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "driver.py").write_text("#!/usr/bin/python3\nimport time\ntime.sleep(1e6)\n")
-    shutil.copy(running.HERE / "warp.c", tmp_path)
-    monkeypatch.setattr(running, "HERE", tmp_path)
+    shutil.copy(session.HERE / "warp.c", tmp_path)
+    monkeypatch.setattr(session, "HERE", tmp_path)
     monkeypatch.setattr(isolation, "_MARK", "HEXCITE_TEST_HANG")
-    monkeypatch.setattr(running, "START_LIMIT", 3.0)
+    monkeypatch.setattr(session, "START_LIMIT", 3.0)
     with pytest.raises(ExecutionError, match=r"did not end within 3\.1 s and was killed"):
         run_linuxcnc(write(ENDLESS), hexapod_case, time_limit=0.1)
     assert marked_processes("HEXCITE_TEST_HANG") == []
@@ -110,7 +110,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the
 from pathlib import Path
 from cases.loading import load_case
 from postprocessors.execute.linuxcnc import isolation
-from postprocessors.execute.linuxcnc.running import run_linuxcnc
+from postprocessors.execute.linuxcnc.session import run_linuxcnc
 program, isolation._MARK, tempfile.tempdir, spaces = sys.argv[1:]
 if spaces == "none":
     isolation.namespaces_allowed = lambda: False

@@ -11,8 +11,8 @@ import pytest
 from cases.errors import ExecutionError
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from postprocessors.execute.linuxcnc.running import run_linuxcnc
-from postprocessors.execute.log import ControllerLog
+from postprocessors.execute.executed_run import ControllerLog
+from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.execute.runs import PROGRAM
 

@@ -7,7 +7,7 @@ import pytest
 
 from cases.schema import Case
 from postprocessors.execute.executed_run import windows
-from postprocessors.execute.linuxcnc.running import run_linuxcnc
+from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from tests.postprocessors.execute.stuttering import stuttering
 
 SETTLE, MEASURE = 0.5, 0.8

@@ -13,7 +13,7 @@ from identification.trajectories.path import path_error
 from postprocessors.dialects import dialect
 from postprocessors.execute.block_limited import block_durations, largest_cut
 from postprocessors.execute.executed_run import windows
-from postprocessors.execute.linuxcnc.running import run_linuxcnc
+from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import (
     CUT,
     NOTICEABLE,
@@ -24,7 +24,7 @@ from postprocessors.execute.linuxcnc.stretching import (
     triggered_paths,
 )
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.files import read_program
+from postprocessors.program_file import read_program
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.changed_case import changed

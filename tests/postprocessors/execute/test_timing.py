@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cases.errors import ExecutionError
+from postprocessors.execute.executed_run import ControllerLog
 from postprocessors.execute.linuxcnc import timing
-from postprocessors.execute.log import ControllerLog
 from tests.postprocessors.execute.runs import PROGRAM, log_of
 
 DWELLS = {5: 0.25, 11: 0.1, 12: 0.1, 14: 0.05}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.loading import load_case
-from cases.recording import Drives
+from cases.recording_format import Drives
 from cases.schema import Case
 from identification.model import Model, identification_model
 from identification.parameters import body_parameters, physical_form

@@ -13,6 +13,7 @@ from postprocessors.export.calibration import Calibration
 Array = NDArray[np.float64]
 Six = ctypes.c_double * 6
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion", "-Wshadow"]
+SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"  # halcompile belongs to the system's Python, not to ours
 OK, BAD_INPUT, NOT_CLOSED, FILLING = range(4)
 
 
@@ -105,3 +106,10 @@ class Chain:
         """One cycle; the result is in `sample`."""
         push = getattr(self.library, f"{self.name}_signals_push")
         return int(push(ctypes.byref(self.signals), Six(*position), Six(*force), ctypes.byref(self.sample)))
+
+
+def build_component(source: Path) -> Path:
+    """Compiles a HAL component to a realtime module beside it."""
+    command = ["halcompile", "--compile", source.name]
+    subprocess.run(command, cwd=source.parent, env={"PATH": SYSTEM_PATH, "LC_ALL": "C"}, check=True, timeout=120.0)
+    return source.with_suffix(".so")

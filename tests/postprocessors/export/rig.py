@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from postprocessors.execute.linuxcnc import configuration, running
+from postprocessors.execute.linuxcnc import configuration, session
 from postprocessors.execute.linuxcnc.isolation import run_session
 
 Array = NDArray[np.float64]
@@ -57,22 +57,22 @@ def run_rig(
     for module in modules:
         shutil.copy(module, folder)
         (folder / module.name).chmod(0o755)
-    (folder / running.PROGRAM_FILE).write_text(program, encoding="ascii")
+    (folder / session.PROGRAM_FILE).write_text(program, encoding="ascii")
     driver = folder / configuration.DISPLAY_FILE
-    driver.write_bytes((Path(running.__file__).parent / "driver.py").read_bytes())
+    driver.write_bytes((Path(session.__file__).parent / "driver.py").read_bytes())
     driver.chmod(0o755)
-    warp = Path(running.__file__).parent / "warp.c"
+    warp = Path(session.__file__).parent / "warp.c"
     for library, source, more in (
-        (running.CLOCK_FILE, warp, ["-pthread"]),
+        (session.CLOCK_FILE, warp, ["-pthread"]),
         ("modules.so", HERE / "modules.c", []),
     ):
         subprocess.run(["gcc", "-O2", "-shared", "-fPIC", *more, "-o", library, source, "-ldl"], cwd=folder, check=True)
     environment = {
         "HEXCITE_SPEEDUP": repr(SPEEDUP),
         "HEXCITE_MODULES": "{folder}",
-        "LD_PRELOAD": f"{{folder}}/{running.CLOCK_FILE}:{{folder}}/modules.so",
+        "LD_PRELOAD": f"{{folder}}/{session.CLOCK_FILE}:{{folder}}/modules.so",
     }
-    code = run_session(folder, ["-r", configuration.INI_FILE, running.PROGRAM_FILE, "60"], environment, 100.0)
+    code = run_session(folder, ["-r", configuration.INI_FILE, session.PROGRAM_FILE, "60"], environment, 100.0)
     output = (folder / "linuxcnc.out").read_text(errors="replace")
     assert (folder / "status.json").exists(), output
     status = json.loads((folder / "status.json").read_text())

@@ -7,7 +7,7 @@ import pytest
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.force import tare
+from identification.external import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording

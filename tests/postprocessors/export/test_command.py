@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from cases.loading import built_in_cases, load_case
-from postprocessors.export import targets
 from postprocessors.export.targets import TARGETS
 from tests.planner.command_line import call, refused
 from tests.postprocessors.export.calibrations import write_result
@@ -65,7 +64,6 @@ def test_a_result_with_warnings_needs_force_and_the_file_tells(target: str, tmp_
         (("--to", "c", "-o", "model.c"), ("model.c", "folder", "-o")),
         (("--to", "c", "-o", "."), ("folder that you work in",)),
         (("--to", "json", "-o", "model.txt"), ("model.txt", ".json")),
-        (("--to", "json", "--build"), ("--build", "json")),
         (("--to", "st", "-o", "My-Model.st"), ("My-Model", "small letters", "-o")),
         (("--to", "isg-load", "-o", "load.json"), ("load.json", ".nc")),
     ],
@@ -136,22 +134,10 @@ def test_a_case_that_is_not_built_in_is_named_by_file(tmp_path: Path, here: Path
     assert json.loads(Path(answer["file"]).read_text())["origin"]["case"] == "mine"
 
 
-@pytest.mark.usefixtures("gcc")
-def test_c_is_compiled_on_demand(result: Path, here: Path) -> None:
-    answer = call("export", result, "--to", "c", "--build", "-o", "model", "--json").json()
-    assert [Path(f).name for f in answer["files"]] == ["hexapod_force.c", "hexapod_force.h", "hexapod_force.o"]
-    assert (here / "model" / "hexapod_force.o").stat().st_size > 1000
+def test_a_folder_of_c_is_replaced_on_request_and_another_never(result: Path, here: Path) -> None:
+    answer = call("export", result, "--to", "c", "-o", "model", "--json").json()
+    assert [Path(f).name for f in answer["files"]] == ["hexapod_force.c", "hexapod_force.h"]
     assert "--overwrite" in refused("export", result, "--to", "c", "-o", "model")
     call("export", result, "--to", "c", "-o", "model", "--overwrite", "--json").json()
     shutil.copy(result / "result.json", here / "model")
     assert "is not a C model" in refused("export", result, "--to", "c", "-o", "model")
-
-
-def test_without_gcc_nothing_is_compiled_and_nothing_written(
-    result: Path, here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(targets, "SYSTEM_PATH", str(here))
-    line = refused("export", result, "--to", "c", "--build")
-    for word in ("gcc is missing", "install", "--build"):
-        assert word in line
-    assert list(here.iterdir()) == []

@@ -17,12 +17,10 @@ from identification.frame import structure_matrix
 from identification.model import identification_model
 from identification.parameters import linear_parameters
 from postprocessors.execute.linuxcnc.isolation import preload_works
-from postprocessors.execute.linuxcnc.running import linuxcnc_missing
-from postprocessors.export import targets
+from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 from postprocessors.export.c99 import linuxcnc_component, window_of
-from postprocessors.export.targets import build_component, halcompile_missing
-from tests.planner.command_line import call, refused
-from tests.postprocessors.export.calibrations import calibration, write_result
+from tests.postprocessors.export.calibrations import calibration
+from tests.postprocessors.export.compiled import SYSTEM_PATH, build_component
 from tests.postprocessors.export.rig import run_rig
 
 Array = NDArray[np.float64]
@@ -48,7 +46,8 @@ M2
 
 @pytest.fixture(scope="module")
 def tools() -> None:
-    missing = halcompile_missing() or linuxcnc_missing()
+    no_compiler = "halcompile is missing; install the package linuxcnc-uspace-dev"
+    missing = (no_compiler if shutil.which("halcompile", path=SYSTEM_PATH) is None else None) or linuxcnc_missing()
     if missing is None and not preload_works():
         missing = "components of a test's own cannot be loaded here: user namespaces are forbidden"
     if missing is not None:
@@ -197,32 +196,9 @@ def test_a_second_instance_from_the_pose_is_tared_by_its_pin(logged: Logged) -> 
 
 
 @pytest.mark.usefixtures("tools")
-def test_the_command_compiles_components(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    result = write_result(tmp_path / "result", CASE, 5)
-    answer = call("export", result, "--to", "linuxcnc", "--build", "--json").json()
-    assert answer["files"] == ["hexapod_force.comp", "hexapod_force.so"]
-    assert (tmp_path / "hexapod_force.so").stat().st_size > 10_000
-
-
-@pytest.mark.usefixtures("tools")
 @pytest.mark.parametrize(("name", "delay"), [("ft_wrist", 0.0), ("hexapod", -0.0017)])
 def test_components_of_other_sensors_and_delays_compile(name: str, delay: float, tmp_path: Path) -> None:
     made = calibration(tmp_path, name, 6, delay_s={"value": delay, "std": 1e-4})
     source = tmp_path / "some_force.comp"
     source.write_text(linuxcnc_component(made, "some_force"), encoding="ascii")
     assert build_component(source).exists()
-
-
-def test_without_halcompile_nothing_is_compiled_and_nothing_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    result = write_result(tmp_path / "result", CASE, 9)
-    here = tmp_path / "here"
-    here.mkdir()
-    monkeypatch.chdir(here)
-    monkeypatch.setattr(targets, "SYSTEM_PATH", str(here))
-    line = refused("export", result, "--to", "linuxcnc", "--build")
-    for word in ("hexapod_force.comp", "halcompile is missing", "linuxcnc-uspace-dev", "--build"):
-        assert word in line
-    assert list(here.iterdir()) == []

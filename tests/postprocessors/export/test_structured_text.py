@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.force import tare
+from identification.external import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording

@@ -1,0 +1,109 @@
+"""A hand-made excitation as data: straight moves, full circles and pauses, one after the other."""
+
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+
+from cases.errors import FileProblem
+from cases.parts import Array, Number, Part, Positive, frozen
+from cases.recording_format import POSE
+from cases.units import DEG, MM
+
+MOST_STEPS = 1000
+
+
+class ManualStep(Part):
+    """A straight move to a pose relative to home, a full circle, or a pause."""
+
+    x_mm: Number = 0.0
+    y_mm: Number = 0.0
+    z_mm: Number = 0.0
+    a_deg: Number = 0.0
+    b_deg: Number = 0.0
+    c_deg: Number = 0.0
+    circle: Literal["XY", "ZX", "YZ"] | None = None
+    """A full circle in this plane; its centre lies at `radius_mm` from its start, against the plane's first axis."""
+    radius_mm: Positive | None = None
+    pause_s: Positive | None = None
+    speed: Annotated[float, Field(strict=True, gt=0.0, le=1.0)] = 1.0
+    """Share of the limits of velocity; accelerations take its square, jerks its cube."""
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> "ManualStep":
+        named = self.model_fields_set
+        pose = named & set(POSE)
+        if (self.circle is None) != (self.radius_mm is None):
+            raise ValueError("a circle needs circle and radius_mm, a move neither")
+        if sum((bool(pose), self.circle is not None, self.pause_s is not None)) > 1:
+            raise ValueError("a step is a move, a circle or a pause, not several; make separate steps")
+        return self
+
+    @cached_property
+    def offset(self) -> Array:
+        """Pose relative to home, shape (6,) [m, rad]."""
+        lengths = np.array([self.x_mm, self.y_mm, self.z_mm]) * MM
+        return frozen([*lengths, *(np.array([self.a_deg, self.b_deg, self.c_deg]) * DEG)])
+
+
+class Sequence(Part):
+    """A hand-made excitation: it begins and ends standing at home."""
+
+    title: str
+    steps: Annotated[tuple[ManualStep, ...], Field(min_length=1, max_length=MOST_STEPS)]
+
+
+def load_sequence(file: Path) -> Sequence:
+    """Reads a sequence from a TOML file.
+
+    Raises:
+        FileProblem: it cannot be read or describes no sequence; the message names the step.
+    """
+    try:
+        data = tomllib.loads(file.read_text(encoding="utf-8"))
+        return Sequence.model_validate(data)
+    except OSError as error:
+        raise FileProblem(
+            f"{file}: cannot be read ({error.strerror}); name a TOML file of steps or a CSV of poses"
+        ) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FileProblem(f"{file}: is not TOML ({error}); mend that line") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(k + 1) if isinstance(k, int) else str(k) for k in first["loc"]) or "file"
+        raise FileProblem(f"{file}: {place}: {first['msg'].removeprefix('Value error, ')}; mend that step") from error
+
+
+def load_poses(file: Path) -> Array:
+    """Reads poses, absolute in {B}, from a CSV file with the columns x_mm, y_mm, z_mm, a_deg, b_deg, c_deg.
+
+    Returns:
+        Shape (n, 6) [m, rad].
+
+    Raises:
+        FileProblem: it cannot be read, columns are missing, or a row holds no numbers.
+    """
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileProblem(f"{file}: cannot be read ({error}); name a TOML file of steps or a CSV of poses") from error
+    rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
+    header = [cell.strip() for cell in rows[0]] if rows else []
+    missing = [c for c in POSE if c not in header]
+    if missing:
+        raise FileProblem(f"{file}: column {missing[0]} is missing; the first line must name {', '.join(POSE)}")
+    if not 1 <= len(rows) - 1 <= MOST_STEPS:
+        raise FileProblem(f"{file}: holds {len(rows) - 1} poses; 1 to {MOST_STEPS} make an excitation")
+    poses = []
+    for number, row in enumerate(rows[1:], start=1):
+        try:
+            values = [float(row[header.index(c)]) for c in POSE]
+        except (ValueError, IndexError):
+            values = [float("nan")]
+        if not np.isfinite(values).all():
+            raise FileProblem(f"{file}: pose {number} holds no six numbers; mend that line")
+        poses.append(values)
+    return np.asarray(np.array(poses) * np.array([MM] * 3 + [DEG] * 3))

@@ -1,0 +1,258 @@
+"""How the recordings of a machine are written down: file format, names, units, clock, drives, accelerometer.
+
+What a file does not say about itself is stated here; where a format leaves something open there is no default.
+"""
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import AfterValidator, Field, model_validator
+
+from cases.parts import Array, Number, Part, Positive, Six, Vector, frozen
+from cases.units import DEG, MM, MS, UM
+
+CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
+STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
+STRUT_VELOCITIES = tuple(f"ld{k}_mm_s" for k in range(1, 7))
+DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
+JOINT_ANGLES = tuple(f"q{k}_deg" for k in range(1, 13))
+JOINT_WAYS = tuple(f"q{k}_mm" for k in range(7, 13))  # of a chain; those before are the names of drives too
+DRIVE_VELOCITIES = tuple(f"qd{k}_mm_s" for k in range(1, 7))
+POSE = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
+ROTATION = tuple(f"r{i}{j}" for i in range(1, 4) for j in range(1, 4))
+ACCELEROMETER = ("ax", "ay", "az")
+BAR_FORCES = tuple(f"f{k}_N" for k in range(1, 7))
+WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
+COLUMNS = (
+    CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS,
+    *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
+    *WRENCH, TRIGGER, OVERRIDE,
+)  # fmt: skip
+
+
+def motion_columns(coordinates: tuple[str, ...]) -> tuple[str, ...]:
+    """Columns of `motion.csv` and of tables of set points: coordinates, rates and accelerations over time."""
+    return (CLOCK, *coordinates, *(f"v_{c}_s" for c in coordinates), *(f"acc_{c}_s2" for c in coordinates))
+
+
+_LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}
+_VELOCITY = {"mm/s": MM, "m/s": 1.0, "mm/min": MM / 60.0, "m/min": 1.0 / 60.0}
+_ANGLE = {"deg": DEG, "rad": 1.0, "mrad": 1e-3}
+_FORCE = {"N": 1.0, "kN": 1e3, "mN": 1e-3}
+_MOMENT = {"Nm": 1.0, "Nmm": 1e-3, "kNm": 1e3}
+
+# Groups of columns that one entry of `units` covers, and the units they may have; the first is that of our names.
+_GROUPS: tuple[tuple[str, Iterable[str], Mapping[str, float]], ...] = (
+    ("struts", STRUTS, _LENGTH),
+    ("strut_velocities", STRUT_VELOCITIES, _VELOCITY),
+    ("drives", (*DRIVES, *JOINT_WAYS), _LENGTH),
+    ("joints", JOINT_ANGLES, _ANGLE),
+    ("drive_velocities", DRIVE_VELOCITIES, _VELOCITY),
+    ("positions", POSE[:3], _LENGTH),
+    ("angles", POSE[3:], _ANGLE),
+    ("forces", (*BAR_FORCES, *WRENCH[:3]), _FORCE),
+    ("moments", WRENCH[3:], _MOMENT),
+    ("override", (OVERRIDE,), {"%": 0.01, "1": 1.0}),
+)
+GROUP_UNITS = {name: units for name, _, units in _GROUPS}
+_GROUP_OF = {column: name for name, columns, _ in _GROUPS for column in columns}
+
+
+def group_of(column: str) -> str | None:
+    """The group of `units` that covers a column; None where it has no unit."""
+    return _GROUP_OF.get(column)
+
+
+def units_of(name: str) -> Mapping[str, float]:
+    """Units that a group or column may have in a file, with their SI values; empty where it has none."""
+    return GROUP_UNITS.get(_GROUP_OF.get(name, name), {})
+
+
+def si_factor(column: str, units: Mapping[str, str]) -> float:
+    """SI value of the file's unit of a column: its own entry in `units`, else its group's, else that of its name."""
+    group = _GROUP_OF.get(column)
+    if group is None:
+        return 1.0
+    known = GROUP_UNITS[group]
+    return known[units.get(column, units.get(group, next(iter(known))))]
+
+
+# A mounting matrix is typed by hand with a few digits; beyond this it is no rotation.
+_ORTHOGONALITY = 1e-3
+_TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}
+
+
+def _separator(value: str) -> str:
+    if len(value) != 1 or value.isalnum() or value in "\"'.+-\r\n":
+        raise ValueError(f"{value!r} cannot separate numbers; give one character such as ',', ';', '\\t' or ' '")
+    return value
+
+
+Separator = Annotated[str, AfterValidator(_separator)]
+Count = Annotated[int, Field(strict=True, ge=0)]
+StreamName = Literal["struts", "pose", "rotation", "accelerometer", "forces"]
+
+
+class Clock(Part):
+    """The time stamps of a file."""
+
+    unit: Literal["s", "ms", "us", "ns", "filetime"] | None = None
+    """Of a stamp; `filetime`: 100 ns. By default s; of `twincat-scope` ms."""
+    period_ms: Positive | None = None
+    """Time between rows, for files without stamps."""
+    offset_s: dict[StreamName, Number] = Field(default_factory=dict)
+    """Added to the stamps of a stream: where clocks count from different epochs, or stamps are late."""
+
+    @property
+    def period(self) -> float | None:
+        """Time between rows [s]."""
+        return None if self.period_ms is None else self.period_ms * MS
+
+
+class Drives(Part):
+    """Struts from drive positions: strut k = sign_k * drive order_k + offset_k."""
+
+    order: tuple[Count, Count, Count, Count, Count, Count] = (1, 2, 3, 4, 5, 6)
+    """Number of the drive that moves each strut."""
+    sign: tuple[Number, Number, Number, Number, Number, Number]
+    """1 where a strut grows with its drive's position, -1 where it shrinks."""
+    offset_mm: Six
+    """Length of each strut at drive position 0."""
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        if sorted(self.order) != [1, 2, 3, 4, 5, 6]:
+            raise ValueError(f"order = {list(self.order)} does not name each of the drives 1 to 6 once")
+        if any(abs(s) != 1.0 for s in self.sign):
+            raise ValueError(f"sign = {list(self.sign)} may hold 1 and -1 only; scale with recording.units")
+        return self
+
+    @property
+    def index(self) -> list[int]:
+        """Column of the drive that moves each strut, counted from 0."""
+        return [k - 1 for k in self.order]
+
+    @cached_property
+    def offset(self) -> Array:
+        """Strut lengths at drive position 0, shape (6,) [m]."""
+        return frozen(np.array(self.offset_mm) * MM)
+
+
+class Accelerometer(Part):
+    """A three-axis accelerometer on the platform; it reads specific force, at rest minus gravity."""
+
+    scale_m_s2: Positive
+    """What a reading of 1 means."""
+    mounting: tuple[Vector, Vector, Vector]
+    """Rotation, row by row: specific force in {P} = mounting times reading."""
+
+    @model_validator(mode="after")
+    def _turns(self) -> Self:
+        matrix = np.array(self.mounting)
+        error = max(np.abs(matrix @ matrix.T - np.eye(3)).max(), abs(np.linalg.det(matrix) - 1.0))
+        if not error <= _ORTHOGONALITY:
+            raise ValueError(f"mounting is no rotation (off by {error:.3g}); rows must be orthonormal, right-handed")
+        return self
+
+    @cached_property
+    def matrix(self) -> Array:
+        """From readings to specific force in {P}, shape (3, 3) [m/s^2]."""
+        return frozen(np.array(self.mounting) * self.scale_m_s2)
+
+
+class RecordingFormat(Part):
+    """How recordings of this case are to be read; Parquet files are recognised, the keys about text do not apply there.
+
+    Units are those of our column names unless `units` says otherwise.
+    """
+
+    filter_cutoff_Hz: Positive | None = None
+    """Zero-phase low-pass on forces and struts alike; needed where accelerations are differentiated."""
+    rate_Hz: Positive = 1000.0
+    """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
+    format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
+    """What wrote the file; `csv` is any table of text."""
+    delimiter: Separator | None = None
+    """Character between two fields; by default a comma; of `halsampler` a blank, of Scope what the file has."""
+    decimal: Literal[".", ","] | None = None
+    """Decimal sign; by default a point."""
+    header_rows: Count | None = None
+    """Lines above the first row of numbers."""
+    names_row: Annotated[int, Field(strict=True, ge=1)] | None = None
+    """Which of them holds the names of the columns; by default the last."""
+    trailing_rows: Count = 0
+    """Lines below the last row of numbers."""
+    column_names: tuple[str, ...] | None = None
+    """Names of the file's columns in their order, for files that have none."""
+    encoding: Literal["utf-8", "cp1252"] = "utf-8"
+    """Encoding of the text."""
+    columns: dict[str, str] = Field(default_factory=dict)
+    """Our column name -> the file's, for files that use other names."""
+    units: dict[str, str] = Field(default_factory=dict)
+    """Our column name, or `struts`, `forces` and the like -> the file's unit."""
+    clock: Clock = Clock()
+    """The time stamps."""
+    drives: Drives | None = None
+    """Where the file holds drive positions instead of strut lengths."""
+    accelerometer: Accelerometer | None = None
+    """Where the file holds readings of an accelerometer."""
+
+    @model_validator(mode="after")
+    def _known_names(self) -> Self:
+        for ours in self.columns:
+            if ours not in COLUMNS:
+                raise ValueError(f"columns: {ours!r} is none of our columns; they are {', '.join(COLUMNS)}")
+        for theirs in self.columns.values():
+            if list(self.columns.values()).count(theirs) > 1:
+                raise ValueError(f"columns maps {theirs!r} to two of our columns; give each column one meaning")
+        for name, unit in self.units.items():
+            if name not in COLUMNS and name not in GROUP_UNITS:
+                raise ValueError(f"units: {name!r} is no column; give {', '.join(GROUP_UNITS)} or one of our columns")
+            if unit not in units_of(name):
+                raise ValueError(f"units.{name} = {unit!r} is not known; give {', '.join(units_of(name)) or 'none'}")
+        return self
+
+    @model_validator(mode="after")
+    def _nothing_left_to_guess(self) -> Self:
+        if self.names_row is not None and self.names_row > (self.header_rows or 0):
+            raise ValueError(f"names_row = {self.names_row} is not among header_rows = {self.header_rows or 0} lines")
+        if self.delimiter is not None and self.delimiter == self.decimal:
+            raise ValueError(f"delimiter and decimal are both {self.decimal!r}; one of them must differ")
+        if self.format == "halsampler":
+            if self.column_names is None:
+                raise ValueError("column_names is missing; halsampler writes none, list them in the order of its pins")
+            if self.clock.period_ms is None and self.file_name("t_s") not in self.column_names:
+                raise ValueError("clock.period_ms is missing; halsampler writes no time, give the period of its thread")
+        needed: dict[str, dict[str, object]] = {
+            "twincat-scope": {"decimal": self.decimal},
+            "sinumerik-trace": {
+                "delimiter": self.delimiter,
+                "decimal": self.decimal,
+                "header_rows": self.header_rows,
+                "clock.unit": self.clock.unit,
+            },
+        }
+        for key, value in needed.get(self.format, {}).items():
+            if value is None:
+                raise ValueError(f"{key} is missing; exports of {self.format} differ in it, look into one and state it")
+        return self
+
+    def file_name(self, ours: str) -> str:
+        """What files call one of our columns."""
+        return self.columns.get(ours, ours)
+
+    def factor(self, ours: str) -> float:
+        """SI value of the file's unit of one of our columns."""
+        return si_factor(ours, self.units)
+
+    @property
+    def clock_unit(self) -> str:
+        """Unit of the time stamps."""
+        return self.clock.unit or ("ms" if self.format == "twincat-scope" else "s")
+
+    @property
+    def tick(self) -> float:
+        """Duration of one unit of the time stamps [s]."""
+        return _TICKS[self.clock_unit]

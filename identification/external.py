@@ -1,0 +1,133 @@
+"""The measurement model in use: external force and moment from sensor forces, (1) and (10)-(15), and tare.
+
+With f^ = A u the forces that the model expects without contact (18), (1) reads f_Ext = -J^-T (f_q - f^), in {P}.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import IdentificationError
+from cases.schema import Case
+from identification.finding import Severity, sentences
+from identification.findings.plausibility import unmeasured
+from identification.model import Model
+from identification.recording import Recording
+from identification.regressor_blocks import OFFSETS
+from identification.runs.preparation import moving_run, standstills
+from identification.saved_result import SavedResult
+
+Array = NDArray[np.float64]
+
+
+class ExternalForce(NamedTuple):
+    """External force and moment on the platform, about the origin of {P} and along its axes.
+
+    Args:
+        t: time, shape (n,) [s]; numbers of the standstills where there is no clock.
+        wrench: shape (n, 6) [N, N m].
+        residuals: of the sensors, measured less expected, shape (n, 6) [N, or N and N m].
+        warnings: sentences about what was not measured, and is left out.
+    """
+
+    t: Array
+    wrench: Array
+    residuals: Array
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def rms(self) -> Array:
+        """Root mean square of each component, shape (6,) [N, N m]."""
+        return np.asarray(np.sqrt(np.mean(self.wrench**2, axis=0)))
+
+    @property
+    def peak(self) -> Array:
+        """Largest magnitude of each component, shape (6,) [N, N m]."""
+        return np.asarray(np.abs(self.wrench).max(axis=0))
+
+
+def external_force(recording: Recording, case: Case, result: SavedResult, whole: bool = True) -> ExternalForce:
+    """External force over a recording; moving runs behind the filter of the case.
+
+    Args:
+        recording: the run.
+        case: of the same machine as the parameters.
+        result: identified parameters; their delay is compensated.
+        whole: all samples; else only the excitation.
+
+    Raises:
+        FileProblem: parameters of another case.
+        RecordingError, IdentificationError: the recording cannot be evaluated.
+    """
+    model = result.model_of(case)
+    found = unmeasured(recording)
+    warnings = found.warnings
+    if recording.t is None or case.setup == "1a":
+        still = standstills(recording, case, model, found)
+        t, forces, matrices = still.t, still.recorded, still.matrices
+    else:
+        run = moving_run(recording, case, model, whole, found)
+        warnings += sentences(run.window, Severity.WARNING)
+        t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
+    residuals = forces - matrices @ result.values
+    return ExternalForce(t, -(residuals @ model.structure.T), residuals, warnings)
+
+
+class Tare(NamedTuple):
+    """New offsets.
+
+    Args:
+        values: u with the offsets replaced, shape (u,).
+        covariance: of u, shape (u, u): offsets and the rest no longer vary together.
+        change: new offsets less old ones, shape (6,).
+        std: of the new offsets from the scatter of the standstill, shape (6,).
+    """
+
+    values: Array
+    covariance: Array
+    change: Array
+    std: Array
+
+
+STILL = 1e-4  # [m] that struts may move in a standstill: encoder noise and drift, not motion
+
+
+def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
+    """Identifies f_q0 (11) anew from a standstill and leaves all other parameters.
+
+    Args:
+        recording: of a standstill without contact: one pose, any number of samples.
+        case: of the same machine as the parameters.
+        result: identified parameters.
+
+    Raises:
+        IdentificationError: the machine moves, or there are fewer than two samples.
+        FileProblem: parameters of another case.
+    """
+    model = result.model_of(case)
+    found = unmeasured(recording)
+    count = int(np.sum(~found.bad))
+    if count < 2:
+        raise IdentificationError(f"{recording.source}: {count} sample; a tare needs a standstill of two or more")
+    travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~found.bad], axis=0).max())
+    if travel > STILL:
+        raise IdentificationError(
+            f"{recording.source}: struts move by {travel * 1e3:.3g} mm, at most {STILL * 1e3:g} mm in a standstill; "
+            "cut the motion off"
+        )
+    still = standstills(recording, case, model, found)
+    residuals = still.recorded - still.matrices @ result.values
+    change = residuals.mean(axis=0)
+    variance = residuals.var(axis=0, ddof=1) / count
+    offsets = _offset_columns(model)
+    values, covariance = result.values.copy(), result.covariance.copy()
+    values[offsets] += change
+    covariance[offsets, :] = covariance[:, offsets] = 0.0
+    covariance[offsets, offsets] = variance
+    return Tare(values, covariance, change, np.sqrt(variance))
+
+
+def _offset_columns(model: Model) -> NDArray[np.int64]:
+    names = [p.name for p in OFFSETS.parameters]
+    return np.array([model.names.index(name) for name in names])

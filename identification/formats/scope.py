@@ -1,0 +1,191 @@
+"""CSV exports of the TwinCAT 3 Scope: a header of channels, then columns of values, each group with its own clock.
+
+Verified with genuine exports of Scope 3.4.3145 (test data of github CagtayFabry/pytcs) and Beckhoff's description
+(infosys.beckhoff.com, TE13xx, "Export to csv"): line 1 is `Name`, the separator and the scope's name; `Starttime of
+export` has a FILETIME (100 ns ticks since 1601); a second line that starts with `Name` lists the channels, and each
+`Name` in it stands above a clock: one for each channel (Timelines = All) or for neighbours of one sample time. Up to
+17 more lines about the channels follow, a comment in them may run over several lines. Stamps are ms from the first
+sample, or FILETIME where Full Timestamp is on. Where a channel has ended, its fields are a blank, or missing at the end
+of the line. A line `EOF` may follow. Numbers have commas or points by a setting of their own: the case states it.
+
+Not verified with a genuine file: Full Timestamp, marker tables and trigger information (switch them off), Interpolation
+= Shift value, Timelines = None (refused), array channels, other versions of Scope.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+
+from cases.errors import RecordingError
+from cases.recording_format import CLOCK, RecordingFormat
+from identification.formats.header import cells, decoded, select, unknown_columns
+from identification.formats.table import ColumnTable, Stamps
+from identification.formats.text import (
+    Fields,
+    TextBlock,
+    TextFormat,
+    is_number,
+    lines_of,
+    parse,
+    read_blocks,
+    read_head,
+)
+
+_NAME, _SYMBOL, _END = "Name", "SymbolName", b"EOF"
+_MISSING = ("", " ")
+_LATE = 2  # samples by which the last of channels with one clock may differ
+# FILETIME of the year 2000 in its own units; stamps in ms stay below for four million years.
+_LEAST_FILETIME = 1.26e17
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """What the header says: number of its lines, names of fields and channels, and the clock of each wanted column."""
+
+    header_rows: int
+    names: list[str]
+    channels: tuple[str, ...]
+    values: dict[str, int]
+    clocks: dict[str, int]
+
+
+def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
+    """Reads a file batch by batch: one table for each clock and batch.
+
+    Args:
+        file: the file.
+        form: how it is written.
+
+    Raises:
+        RecordingError: it cannot be read, with the place and the remedy.
+    """
+    lines = read_head(file)
+    dialect = _dialect(file, lines[0], form)
+    layout = _layout(file, lines, dialect, form)
+    used = sorted(set(layout.clocks.values()))
+    fields = Fields(layout.names, list(layout.values.values()), used)
+    groups: list[tuple[str, ...]] = []
+    for block in read_blocks(file, layout.header_rows, form.trailing_rows):
+        filled = _filled(block, len(layout.names), dialect)
+        if not filled.data.strip():
+            continue
+        columns = parse(file, filled, fields, dialect)
+        stamps = {k: _present(file, filled, columns[k]) for k in used}
+        groups = groups or _groups(layout, stamps)
+        for group in groups:
+            clock = min((stamps[layout.clocks[ours]] for ours in group), key=len)
+            if not all(_alike(clock, stamps[layout.clocks[ours]]) for ours in group):
+                raise RecordingError(
+                    f"{file}, lines from {filled.first_line}: the clocks of {', '.join(group)} part; export them again"
+                )
+            _require_unit(file, clock, form)
+            if not len(clock):
+                continue
+            values = {ours: columns[layout.values[ours]].to_numpy()[: len(clock)] for ours in group}
+            where = lines_of(filled, len(columns[used[0]]))
+            yield ColumnTable(str(file), layout.channels, values, clock, form.tick, where)
+    if not groups:
+        raise RecordingError(f"{file}: has a header but no rows; export the recording again")
+
+
+def _dialect(file: Path, line: bytes, form: RecordingFormat) -> TextFormat:
+    separator = form.delimiter or line[len(_NAME) : len(_NAME) + 1].decode(errors="replace")
+    if not line.startswith(_NAME.encode()) or not separator or separator.isalnum():
+        raise RecordingError(
+            f"{file}, line 1: does not start with Name and a separator, as exports of TwinCAT Scope do; export as "
+            "CSV with its header, or set recording.format in the case"
+        )
+    if separator == " ":
+        raise RecordingError(f"{file}: its columns are separated by blanks; export with tabulators or semicolons")
+    return TextFormat(separator, form.decimal or ".", _MISSING, form.encoding)
+
+
+def _layout(file: Path, lines: list[bytes], dialect: TextFormat, form: RecordingFormat) -> _Layout:
+    start = (_NAME + dialect.delimiter).encode()
+    top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
+    if top is None:
+        raise RecordingError(f"{file}: has no second line that starts with Name; export it with its header")
+    first = next((k for k in range(top + 1, len(lines)) if _is_data(lines[k], dialect)), None)
+    if first is None:
+        raise RecordingError(f"{file}: has a header but no rows of numbers; export the recording again")
+    names = cells(decoded(file, lines[: top + 1], dialect)[top], dialect)
+    while names and not names[-1]:  # some exports end each line with a separator
+        names.pop()
+    clocks = [k for k, name in enumerate(names) if name == _NAME]
+    above = [max(c for c in clocks if c <= k) for k in range(len(names))]
+    own = [name if k not in clocks else "" for k, name in enumerate(names)]
+    chosen = select(file, own, form).values
+    for line in lines[top + 1 : first]:
+        if line.startswith((_SYMBOL + dialect.delimiter).encode()):
+            symbols = cells(line.decode(dialect.encoding, "replace"), dialect)
+            chosen = select(file, [*symbols, *names][: len(names)], form).values | chosen
+    chosen.pop(CLOCK, None)
+    channels = tuple(name for name in own if name)
+    if not chosen:
+        raise RecordingError(f"{file}: {unknown_columns(channels, form)}")
+    shown = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
+    return _Layout(first, shown, channels, chosen, {ours: above[k] for ours, k in chosen.items()})
+
+
+def _is_data(line: bytes, dialect: TextFormat) -> bool:
+    """Whether all fields are numbers, with either decimal sign, or missing, and some are numbers."""
+    found = [f for f in dialect.split(line.decode(errors="replace")) if f.strip()]
+    return bool(found) and all(is_number(f.replace(",", ".", 1)) for f in found)
+
+
+def _filled(block: TextBlock, count: int, dialect: TextFormat) -> TextBlock:
+    """The block with all lines of equal length: without EOF, missing fields at the end added, surplus ones removed."""
+    separator = dialect.delimiter.encode()
+    lines = block.data.split(b"\n")
+    rows = sum(1 for line in lines if line.strip(b"\r"))
+    if block.data.count(separator) == rows * (count - 1) and _END not in block.data:
+        return block
+    for k, line in enumerate(lines):
+        text = line.rstrip(b"\r")
+        if text.strip() == _END:
+            lines[k] = b""
+        elif text:
+            missing = count - 1 - text.count(separator)
+            lines[k] = text + separator * missing if missing >= 0 else text.removesuffix(separator)
+    return TextBlock(block.first_line, b"\n".join(lines))
+
+
+def _present(file: Path, block: TextBlock, column: pa.ChunkedArray) -> Stamps:
+    """The stamps of a clock up to its last sample."""
+    valid = column.is_valid().to_numpy()
+    count = int(valid.sum())
+    if not valid[:count].all():
+        place = lines_of(block, len(column)).place(int(np.argmin(valid)))
+        raise RecordingError(f"{file}, {place}: a clock has no value but goes on below; remove the row")
+    return np.asarray(column.slice(0, count).to_numpy())
+
+
+def _groups(layout: _Layout, stamps: dict[int, Stamps]) -> list[tuple[str, ...]]:
+    """Wanted columns that share their clock: the same one, or equal ones; their last samples may be missing."""
+    groups: list[list[str]] = []
+    for ours, clock in layout.clocks.items():
+        for group in groups:
+            if _alike(stamps[layout.clocks[group[0]]], stamps[clock]):
+                group.append(ours)
+                break
+        else:
+            groups.append([ours])
+    return [tuple(group) for group in groups]
+
+
+def _alike(one: Stamps, other: Stamps) -> bool:
+    common = min(len(one), len(other))
+    return max(len(one), len(other)) - common <= _LATE and np.array_equal(one[:common], other[:common])
+
+
+def _require_unit(file: Path, stamps: Stamps, form: RecordingFormat) -> None:
+    counts_ticks = bool(len(stamps)) and float(stamps[0]) >= _LEAST_FILETIME
+    if counts_ticks != (form.clock_unit == "filetime") and len(stamps):
+        right = "filetime" if counts_ticks else "ms"
+        raise RecordingError(
+            f"{file}: its time stamps, such as {stamps[0]}, are not in {form.clock_unit}; set recording.clock.unit = "
+            f"{right!r} in the case"
+        )

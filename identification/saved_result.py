@@ -1,0 +1,225 @@
+"""A result that was saved, as other commands use it: parameters to predict forces with."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.basis import KEPT, Artefact, recording_basis, result_basis
+from cases.errors import FileProblem
+from cases.files import read_json
+from cases.schema import Case
+from identification.estimation.biases import OFFSET_NAMES, AccelerometerBias, Biases
+from identification.model import Model, identification_model
+from identification.parameters import physical_form
+from identification.result import SCHEMA_VERSION, Value
+
+Array = NDArray[np.float64]
+
+_OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read, not what offsets mean
+
+
+@dataclass(frozen=True, slots=True)
+class SavedResult:
+    """Identified parameters.
+
+    Args:
+        source: the file.
+        case_name: of the case they belong to.
+        model: number in Table 2.
+        values: u, shape (u,).
+        covariance: of u by (28), shape (u, u).
+        covariance_robust: of u, autocorrelation-robust, shape (u, u).
+        terms: forms of the error compensation other than the model's.
+        delay: of the forces [s]; 0 where none was estimated.
+        accelerometer: its biases, where standstills told them.
+        recordings: SHA-256 of the files that it was made of; empty where it does not say.
+        about: all of result.json.
+    """
+
+    source: str
+    case_name: str
+    model: int
+    values: Array
+    covariance: Array
+    covariance_robust: Array
+    terms: tuple[str, ...]
+    delay: float
+    accelerometer: AccelerometerBias | None = None
+    recordings: frozenset[str] = frozenset()
+    about: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def artefact(self) -> Artefact:
+        """What it says of its case."""
+        return Artefact(Path(self.source), self.about, "identify again")
+
+    def remarks(self, case: Case, stale: bool) -> tuple[str, ...]:
+        """What to write into everything that is made of it, where the case has changed since and `stale` is set.
+
+        Raises:
+            FileProblem: the case has changed, and `stale` is not set.
+        """
+        return self.artefact.require_unchanged(result_basis(case), case, stale)
+
+    def model_of(self, case: Case) -> Model:
+        """The model of the parameters, for a case of the same machine.
+
+        Raises:
+            FileProblem: the parameters belong to another case.
+        """
+        if case.name != self.case_name:
+            raise FileProblem(
+                f"{self.source}: parameters of case {self.case_name}, not {case.name}; identify them for {case.name}"
+            )
+        return identification_model(case, self.model, self.terms)
+
+
+def load_result(path: Path) -> SavedResult:
+    """Reads `result.json`, or the folder that holds it.
+
+    Raises:
+        FileProblem: missing, damaged or of another version.
+    """
+    file = path / "result.json" if path.is_dir() else path
+    return solution_of(read_json(file, "hexcite identify"), str(file))
+
+
+def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
+    """What `result.json` says of the parameters; errors as `load_result`.
+
+    Args:
+        data: its entries.
+        file: for messages.
+    """
+    if data.get("schema_version") != SCHEMA_VERSION:
+        raise FileProblem(
+            f"{file}: schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}; identify again"
+        )
+    try:
+        delay, felt = data["delay_s"], data.get("accelerometer")
+        result = SavedResult(
+            source=file,
+            case_name=str(data["case"]),
+            model=int(data["model"]),
+            values=np.array(data["linear"]["values"], dtype=float),
+            covariance=np.array(data["covariance"], dtype=float),
+            covariance_robust=np.array(data.get("covariance_robust", data["covariance"]), dtype=float),
+            terms=tuple(str(t) for t in data.get("error_terms", ())),
+            delay=0.0 if delay is None else float(delay["value"]),
+            accelerometer=None if felt is None else _accelerometer(felt),
+            recordings=frozenset(str(i["sha256"]) for i in data.get("inputs", ())),
+            about=data,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error
+    count = len(result.values)
+    arrays = (result.values, result.covariance, result.covariance_robust)
+    whole = result.values.ndim == 1 and all(a.shape == (count, count) for a in arrays[1:])
+    if not whole or not all(np.isfinite(a).all() for a in arrays):
+        raise FileProblem(f"{file}: values and covariance do not belong together; identify again")
+    return result
+
+
+def _accelerometer(data: Any) -> AccelerometerBias:
+    """From JSON; raises KeyError, TypeError or ValueError where it is damaged."""
+    values, covariance = (np.array(data[k], dtype=float) for k in ("bias_m_s2", "covariance_m2_s4"))
+    turn, rms = np.array(data["turn_rad"], dtype=float), float(data["rms_m_s2"])
+    if values.shape != (3,) or covariance.shape != (3, 3) or not np.isfinite([*values, *covariance.ravel()]).all():
+        raise ValueError("accelerometer")
+    return AccelerometerBias(values, covariance, turn, rms)
+
+
+def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
+    """Offsets of forces and accelerometer from a result of the same machine, for a run that is to take them as known.
+
+    How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
+
+    Args:
+        path: the result.
+        case: of the run.
+        stale: go on although the machine has changed since.
+
+    Raises:
+        FileProblem: no such result, one of another case, or the machine has changed and `stale` is not set.
+    """
+    result = load_result(path)
+    now, then = recording_basis(case), result.about.get(KEPT)
+    about = dict(result.about)
+    if isinstance(then, Mapping):
+        about[KEPT] = {key: value for key, value in then.items() if key in now or not key.startswith(_OF_A_RECORDING)}
+    remarks = Artefact(Path(result.source), about, "identify the standstills again").require_unchanged(now, case, stale)
+    names = result.model_of(case).names
+    offsets = [names.index(name) for name in OFFSET_NAMES]
+    white, robust = (c[np.ix_(offsets, offsets)] for c in (result.covariance, result.covariance_robust))
+    std = np.sqrt(np.diag(white))
+    larger = np.maximum(std, np.sqrt(np.diag(robust)))
+    grown = larger / np.where(std > 0.0, std, 1.0)
+    covariance = white * np.outer(grown, grown)
+    return Biases(str(path), result.values[offsets], covariance, result.accelerometer, remarks)
+
+
+def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array, source: str) -> dict[str, Any]:
+    """What `result.json` holds with other linear values: physical parameters and deviations follow from them.
+
+    Args:
+        result: that is changed.
+        case: of the same machine.
+        values: new u, shape (u,).
+        covariance: of u, shape (u, u).
+        source: the recording that they come from.
+    """
+    data = dict(result.about)
+    form = physical_form(result.model_of(case))
+    physical, spread = form.of(values, covariance)
+    std = np.sqrt(np.diag(spread))
+    robust_covariance = result.covariance_robust.copy()
+    offsets = [k for k, name in enumerate(data["linear"]["names"]) if name.startswith("f_q0")]
+    robust_covariance[offsets, :] = robust_covariance[:, offsets] = 0.0
+    robust_covariance[offsets, offsets] = np.diag(covariance)[offsets]
+    parameters, freedom = dict(data["parameters"]), float(data.get("degrees_of_freedom", np.inf))
+    intervals: dict[str, list[float]] = {}
+    for p, value, deviation in zip(form.parameters, physical, std, strict=True):
+        robust = float(deviation) if p.name.startswith("f_q0") else parameters[p.name]["std_robust"]
+        parameters[p.name] = Value(float(value), float(deviation), robust, p.unit)._asdict()
+        intervals[p.name] = list(Value(**parameters[p.name]).interval(freedom))
+    return data | {
+        "parameters": parameters,
+        "intervals_95": intervals,
+        "linear": {"names": data["linear"]["names"], "values": values.tolist()},
+        "covariance": covariance.tolist(),
+        "covariance_robust": robust_covariance.tolist(),
+        "tared_with": source,
+    }
+
+
+_TOOLS = ("hexcite", "numpy", "scipy", "casadi", "pyarrow")
+
+
+def provenance(files: Sequence[Path]) -> dict[str, Any]:
+    """What `result.json` says of its origin: `inputs`, each with its SHA-256, and `versions`.
+
+    Args:
+        files: that were read; they are read once more, piece by piece.
+    """
+    return {"inputs": [{"file": str(f), "sha256": _sha256(f)} for f in files], "versions": _versions()}
+
+
+def _sha256(file: Path) -> str:
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for name in _TOOLS:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # run from a folder that was never installed
+            found[name] = "unknown"
+    return found

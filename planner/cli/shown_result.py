@@ -1,0 +1,131 @@
+"""Identifies as a user wishes, saves the result and prints it for people."""
+
+from pathlib import Path
+from typing import Any
+
+from cases.schema import Case
+from identification.external import external_force
+from identification.outcome import Result
+from identification.recording import read_recording
+from identification.result import Value
+from identification.runs.rates import on_one_clock
+from identification.saved_result import load_result
+from planner.cli.console import print_table
+from planner.precision import parameter_words, std_text, value_text
+
+PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
+
+
+def answer_of_result(result: Result, folder: Path) -> dict[str, Any]:
+    """The JSON answer of a result that was written."""
+    answer = {"result": str(folder), "report": str(folder / "report.html"), **result.record}
+    strongest = () if result.identifiability is None else result.identifiability.strongest()
+    return answer | {"strongest_correlations": [{"pair": [a, b], "value": v} for a, b, v in strongest]}
+
+
+def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str, Any]:
+    """How well the parameters predict another run: what is left of force and moment, and of each channel."""
+    found = external_force(on_one_clock(read_recording(path, case), case), case, load_result(result), whole=False)
+    deviation = found.wrench.std(axis=0)
+    answer = {
+        "recording": str(path),
+        "samples": len(found.t),
+        "force_3s_N": (3 * deviation[:3]).tolist(),
+        "moment_3s_Nm": (3 * deviation[3:]).tolist(),
+        "mean_force_N": found.wrench[:, :3].mean(axis=0).tolist(),
+        "mean_moment_Nm": found.wrench[:, 3:].mean(axis=0).tolist(),
+        "channel_rms": ((found.residuals**2).mean(axis=0) ** 0.5).tolist(),
+    }
+    if not quiet:
+        force, moment = (
+            ", ".join(f"{v:.3g}" for v in answer["force_3s_N"]),
+            ", ".join(f"{v:.3g}" for v in answer["moment_3s_Nm"]),
+        )
+        print(f"verified on {path}: left of the force +- {force} N (3 s), of the moment +- {moment} N m (3 s)")
+    return answer
+
+
+def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
+    """Rows of a parameter table, lengths in mm: value, the larger standard deviation, and both of them."""
+    rows = []
+    for name, p in parameters.items():
+        scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
+        known = Value(p["value"], p["std"], p["std_robust"], p["unit"])
+        deviations = (known.reported, known.std, known.std_robust)
+        given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
+        shown = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
+        value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)
+        rows.append([parameter_words(name), value, *shown, unit])
+    return rows
+
+
+def show_residuals(answer: dict[str, Any]) -> None:
+    """Prints s0 and what the model leaves of the recorded forces; a filter lets s0 see the smaller part only."""
+    equal = answer["weights"] == "equal"
+    left = f"recorded forces less the model: {answer['s0_N']:.3g} N rms"
+    if equal and answer["delay_s"] is not None and answer["s0_N"] > 2.0 * answer["s0"]:
+        left += ", most of it above the evaluation's filter, where the estimate does not look"
+    print(f"s0 = {answer['s0']:.3g}{' N' if equal else ''}, weights {answer['weights']}; {left}")
+
+
+def show_noise(answer: dict[str, Any]) -> None:
+    """Prints what s0 consists of and what noise draws the parameters by, where the case states noise."""
+    sources = answer["noise_sources"]
+    if sources is None:
+        return
+    stated = {"force sensors": sources["force_sensors"], "accelerations": sources["accelerations"]}
+    parts = [f"{name} {100 * share:.3g} %" for name, share in stated.items() if share is not None]
+    left = "unexplained" if len(parts) == 2 else "anything else"
+    print(f"s0^2 consists of: noise of {', of '.join(parts)}, {left} {100 * sources['unexplained']:.3g} %")
+    drawn = {n: a for n, a in (answer["attenuation"] or {}).items() if a["of_std"] is not None}
+    if drawn:
+        worst = max(drawn, key=lambda name: abs(drawn[name]["of_std"]))
+        bias, unit = drawn[worst], answer["parameters"][worst]["unit"]
+        scale, unit = (1e3, "mm") if unit == "m" else (1.0, unit)
+        print(
+            f"noise of the accelerations biases parameters by at most {abs(bias['of_std']):.2g} of their +- "
+            f"(attenuation, not taken out; vibration biases none): {worst} by {bias['bias'] * scale:+.2g} {unit}"
+        )
+
+
+def show_result(answer: dict[str, Any]) -> None:
+    """Prints a result for people."""
+    rows = parameter_rows(answer["parameters"])
+    terms = f" with {', '.join(answer['error_terms'])}" if answer["error_terms"] else ""
+    title = f"Model {answer['model']}{terms}, {answer['estimator']}: {answer['samples']} samples"
+    print_table(title, PARAMETER_COLUMNS, rows)
+    print(
+        "+- is the larger of std by (28), right for white noise, and of std robust, which allows for noise that is not"
+    )
+    print(f"rank {answer['rank']}, condition {answer['condition']:.3g}")
+    show_residuals(answer)
+    strongest = ", ".join(
+        f"{a}~{b} {v:+.2f}" for (a, b), v in ((c["pair"], c["value"]) for c in answer["strongest_correlations"][:3])
+    )
+    print(f"strongest correlations of columns: {strongest}")
+    if answer["delay_s"] is not None:
+        delay = answer["delay_s"]
+        print(
+            f"forces lag the motion by {delay['value'] * 1e3:.3f} +- {delay['std'] * 1e3:.3f} ms "
+            "(estimated and compensated)"
+        )
+    show_noise(answer)
+    for note in answer["notes"]:
+        print(note)
+    felt = answer["accelerometer"]
+    if felt is not None:
+        values = ", ".join(f"{b:.4f} +- {s:.4f}" for b, s in zip(felt["bias_m_s2"], felt["std_m_s2"], strict=True))
+        turn = ", ".join(f"{1e3 * t:.1f}" for t in felt["turn_rad"])
+        print(f"accelerometer: biases {values} m/s^2, turned by {turn} mrad; {felt['rms_m_s2']:.2g} m/s^2 rms are left")
+    if answer["biases"] is not None:
+        also = " and of the accelerometer" if answer["biases"]["accelerometer"] is not None else ""
+        print(f"offsets of the forces{also} are those of {answer['biases']['result']}, with their uncertainty")
+    if "standstills" in answer:
+        found = answer["standstills"]
+        which = "the poses of the program" if found["matched_to_poses"] else "found where the machine stands"
+        print(f"{found['count']} averaged standstills, {which}, by the {found['found_by']}; weighted by their scatter")
+        if found["restless"]:
+            print(f"restless, and weighted less: {', '.join(map(str, found['restless']))}")
+    for warning in answer["warnings"]:
+        print(f"warning: {warning}")
+    print(f"result written: {answer['result']}, with its report {answer['report']}")

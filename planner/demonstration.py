@@ -1,0 +1,104 @@
+"""The whole chain on one case: plan, program, proof, run and identification, beside the simulated machine's truth."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cases.files import DEMO, check_folder
+from cases.schema import Case
+from identification.machine import machine_of
+from identification.model import full_model
+from identification.outcome import Result
+from identification.recording import Recording
+from identification.simulate import truth_rows
+from planner.families.settings import PointToPoint
+from planner.library import planned
+from planner.plans import Plan
+from planner.request import Request
+from planner.runs.identifying import identify
+from planner.runs.running import RunOutcome, best_controller, execute
+from planner.runs.written import write
+from postprocessors.dialects import Dialect, dialect
+from postprocessors.program_file import Program
+
+ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
+Done = Callable[[Plan | Program | RunOutcome | Result], None]
+"""Called with what a step made."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demo:
+    """What came of each step.
+
+    Args:
+        plan: the motion.
+        program: for LinuxCNC, or as a table of set points, proven.
+        outcome: of the run.
+        result: of its identification.
+        truth: each parameter beside that of the simulated machine, as `truth_rows` has them.
+        why: the reason for the controller.
+    """
+
+    plan: Plan
+    program: Program
+    outcome: RunOutcome
+    result: Result
+    truth: tuple[dict[str, Any], ...]
+    why: str
+
+    @property
+    def worst(self) -> float:
+        """Largest error in reported standard deviations."""
+        return float(max(abs(row["error"]) / row["std"] for row in self.truth))
+
+
+def language_of(case: Case) -> Dialect:
+    """The language of a demo: LinuxCNC's where it has the machine's moves, else a table of set points."""
+    return dialect("linuxcnc" if machine_of(case).of_pose else "setpoints")
+
+
+def demo(
+    case: Case,
+    folder: Path | str,
+    on: str | None = None,
+    *,
+    seed: int = 0,
+    starts: int | None = 1,
+    done: Done = lambda value: None,
+) -> Demo:
+    """Plans, programs, proves, executes and identifies, end to end.
+
+    Args:
+        case: with a simulated machine.
+        folder: to make: plan, program, recording and result are written there, one after the other.
+        on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed and the program is for it.
+        seed: of the starts and of the sensors' noise.
+        starts: number of random starts; one is enough for a demo.
+        done: called with the value of each step: plan, program, outcome of the run, result.
+
+    Raises:
+        HexciteError: a step cannot be done.
+    """
+    place = Path(folder)
+    case.need_simulation("the demo")
+    check_folder(place, DEMO, overwrite=True)
+    language = language_of(case)
+    controller, why = best_controller(language.name) if on is None else (on, "as asked")
+    request = Request(PointToPoint(controller=language.name), model=full_model(case), starts=starts, seed=seed)
+    planned(request, case).save(place / "plan", overwrite=True)
+    plan = Plan.load(place / "plan", case)
+    done(plan)
+    file = place / f"excitation{language.suffix}"
+    write(plan, language.name, accept=ACCEPTED, file=file).save(file, overwrite=True)
+    program = Program.load(file, case)
+    program.proof.require()
+    done(program)
+    outcome = execute(program, case, controller, seed)
+    outcome.recording.save(place / "recording", overwrite=True)
+    done(outcome)
+    result = identify(Recording.load(place / "recording"), case, full_model(case))
+    result.save(place / "result", overwrite=True)
+    done(result)
+    assert result.estimate is not None
+    return Demo(plan, program, outcome, result, tuple(truth_rows(case, result.estimate)), why)

@@ -1,0 +1,244 @@
+"""A plan: the chosen motion or set of poses, what it promises, and the proof of its limits."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.basis import KEPT, plan_basis
+from cases.errors import HexciteError
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.limits import LimitReport
+from identification.model import identification_model
+from identification.motion import Joined, Measurement, Motion, Trajectory
+from identification.noise.pose_field import PoseField
+from identification.parameters import physical_form
+from planner.families.saved import motion_entries
+from planner.found import bound_by
+from planner.poses.pose_request import PoseRequest
+from planner.precision import share_text, std_text
+from planner.request import Request
+from planner.worth import PoseWorth, Worth
+
+Array = NDArray[np.float64]
+
+SCHEMA_VERSION = 1
+SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
+
+
+class Saved(NamedTuple):
+    """Where a plan was loaded from.
+
+    Args:
+        folder: of the plan.
+        fingerprint: of its plan.json, by which programs and recordings name it.
+        stale: what has changed in its case since, where the user went on; written into what is made of the plan.
+    """
+
+    folder: Path
+    fingerprint: str
+    stale: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """A planned excitation: a motion from rest to rest, or poses to stand at.
+
+    Args:
+        case: what it was planned for.
+        request: what was asked for.
+        motion: the excitation; of poses from home through all of them and back home.
+        limits: the proof.
+        predicted_std: standard deviation of each physical parameter for one run [SI].
+        assumed_noise: of a force sample behind it, of poses of an averaged force [N].
+        assumed_rate: samples of a recording a second behind it [1/s].
+        worth: figures of the motion or of the poses, and how they were found.
+        saved: where it was loaded from; None for a new plan.
+    """
+
+    case: Case
+    request: Request | PoseRequest
+    motion: Trajectory
+    limits: LimitReport
+    predicted_std: dict[str, float]
+    assumed_noise: float
+    assumed_rate: float
+    worth: Worth | PoseWorth
+    saved: Saved | None = None
+
+    @property
+    def family(self) -> str:
+        """Name of the family of motions, or `poses`."""
+        return self.request.name
+
+    @property
+    def model(self) -> int:
+        """Number in Table 2."""
+        return self.request.model
+
+    @property
+    def duration(self) -> float:
+        """Of the motion [s]."""
+        return self.motion.duration
+
+    @property
+    def poses(self) -> Array:
+        """Where it stands still to measure, in the order of visit, shape (n, 6) [m, rad]; a motion has none."""
+        parts = self.motion.parts if isinstance(self.motion, Joined) else ()
+        found = [part.pose for part in parts if isinstance(part, Measurement)]
+        return np.array(found) if found else np.zeros((0, 6))
+
+    @property
+    def name(self) -> str:
+        """Of its folder, or of case and family."""
+        return f"{self.case.name}-{self.family}" if self.saved is None else self.saved.folder.resolve().name
+
+    @property
+    def stale(self) -> tuple[str, ...]:
+        """What has changed in the case since it was planned."""
+        return () if self.saved is None else self.saved.stale
+
+    @property
+    def of_motion(self) -> tuple[Request, Worth]:
+        """Request and figures of a plan of a motion.
+
+        Raises:
+            HexciteError: it is a plan of poses.
+        """
+        if isinstance(self.request, Request) and isinstance(self.worth, Worth):
+            return self.request, self.worth
+        raise HexciteError(f"{self.name}: is a plan of poses; here a plan of a motion is wanted")
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the search early."""
+        return isinstance(self.worth, Worth) and self.worth.search.interrupted
+
+    def ended_early(self) -> "Plan":
+        """The same as the plan of a search that Ctrl-C ended."""
+        worth = self.of_motion[1]
+        return replace(self, worth=replace(worth, search=worth.search._replace(interrupted=True)))
+
+    @property
+    def payloads(self) -> range:
+        """Numbers of payloads that may be mounted."""
+        return self.request.payloads if isinstance(self.request, Request) else range(1)
+
+    def save(self, folder: Path | str, overwrite: bool = False) -> None:
+        """Writes plan.json, and motion.csv or poses.csv, into a new folder.
+
+        Raises:
+            FileProblem: the folder is somebody's, or cannot be written.
+        """
+        from planner.plan_folder import save_plan
+
+        save_plan(self, Path(folder), overwrite)
+
+    def write(self, folder: Path) -> None:
+        """Writes the same files into a folder that is there."""
+        from planner.plan_folder import write_plan
+
+        write_plan(self, folder)
+
+    @classmethod
+    def load(cls, folder: Path | str, case: Case | None = None, stale: bool = False) -> "Plan":
+        """The plan of a folder; see `planner.plan_folder.load_plan`."""
+        from planner.plan_folder import load_plan
+
+        return load_plan(Path(folder), case, stale)
+
+    def to_json(self) -> dict[str, Any]:
+        """What `plan.json` holds."""
+        request = self.request
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "case": self.case.name,
+            "case_file": self.case.origin,
+            "case_hash": self.case.hash,
+            KEPT: plan_basis(self.case, self.payloads[-1], isinstance(request, PoseRequest)),
+            "family": self.family,
+            "criterion": request.criterion,
+            "model": request.model,
+            "status": "proven",
+            "duration_s": self.duration,
+            **request.to_json(),
+            **self.worth.to_json(),
+            **(self._of_motion() if isinstance(request, Request) else self._of_poses()),
+            "predicted_std": self.predicted_std,
+            "assumed_noise_N": self.assumed_noise,
+            "assumed_rate_Hz": self.assumed_rate,
+            "pose_errors": None if (field := PoseField.of(self.case.sensors)) is None else field.keys,
+            "limits": self.limits.to_json(),
+            **motion_entries(self.motion),
+        }
+
+    def _of_motion(self) -> dict[str, Any]:
+        first, last = self.motion.at([0.0, self.duration]).pose
+        return {
+            "first_pose_m_rad": first.tolist(),
+            "last_pose_m_rad": last.tolist(),
+            "payload": self.payloads[-1],
+            "payload_from": self.payloads[0],
+            "bound_by": bound_by(self.limits),
+        }
+
+    def _of_poses(self) -> dict[str, Any]:
+        from cases.recording_format import POSE
+
+        rows = poses_in_units(self.poses).tolist()
+        return {"count": len(rows), "poses": [dict(zip(POSE, row, strict=True)) for row in rows]}
+
+    def __str__(self) -> str:
+        """Ten lines: what it is, what it is worth, what it predicts, and its limits."""
+        worth = self.worth
+        what = f"{len(self.poses)} poses" if isinstance(worth, PoseWorth) else f"{self.family} motion"
+        lines = [
+            f"Plan for {self.case.name}: {what}, {self.duration:.2f} s, criterion {self.request.criterion}, model "
+            f"{self.model}"
+        ]
+        if isinstance(worth, PoseWorth):
+            lines.append(f"D-efficiency {worth.efficiency:.3f} of the best design over {worth.candidates} candidates")
+        else:
+            kind = "certified" if worth.bound.certified else "an estimate"
+            lines.append(f"D-efficiency {worth.d_efficiency:.3f} against the box bound ({kind})")
+            lines += [f"weak: {weakness}" for weakness in worth.weaknesses]
+        lines += [f"predicted standard deviations, {line}" for line in self.deviations()]
+        used = sorted(self.limits.checks, key=lambda c: -c.ratio)[:3]
+        lines.append(f"limits most used: {', '.join(f'{c.name} {share_text(c.ratio)}' for c in used)}")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        from cases.units import as_html
+
+        return as_html(str(self))
+
+    def deviations(self) -> list[str]:
+        """Predicted standard deviations as text, a line for each unit."""
+        lines: dict[str, list[str]] = {}
+        for p in physical_form(identification_model(self.case, self.model)).parameters:
+            scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
+            lines.setdefault(unit, []).append(f"{p.name} {std_text(self.predicted_std[p.name] * scale)}")
+        width = max(map(len, lines))
+        return [f"{unit:{width}}  {', '.join(values)}" for unit, values in lines.items()]
+
+
+def poses_in_units(poses: Array) -> Array:
+    """Poses in mm and degrees, shape (n, 6), without the noise of the conversion."""
+    return np.asarray(np.round(poses / np.r_[np.full(3, MM), np.full(3, DEG)], 9))
+
+
+def motion_csv(motion: Motion, case: Case) -> str:
+    """The motion as a table in mm and degrees; header as in CONVENTIONS."""
+    from cases.recording_format import motion_columns
+
+    limits = case.need_motion("a plan")[1]
+    unit = np.where(limits.turns, 1 / DEG, 1 / MM)
+    table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
+    form = ",".join(["%.9g"] * table.shape[1])
+    lines = [form % tuple(row) for row in table.tolist()]
+    return "\n".join([",".join(motion_columns(limits.columns)), *lines]) + "\n"

@@ -1,0 +1,137 @@
+"""A plan of poses: chosen, put in order, timed and proven."""
+
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.errors import InfeasiblePlan
+from cases.schema import Case
+from identification.limits import LimitReport, prove, worst_of
+from identification.model import identification_model
+from identification.motion import Joined, Measurement, Trajectory
+from planner.deviations import predicted_std_at_poses
+from planner.infeasible import remedy
+from planner.noise import sensor_noise
+from planner.plans import Plan
+from planner.poses.choosing import Choice, choose, criterion_value, smallest_set
+from planner.poses.continuous import approximate_design, continuous_bound
+from planner.poses.pose_criteria import candidate_scaling, pose_regressors, require_full_rank, total_information
+from planner.poses.pose_request import PoseRequest
+from planner.poses.space import Candidates, grid_candidates, sampled_candidates
+from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
+from planner.worth import PoseWorth
+
+Array = NDArray[np.float64]
+
+SCHEMA_VERSION = 1
+PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
+SEEDS = 2000  # poses from which the design over the space starts
+
+
+def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] = lambda _: None) -> Plan:
+    """Chooses poses, orders, times and proves them.
+
+    Args:
+        request: what to plan.
+        case: machine, limits and poses.
+        done: called with the number of poses after each step of the choice.
+
+    Raises:
+        HexciteError: a request that cannot be met; the message says what to change.
+        InfeasiblePlan: no valid pose, or no way between the chosen ones.
+        IdentificationError: poses cannot determine the model.
+        CaseError: the case lacks machine, limits or poses.
+    """
+    began = perf_counter()
+    model = identification_model(case, request.model)
+    candidates = candidates_of(request, case)
+    unscaled = pose_regressors(model, candidates.poses)
+    scaling = candidate_scaling(unscaled)
+    regressors = unscaled * scaling
+    request.wanted(len(candidates.poses), regressors.shape[2])
+    require_full_rank(regressors, model)
+    choice = choose(request, case, model, candidates.poses, regressors, scaling, done)
+    selected = perf_counter() - began
+    order, unordered = _ordered(case, choice)
+    poses = choice.poses[order]
+    motion, limits = _motion(case, poses)
+    travel = sum(part.duration for part in motion.parts if not isinstance(part, Measurement))
+    chosen = pose_regressors(model, poses) * scaling
+    seeds = np.vstack([candidates.poses[:: max(1, len(candidates.poses) // SEEDS)], poses])
+    space = continuous_bound(case, model, scaling, seeds)
+    information = total_information(chosen)
+    logdet = float(np.linalg.slogdet(information / len(poses))[1])
+    noise = request.noise if request.noise is not None else _noise(case)
+    setting = case.need_poses("a plan of poses")
+    worth = PoseWorth(
+        settings={
+            "candidates": candidates.origin,
+            "considered": candidates.considered,
+            "settle_s": setting.settle_s,
+            "average_s": setting.average_s,
+        },
+        remark=choice.remark,
+        candidates=len(candidates.poses),
+        travel=travel,
+        travel_unordered=unordered,
+        value=criterion_value(model, scaling, poses, request.criterion),
+        condition=float(np.sqrt(np.linalg.cond(information))),
+        efficiency=approximate_design(regressors).efficiency(chosen),
+        efficiency_space=float(np.exp((logdet - space.logdet) / len(scaling))),
+        fewest=smallest_set(model, scaling, poses, request.criterion),
+        std_of_all=predicted_std_at_poses(case, model, scaling, regressors, candidates.poses, noise),
+        select_seconds=selected,
+        solve_seconds=perf_counter() - began,
+    )
+    predicted = predicted_std_at_poses(case, model, scaling, chosen, poses, noise)
+    return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth)
+
+
+def candidates_of(request: PoseRequest, case: Case) -> Candidates:
+    """The poses to choose from."""
+    if request.candidates is None:
+        return grid_candidates(case)
+    return sampled_candidates(case, request.candidates, request.seed)
+
+
+def _ordered(case: Case, choice: Choice) -> tuple[NDArray[np.int64], float]:
+    """Order of visit, and travel in the order of choice [s], both from home to home."""
+    home = case.need_machine("a plan of poses")[0].home.vector
+    stations = np.vstack([home, choice.poses])
+    times = travel_times(case, stations)
+    order = shortest_order(times)
+    require_ways(times, order)
+    as_chosen = duration([*range(len(stations)), 0], np.where(np.isfinite(times), times, 0.0))
+    return order[1:-1] - 1, as_chosen
+
+
+def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
+    home = case.need_machine("a plan of poses")[0].home.vector
+    setting = case.need_poses("a plan of poses")
+    parts: list[Trajectory] = []
+    reports: list[LimitReport] = []
+    clock, here = 0.0, home
+    for pose in [*poses, home]:
+        if np.max(np.abs(pose - here)) > 0.0:
+            move = fastest_move(case, here, pose)
+            reports.append(prove(move, case, PROOF_RATE_OF_MOVES, clock, in_box=False))
+            parts.append(move)
+            clock += move.duration
+        if pose is not home:
+            parts.append(Measurement(np.array(pose), setting.settle_s, setting.average_s))
+            clock += parts[-1].duration
+        here = pose
+    report = worst_of(reports)
+    if not report.kept:
+        worst = report.violations[0]
+        raise InfeasiblePlan(f"a move between poses fails: {worst.sentence()}; {remedy(worst, case)}")
+    return Joined(tuple(parts)), report
+
+
+def _noise(case: Case) -> float:
+    """Of a force that is averaged, if its noise is white [N]."""
+    sample = sensor_noise(case)
+    averaged = case.need_poses("predicted standard deviations").average_s * case.recording.rate_Hz
+    return float(sample / np.sqrt(max(averaged, 1.0)))

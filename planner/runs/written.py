@@ -1,0 +1,120 @@
+"""From a plan to a program that is proven, or the reason why not."""
+
+import re
+from collections.abc import Collection
+from importlib.metadata import version
+from pathlib import Path
+
+from cases.basis import motion_hash
+from cases.errors import HexciteError
+from cases.schema import Case
+from planner.controlled import fits_law, usual_dialect
+from planner.families.settings import PointToPoint
+from planner.plan_folder import DIGITS, fingerprint
+from planner.plans import Plan
+from planner.request import Request
+from postprocessors.dialects import DIALECTS, Dialect, dialect_of_file
+from postprocessors.dialects import dialect as dialect_named
+from postprocessors.program_file import Program
+from postprocessors.writing import proven_program
+
+SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
+IN_STRUTS = "point-to-point moves are straight in the struts: another path than planned"
+
+
+def write(
+    plan: Plan,
+    dialect: str | None = None,
+    *,
+    speed: float = 1.0,
+    accept: Collection[str] = (),
+    file: Path | str | None = None,
+    in_struts: bool = False,
+) -> Program:
+    """The plan as a program for a controller, read back and proven; nothing is written to disk.
+
+    Args:
+        plan: a motion or poses.
+        dialect: the controller's language: linuxcnc, sinumerik, twincat or setpoints; by default what the suffix of
+            `file` says, else that of the controller that the plan was made for, else linuxcnc.
+        speed: share of the planned speed; 0.1 for a first try.
+        accept: limits that the controller does not enforce and that the caller answers for, such as `("jerk",)`.
+        file: name of the program, for messages; its suffix says how a table of set points is written.
+        in_struts: point-to-point moves become straight in the struts, another path than planned.
+
+    Raises:
+        ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody
+            enforces and that is not accepted.
+        HexciteError: an unknown dialect, or a speed that cannot be.
+    """
+    language = language_of(plan, dialect, file)
+    path = Path(f"{plan.name}{language.suffix}" if file is None else file)
+    if not SLOWEST <= speed <= 1.0:
+        raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
+    if in_struts and not language.in_struts:
+        able = ", ".join(d.name for d in DIALECTS.values() if d.in_struts)
+        raise HexciteError(
+            f"{language.name} has no moves straight in the struts; leave out --ptp-struts, or use {able}"
+        )
+    remarks: tuple[str, ...] = ()
+    if isinstance(plan.request, Request) and isinstance(plan.request.family, PointToPoint):
+        where = plan.name if plan.saved is None else str(plan.saved.folder)
+        remarks = fits_law(where, plan.worth.settings.get("made_for"), plan.motion, language.name, plan.case)
+    header = (
+        f"hexcite {version('hexcite')}: excitation for identification of model {plan.model}",
+        case_line(plan.case),
+        f"plan {plan.name}: {plan.family}, {plan.duration:g} s at speed {speed:g}",
+        plan_line(plan),
+        *plan.stale,
+        language.start,
+        *([IN_STRUTS] if in_struts else []),
+    )
+    words = language.load(path.suffix.lower())
+    written = proven_program(plan.motion, plan.case, words, str(path), header, speed, accept, in_struts)
+    guarantees = words.guarantees(written.reading, plan.case)
+    return Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))
+
+
+def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None) -> Dialect:
+    """The dialect of a name; without one that of a file's suffix, else of the controller that a plan was made for."""
+    if dialect is not None:
+        return dialect_named(dialect)
+    return dialect_named(usual_dialect(plan.worth.settings)) if file is None else dialect_of_file(str(file))
+
+
+_IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)
+_OF_THE_CASE = re.compile(rb"case (\w+), hash ([0-9a-f]{%d}), controller settings ([0-9a-f]{%d})" % (DIGITS, DIGITS))
+
+
+def plan_line(plan: Plan) -> str:
+    """What a program says of its plan."""
+    return f"plan hash {fingerprint(plan)}"
+
+
+def plan_of_program(content: bytes) -> str | None:
+    """The fingerprint in a program; None where it names none, or several."""
+    found = set(_IN_PROGRAM.findall(content))
+    return found.pop().decode() if len(found) == 1 else None
+
+
+def case_line(case: Case) -> str:
+    """What a program says of its case."""
+    return f"case {case.name}, hash {motion_hash(case)}, controller settings {case.controller_hash}"
+
+
+def written_for_another(content: bytes, case: Case) -> str | None:
+    """What to know about a program whose header names another state of the case; None where it names this or none."""
+    found = set(_OF_THE_CASE.findall(content))
+    if len(found) != 1:
+        return None
+    name, machine, settings = (part.decode() for part in found.pop())
+    if name != case.name:
+        return f"written for another case, {name}; this is {case.name}"
+    if machine != motion_hash(case):
+        return f"written for {case.name} with other values in [machine], [workspace] or [limits] than it has now"
+    if settings != case.controller_hash:
+        return (
+            f"written with other settings of [controller] (its header says {settings}, now they are "
+            f"{case.controller_hash}): signs and words may mean something else"
+        )
+    return None

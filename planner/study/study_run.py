@@ -1,0 +1,239 @@
+"""Runs a study into its folder: what is missing there, and no cell twice."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cases.basis import KEPT, study_basis
+from cases.errors import HexciteError
+from cases.schema import Case
+from planner.request import Request
+from planner.study.spec import Spec, cell_key, request_of, settings_of
+from planner.study.store import DONE, FAILED, PLANNED, keep, open_study, read_rows
+from planner.study.tasks import TaskEnd, run_tasks
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from identification.loaded import Circumstances
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One cell's work.
+
+    Args:
+        case: machine and limits, and a simulated machine where runs are asked for.
+        request: what to plan, from one start.
+        noise_seeds: of the recordings to identify; none: the plan alone.
+        disturbed: whether the simulated machine vibrates, ripples and errs with the pose.
+    """
+
+    case: Case
+    request: Request
+    noise_seeds: tuple[int, ...]
+    disturbed: bool = False
+
+
+def work(job: Job) -> list[dict[str, Any]]:
+    """Rows of a cell: of the plan, and of each seed of the noise.
+
+    A plan or run that is refused is a row with its reason: that is a finding, not an accident.
+    """
+    try:
+        row, plan = _plan(job)
+    except HexciteError as error:
+        return [{"noise_seed": PLANNED, "status": FAILED, "reason": str(error), "seconds": 0.0}]
+    if not job.noise_seeds:
+        return [row]
+    began = time.perf_counter()
+    try:
+        return [row, *_runs(job, plan, began)]
+    except HexciteError as error:
+        seconds = (time.perf_counter() - began) / len(job.noise_seeds)
+        failure = {"status": FAILED, "reason": str(error), "seconds": seconds}
+        return [row, *({"noise_seed": seed} | failure for seed in job.noise_seeds)]
+
+
+def _plan(job: Job) -> tuple[dict[str, Any], Any]:
+    from planner.planning import make
+    from planner.search.parallel import Listener, run_here
+
+    began = time.perf_counter()
+    silent = Listener(lambda start: None, lambda news: None)
+    plan = make(job.request, job.case, silent, run_here)
+    worth = plan.of_motion[1]
+    row = {
+        "noise_seed": PLANNED,
+        "status": DONE,
+        "seconds": time.perf_counter() - began,
+        "converged": bool(worth.search.starts) and worth.search.starts[0].converged,
+        "iterations": sum(start.iterations for start in worth.search.starts),
+        "score": worth.score if math.isfinite(worth.score) else None,
+        "logdet": worth.logdet,
+        "d_efficiency": worth.d_efficiency,
+    }
+    return row, plan
+
+
+def _runs(job: Job, plan: Any, began: float) -> list[dict[str, Any]]:
+    from identification.identify import identify
+    from identification.loaded import circumstances
+    from identification.simulate import simulate_recording, truth_rows
+    from planner.runs.running import execute
+    from planner.runs.written import write
+    from postprocessors.proving.guarantees import KINETIC
+
+    around = circumstances(job.case, job.request.payload, job.disturbed)
+    truth_case = _loaded_case(job.case, around)
+    # Nothing moves but numbers: limits that this controller would leave to nobody are reported by `post`, not here.
+    run = execute(write(plan, accept=KINETIC), job.case, "virtual", job.noise_seeds[0], around).run
+    rows = []
+    for seed in job.noise_seeds:
+        recording = simulate_recording(job.case, run.execution, run.trigger, seed, around=around)
+        estimate = identify(recording, job.case, job.request.model)
+        truth = truth_rows(truth_case, estimate)
+        half = [v.interval(estimate.freedom)[1] - v.value for v in estimate.physical.values()]
+        inside = sum(abs(r["error"]) <= h for r, h in zip(truth, half, strict=True))
+        mass = next(r for r in truth if r["name"] == "m")
+        now = time.perf_counter()
+        rows.append(
+            {
+                "noise_seed": seed,
+                "status": DONE,
+                "seconds": now - began,
+                "parameters": len(truth),
+                "inside_95": int(inside),
+                "worst_error_in_std": float(np.max([abs(r["error"]) / r["std"] for r in truth])),
+                "mass_error_kg": mass["error"],
+                "mass_std_kg": mass["std"],
+            }
+        )
+        began = now
+    return rows
+
+
+def _loaded_case(case: Case, around: "Circumstances") -> Case:
+    """The case whose true parameters include what is mounted."""
+    from identification.loaded import loaded_truth
+
+    simulation = case.need_simulation("a study that executes its plans")
+    truth = loaded_truth(simulation.parameters, around.weights)
+    return case.model_copy(update={"simulation": simulation.model_copy(update={"parameters": truth})})
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One combination of settings, and the key of its rows."""
+
+    key: str
+    settings: dict[str, Any]
+
+
+def cells_of(spec: Spec, case: Case) -> list[Cell]:
+    """Every cell of a study.
+
+    Raises:
+        HexciteError: a combination cannot be planned, or there are too many.
+    """
+    ours, found = version("hexcite"), []
+    for settings in settings_of(spec):
+        request_of(settings)
+        found.append(Cell(cell_key(settings, spec.execute, case, ours), settings))
+    return found
+
+
+def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) -> list[tuple[Cell, tuple[int, ...]]]:
+    """Cells with rows that are not in the folder yet, and the noise seeds of these rows.
+
+    Args:
+        cells: of the study.
+        spec: of the study.
+        folder: of the study.
+        retry: whether cells that failed count as missing.
+
+    Raises:
+        FileProblem: a file of the study is damaged.
+    """
+    table = read_rows(folder) if folder.is_dir() else None
+    there: dict[str, set[int]] = {}
+    failed: set[str] = set()
+    if table is not None:
+        columns = (table[name].to_pylist() for name in ("cell", "noise_seed", "status"))
+        for key, seed, status in zip(*columns, strict=True):
+            there.setdefault(key, set()).add(seed)
+            if seed == PLANNED and status == FAILED:
+                failed.add(key)
+    wanted = range(spec.execute.noise_seeds if spec.execute is not None else 0)
+    found = []
+    for cell in cells:
+        have = there.get(cell.key, set())
+        lacking = tuple(seed for seed in wanted if seed not in have)
+        if (retry and cell.key in failed) or (cell.key not in failed and (PLANNED not in have or lacking)):
+            found.append((cell, lacking))
+    return found
+
+
+def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
+    """What study.json holds."""
+    return {
+        "schema_version": 1,
+        "name": spec.name,
+        "case": case.name,
+        "case_hash": case.hash,
+        KEPT: study_basis(case),
+        "case_file": case.origin,
+        "version": version("hexcite"),
+        "cells": cells,
+        "spec": spec.model_dump(mode="json"),
+    }
+
+
+def run_study(
+    client: "Client",
+    spec: Spec,
+    case: Case,
+    folder: Path,
+    done: Callable[[TaskEnd], None],
+    retry: bool = False,
+) -> int:
+    """Computes the rows that a study folder lacks, and keeps each as it arrives.
+
+    Args:
+        client: of the cluster.
+        spec: the study.
+        case: machine and limits.
+        folder: of the study; continued where it holds rows.
+        done: told of each cell.
+        retry: whether to try cells again that failed.
+
+    Returns:
+        How many cells were computed.
+
+    Raises:
+        HexciteError: the folder is another study's, or the cluster is gone; what is done is kept.
+    """
+    cells = cells_of(spec, case)
+    open_study(folder, about_study(spec, case, len(cells)))
+    open_cells = {cell.key: (cell, seeds) for cell, seeds in missing(cells, spec, folder, retry)}
+    disturbed = spec.execute is not None and spec.execute.disturbed
+    tasks = ((key, Job(case, request_of(c.settings), seeds, disturbed)) for key, (c, seeds) in open_cells.items())
+    for end in run_tasks(client, work, tasks, spec.cells.time_limit_s):
+        cell, seeds = open_cells[end.key]
+        # Another seed than 0 first: of a study that was extended by more noise.
+        keep(folder, f"{end.key}-{seeds[0]}" if seeds else end.key, _rows(cell, end, case))
+        done(end)
+    return len(open_cells)
+
+
+def _rows(cell: Cell, end: TaskEnd, case: Case) -> list[dict[str, Any]]:
+    shared = cell.settings | {"cell": cell.key, "case_hash": case.hash, "version": version("hexcite")}
+    if end.reason is not None:
+        return [shared | {"noise_seed": PLANNED, "status": FAILED, "reason": end.reason, "seconds": end.seconds}]
+    return [shared | row for row in end.value]

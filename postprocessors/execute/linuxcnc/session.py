@@ -1,0 +1,258 @@
+"""Runs a program on LinuxCNC: check of the program, configuration, headless session, log, proof of the log."""
+
+import json
+import logging
+import math
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from cases.errors import ExecutionError, FileProblem
+from cases.schema import Case
+from identification.machine import machine_of
+from postprocessors.execute.executed_run import ControllerLog
+from postprocessors.execute.linuxcnc import configuration, timing
+from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, Layout
+from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, check_syntax, preload_works, run_session
+
+HERE = Path(__file__).parent
+PROGRAM_FILE = "program.ngc"
+CLOCK_FILE = "warp.so"
+
+START_LIMIT = 120.0
+"""Time for LinuxCNC to start and end, and for its interpreter to read a program [s on the wall]; it takes two, on a
+very busy computer twenty."""
+
+LINE_LIMIT = 20.0
+"""What the default time limit allows for a line on average [s of controller time]: slower than any move of ours."""
+
+_log = logging.getLogger(__name__)
+
+
+@cache
+def linuxcnc_missing() -> str | None:
+    """Why LinuxCNC cannot be run on this computer, with the remedy; None if it can."""
+    if not sys.platform.startswith("linux"):
+        return f"LinuxCNC runs on Linux only, this is {sys.platform}; run with --on virtual"
+    for program in ("linuxcnc", "rs274", "halcmd"):
+        if shutil.which(program, path=SYSTEM_PATH) is None:
+            return f"LinuxCNC is not installed ({program} is missing); install the package linuxcnc-uspace"
+    if shutil.which("gcc", path=SYSTEM_PATH) is None:
+        return "gcc, which compiles LinuxCNC's faster clock, is missing; install the packages gcc and libc6-dev"
+    imports = ["/usr/bin/python3", "-c", "import hal, linuxcnc"]
+    try:
+        result = subprocess.run(imports, env={"PATH": SYSTEM_PATH}, capture_output=True, text=True)
+    except OSError:
+        return "/usr/bin/python3, which LinuxCNC needs, is missing; install the package python3"
+    if result.returncode != 0:
+        said = (result.stderr.strip().splitlines() or ["no reason given"])[-1]
+        return f"/usr/bin/python3 cannot import LinuxCNC's modules ({said}); reinstall the package linuxcnc-uspace"
+    return None
+
+
+def run_linuxcnc(
+    program: Path,
+    case: Case,
+    content: bytes | None = None,
+    *,
+    headroom: float | None = None,
+    speedup: float = 20.0,
+    time_limit: float | None = None,
+) -> ControllerLog:
+    """Runs a program on a LinuxCNC that is configured for the case, without hardware.
+
+    The log starts just before the program does and ends just after it; dwells are as long in it as programmed, for what
+    they and the switching of outputs last longer is the wall clock's. Commanded struts are the cubic B-spline
+    (1, 4, 1)/6 of the inverse kinematics of the commanded pose, two cycles late: LinuxCNC interpolates them.
+
+    Args:
+        program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
+        case: a case with machine, workspace, limits and controller.
+        content: of the program, where it was read before; exactly this is run.
+        headroom: the axes' acceleration limits as a multiple of the case's; by default the case's own limits for a
+            program without timed blocks (G93), else `acceleration_headroom`.
+        speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
+            depend on it, but for some cycles before the first blocks of a path on a busy computer. A run that loses
+            cycles or shortens dwells is repeated at half the speed-up and at a quarter; then that is an error.
+        time_limit: for the program [s on the wall]. By default its dwells and 20 s of controller time for each of its
+            lines, both divided by the speed-up, and a minute.
+
+    Raises:
+        ExecutionError: LinuxCNC is not installed, refuses the program, stops, loses cycles or does not end in time.
+        FileProblem: the program cannot be read.
+        CaseError: the case lacks a part.
+        ValueError: speedup is not positive and finite.
+    """
+    if (missing := linuxcnc_missing()) is not None:
+        raise ExecutionError(f"{program}: cannot be run: {missing}")
+    if not 0.0 < speedup < math.inf:
+        raise ValueError(f"speedup is {speedup}, must be positive and finite")
+    lines = _lines(program, content)
+    timed = any(timing.is_inverse_time(line) for line in lines)
+    if headroom is None:
+        settings = case.need_controller(configuration.PURPOSE)
+        headroom = settings.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
+    durations, switched = timing.dwells(program, lines), timing.switches(lines)
+    speedup = min(speedup, timing.fastest(lines)) if preload_works() else 1.0
+    with tempfile.TemporaryDirectory(prefix="hexcite-syntax-") as name:
+        check_syntax(program, lines, Path(name), START_LIMIT)
+    copy = timing.with_dwells(lines, durations)
+    for attempt in range(timing.ATTEMPTS):
+        speed = speedup / 2**attempt
+        usual = START_LIMIT / 2 + (LINE_LIMIT * len(lines) + sum(durations.values())) / speed
+        try:
+            log, window = _session(
+                program, copy, case, headroom, timed, speed, usual if time_limit is None else time_limit
+            )
+        except LostCycles as lost:
+            problem = str(lost)
+        else:
+            if not (durations or switched):
+                return log
+            timing.check_order(program, log)
+            found = timing.dwell_problem(log, durations, switched, window)
+            if found is None:
+                return timing.without_surplus(log, durations, switched, window)
+            problem = f"{program}, {found}"
+        _log.info("%s", problem)
+    raise ExecutionError(problem)
+
+
+def _session(
+    program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speedup: float, time_limit: float
+) -> tuple[ControllerLog, tuple[int, int]]:
+    """Runs the lines once; returns the log, and the rows between which the program ran."""
+    home, _ = case.need_motion(configuration.PURPOSE)
+    home_joints = machine_of(case).drives(home[None])[0]
+    with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
+        folder = Path(name)
+        configuration.write_configuration(folder, case, home_joints, headroom, timed)
+        (folder / PROGRAM_FILE).write_bytes("\n".join(lines).encode("ascii"))
+        (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
+        (folder / configuration.DISPLAY_FILE).chmod(0o755)
+        _compile_clock(folder)
+        arguments = ["-r", configuration.INI_FILE, PROGRAM_FILE, repr(time_limit)]
+        clock = {"HEXCITE_SPEEDUP": repr(speedup), "LD_PRELOAD": f"{{folder}}/{CLOCK_FILE}"}
+        if run_session(folder, arguments, clock, time_limit + START_LIMIT) is None:
+            raise ExecutionError(
+                f"{program}: LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed; run again, and "
+                "check its installation if that does not help"
+            )
+        report = read_report(program, folder)
+        return read_log(program, folder, Layout.of(case), report, speedup), (report["started"], report["ended"])
+
+
+def _lines(program: Path, content: bytes | None) -> list[str]:
+    """Lines as the controller sees them: bytes between line feeds."""
+    if content is None:
+        try:
+            content = program.read_bytes()
+        except OSError as error:
+            raise FileProblem(
+                f"{program}: cannot be read ({error.strerror}); hexcite post --dialect linuxcnc writes programs"
+            ) from error
+    try:
+        return content.decode("ascii").split("\n")
+    except UnicodeDecodeError as error:
+        raise ExecutionError(
+            f"{program}: is not plain ASCII text (byte {error.start}); give a LinuxCNC program"
+        ) from error
+
+
+def _compile_clock(folder: Path) -> None:
+    flags = ["-O2", "-shared", "-fPIC", "-pthread"]
+    command = ["gcc", *flags, "-o", CLOCK_FILE, str(HERE / "warp.c"), "-ldl"]
+    result = subprocess.run(command, env={"PATH": SYSTEM_PATH}, cwd=folder, capture_output=True, text=True)
+    if result.returncode != 0:
+        said = next((line for line in result.stderr.splitlines() if "error" in line), f"exit code {result.returncode}")
+        raise ExecutionError(f"gcc cannot compile LinuxCNC's clock ({said}); install the packages gcc and libc6-dev")
+
+
+class LostCycles(ExecutionError):
+    """Cycles are missing in a log: the computer was too busy to fetch them."""
+
+
+REPORT_FILE = "status.json"
+SAMPLES_FILE = "samples.f64"
+
+
+def read_report(program: Path, folder: Path) -> dict[str, Any]:
+    """The report of a program that ran to its end.
+
+    Args:
+        program: the program, for messages.
+        folder: the session's.
+
+    Returns:
+        `version` of LinuxCNC; `started` and `ended`: rows between which the program ran; `samples` and `lost`: counts.
+
+    Raises:
+        ExecutionError: LinuxCNC did not start, or stopped the program; the message says why.
+    """
+    try:
+        report: dict[str, Any] = json.loads((folder / REPORT_FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        output = (folder / OUTPUT_FILE).read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        said = " ".join(output[-1].split()) if output else "nothing"
+        raise ExecutionError(
+            f"{program}: LinuxCNC did not start, or broke down; it said last: {said}; check the installation by "
+            "running one of its sample configurations"
+        ) from error
+    if report["outcome"] != "done":
+        _explain(program, report)
+    return report
+
+
+def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
+    said = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
+    if match := re.search(r"\bline (\d+)", said):
+        place = f"{program}, line {match[1]}"
+    else:  # what the driver saw last is exact to its polling
+        place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
+    if report["outcome"] == "time limit":
+        raise ExecutionError(f"{place}: LinuxCNC was not through in time; check the feeds, or allow more time")
+    if report["outcome"] == "paused":
+        raise ExecutionError(f"{place}: LinuxCNC waits for its operator; remove the pause from the program")
+    if "limit" in said:
+        remedy = "keep the program inside the limits of the case (hexcite check names what is outside)"
+    else:
+        remedy = "correct the program, or write it again with hexcite post --dialect linuxcnc"
+    raise ExecutionError(f"{place}: LinuxCNC stopped: {said}; {remedy}")
+
+
+def read_log(program: Path, folder: Path, layout: Layout, report: dict[str, Any], speedup: float) -> ControllerLog:
+    """The log of a session, in SI units.
+
+    Args:
+        program: the program, for messages.
+        folder: the session's.
+        layout: of axes and joints.
+        report: the driver's.
+        speedup: controller time per wall-clock time, for messages.
+
+    Raises:
+        LostCycles: cycles are missing.
+    """
+    lost, count = report["lost"], report["samples"]
+    if lost or not count:
+        raise LostCycles(
+            f"{program}: {lost} of {count + lost} cycles were not logged; the computer is too busy, run again with a "
+            f"speed-up below {speedup:g}"
+        )
+    samples = np.fromfile(folder / SAMPLES_FILE).reshape(count, 1 + len(layout.channels))
+    lines, trigger, values = samples[:, 1], samples[:, 2], samples[:, 3:]
+    return ControllerLog(
+        controller=f"LinuxCNC {report['version'].split('+')[0]}",
+        period=SERVO_PERIOD,
+        drives=values[:, : len(layout.axes)] * layout.joint_units,
+        poses=values[:, len(layout.axes) :] * layout.units,
+        trigger=trigger != 0.0,
+        lines=lines.astype(np.int64),
+    )
