@@ -148,6 +148,11 @@ class Chain(Part):
         """Names of the coordinates."""
         return tuple(joint.name for joint in self.joints)
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of recorded positions, with their units, numbered from the base."""
+        return _columns(self.joints)
+
     @cached_property
     def home(self) -> Array:
         """Coordinates where programs begin and end, shape (n,) [rad or m]."""
@@ -235,7 +240,7 @@ class JointMotionLimits(Part):
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of the coordinates, with their units, numbered from the base."""
-        return tuple(f"q{k}_{'deg' if joint.turns else 'mm'}" for k, joint in enumerate(self.joints, 1))
+        return _columns(self.joints)
 
     @cached_property
     def turns(self) -> NDArray[np.bool_]:
@@ -301,6 +306,10 @@ def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
                 f"limits.motion.joints: {joint.name} moves from {low / joint.unit:g} to {high / joint.unit:g}, home "
                 f"included, beyond its {key} = {_range(getattr(joint, key))}; narrow the limit or move home"
             )
+
+
+def _columns(joints: "Sequence[Joint | JointLimit]") -> tuple[str, ...]:
+    return tuple(f"q{k}_{'deg' if joint.turns else 'mm'}" for k, joint in enumerate(joints, 1))
 
 
 def _unit(kind: str) -> str:

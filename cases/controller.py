@@ -1,6 +1,8 @@
 """What the case's controllers need to be told; anything uncertain is a required setting, never a guess."""
 
-from typing import Literal, TypeVar
+from typing import Annotated, Literal, TypeVar
+
+from pydantic import Field
 
 from cases.controller_setpoints import Setpoints
 from cases.controller_sinumerik import Sinumerik
@@ -26,8 +28,10 @@ class Controller(Part):
 
     block_ms: Positive
     """Duration of the blocks that a dense path is written in."""
-    safe_feed_mm_min: Positive
-    """Feed of the first move, from wherever the machine stands to home."""
+    safe_feed_mm_min: Positive | None = None
+    """Feed of the first move of a hexapod, from wherever the machine stands to home."""
+    safe_speed_percent: Annotated[Positive, Field(le=100.0)] = 10.0
+    """Of the speeds and accelerations of `[limits.motion]`: the first move of a chain, from wherever it stands."""
     settle_s: Positive
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
@@ -58,8 +62,14 @@ class Controller(Part):
 
     @property
     def safe_feed(self) -> float:
-        """Feed of the first move to home [m/s]."""
+        """Feed of the first move of a hexapod to home [m/s]; its case states one."""
+        assert self.safe_feed_mm_min is not None
         return self.safe_feed_mm_min * MM / MINUTE
+
+    @property
+    def safe_share(self) -> float:
+        """Share of the limits of motion that the first move of a chain may use."""
+        return self.safe_speed_percent / 100.0
 
     def need_linuxcnc(self, case: str) -> LinuxCnc:
         """Settings of LinuxCNC's programs; raises CaseError where the case has none."""

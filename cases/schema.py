@@ -146,7 +146,9 @@ class Case(Part):
     def _feed(self) -> Iterator[str]:
         if self.controller is not None and isinstance(self.limits, Limits):
             fastest = float(self.limits.motion.rate[:3].min())
-            if self.controller.safe_feed > fastest:
+            if self.controller.safe_feed_mm_min is None:
+                yield "controller.safe_feed_mm_min is missing; add the feed of the first move, from anywhere to home"
+            elif self.controller.safe_feed > fastest:
                 yield (
                     f"controller.safe_feed_mm_min = {self.controller.safe_feed_mm_min:g} is faster than "
                     f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"

@@ -64,6 +64,10 @@ class SerialChain:
         del case, q, rates, accelerations
         return []
 
+    def positions(self, coordinates: Array) -> Array:
+        """Of the sensor, shape (k, 3) [m]."""
+        return over_samples(self.pose, coordinates)[0][:, :3]
+
     def drives(self, coordinates: ArrayLike) -> Array:
         """Encoders measure the joints themselves, shape (k, n) [rad or m]."""
         return np.asarray(coordinates, dtype=float)

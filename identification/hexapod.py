@@ -112,6 +112,10 @@ class Hexapod:
         """Limits of struts, joints, singularities and boxes."""
         return hexapod_shares(self, case, pose, rates, accelerations)
 
+    def positions(self, coordinates: Array) -> Array:
+        """Of poses, shape (n, 3) [m]."""
+        return coordinates[:, :3]
+
     def drives(self, coordinates: ArrayLike) -> Array:
         """Strut lengths of poses, shape (n, 6) [m]."""
         return self.strut_lengths(coordinates)

@@ -122,7 +122,7 @@ def limited_coordinates(
     yield from reach
     a, j = limits.acceleration, limits.jerk
     one = np.ones(len(home))
-    yield from _rates(motion, limits)
+    yield from limited_rates(motion, limits)
     yield from _by_kind(
         "acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one, limits
     )
@@ -149,14 +149,14 @@ def _with_steps(motion: Motion, limit: Array) -> Array:
     return jerks
 
 
-def velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Iterable[Quantity]:
-    """Rates of the coordinates and velocities of the struts alone."""
-    yield from _rates(motion, limits)
+def strut_velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Quantity:
+    """Velocities of the struts alone."""
     most = np.full(6, limits.strut_velocity_m_s)
-    yield Quantity.between("strut velocity", "m/s", _STRUTS, strut_motion(motion, machine)[1], -most, most, 1.0)
+    return Quantity.between("strut velocity", "m/s", _STRUTS, strut_motion(motion, machine)[1], -most, most, 1.0)
 
 
-def _rates(motion: Motion, limits: Box) -> Iterable[Quantity]:
+def limited_rates(motion: Motion, limits: Box) -> Iterable[Quantity]:
+    """Rates of the coordinates alone."""
     scale, v = np.where(limits.turns, 1 / DEG, 1 / MM), limits.rate
     yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -v, v, scale, limits)
 

@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limited import Quantity, limited_coordinates, limited_struts, plane, rotation_motion
+from identification.limited import (
+    Quantity,
+    limited_coordinates,
+    limited_rates,
+    limited_struts,
+    plane,
+    rotation_motion,
+    strut_velocities,
+)
 from identification.limited_chain import frame_motion, joint_ranges
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, sensor_loads
@@ -176,6 +184,14 @@ def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]
     rotation = rotation_motion(motion)
     yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
     yield from sensor_loads(rotation, motion.accelerations[:, :3], Loads.of(case))
+
+
+def of_velocities(motion: Motion, case: Case) -> Iterable[Quantity]:
+    """Rates of the coordinates, and velocities of struts."""
+    yield from limited_rates(motion, case.need_motion("the proof of limits")[1])
+    if case.hexapod is not None:
+        machine, _, limits = case.need_machine("the proof of limits")
+        yield strut_velocities(motion, machine, limits.motion)
 
 
 def everything(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:

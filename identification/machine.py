@@ -81,6 +81,10 @@ class Machine(Protocol):
         """Limits of the case beside those of the coordinates, for the search; the proof has its own."""
         ...
 
+    def positions(self, coordinates: Array) -> Array:
+        """Where the origin of the load's frame is, shape (k, 3) [m]."""
+        ...
+
     def drives(self, coordinates: ArrayLike) -> Array:
         """What encoders measure at coordinates, shape (k, n) [m or rad]."""
         ...

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.hexapod import Kinematics
 from identification.trajectories.executed import Execution
@@ -46,21 +47,24 @@ def executed_peaks(execution: Execution, case: Case) -> dict[str, float]:
     Raises:
         CaseError: the case has no machine.
     """
-    limits = case.need_machine("the rating of a run")[2].motion
+    limits = case.need_motion("the rating of a run")[1]
     instants = execution.extremes
     worst: dict[str, float] = {}
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
-        rates, accelerations = coordinate_rates(execution.kinematics(t))
+        drives = execution.struts(t, 1), execution.struts(t, 2)
+        rates, accelerations = coordinate_rates(execution.kinematics(t)) if execution.machine.of_pose else drives
         velocity, acceleration = np.abs(rates) / limits.rate, np.abs(accelerations) / limits.acceleration
         found = {
-            "velocity": velocity[:, :3],
-            "angular velocity": velocity[:, 3:],
-            "acceleration": acceleration[:, :3],
-            "angular acceleration": acceleration[:, 3:],
-            "strut velocity": np.abs(execution.struts(t, 1)) / limits.strut_velocity_m_s,
-            "strut acceleration": np.abs(execution.struts(t, 2)) / limits.strut_acceleration_m_s2,
+            "velocity": velocity[:, ~limits.turns],
+            "angular velocity": velocity[:, limits.turns],
+            "acceleration": acceleration[:, ~limits.turns],
+            "angular acceleration": acceleration[:, limits.turns],
         }
+        if isinstance(limits, MotionLimits):  # the struts of a hexapod have limits of their own
+            found["strut velocity"] = np.abs(drives[0]) / limits.strut_velocity_m_s
+            found["strut acceleration"] = np.abs(drives[1]) / limits.strut_acceleration_m_s2
         for name, shares in found.items():
-            worst[name] = max(worst.get(name, 0.0), float(shares.max()))
+            if shares.size:
+                worst[name] = max(worst.get(name, 0.0), float(shares.max()))
     return worst

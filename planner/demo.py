@@ -7,6 +7,7 @@ from typing import Any
 
 from cases.files import DEMO, check_folder
 from cases.schema import Case
+from identification.model import full_model
 from identification.outcome import Result
 from identification.recording import Recording
 from planner.comparison.truth import truth_rows
@@ -20,8 +21,6 @@ from planner.runs.writing import write
 from postprocessors.files import Program
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
-MODEL = 9
-
 Done = Callable[[Plan | Program | Outcome | Result], None]
 """Called with what a step made."""
 
@@ -91,7 +90,7 @@ def demo(
     outcome = execute(program, case, controller, seed)
     outcome.recording.save(place / "recording", overwrite=True)
     done(outcome)
-    result = identify(Recording.load(place / "recording"), case, MODEL)
+    result = identify(Recording.load(place / "recording"), case, full_model(case))
     result.save(place / "result", overwrite=True)
     done(result)
     assert result.estimate is not None

@@ -20,7 +20,7 @@ from identification.parameters import body_parameters, physical_form
 from identification.reference import reference_scaling
 from identification.runs.smoothing import SAMPLED
 from identification.signals import Filter
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 from identification.trajectories.profile import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.noise import expected_noise
@@ -140,7 +140,7 @@ def _evaluated(
     step = low_pass.step
     t = np.arange(int(np.ceil(run.duration / step)) + 1) * step
     lengths = hexapod.strut_lengths(run.at(np.minimum(t, run.duration)).pose)
-    execution = StrutExecution.of_set_points(hexapod, step, lengths)
+    execution = DriveExecution.of_set_points(hexapod, step, lengths)
     t = t[t <= execution.duration]
     struts, moved = execution.struts(t), execution.kinematics(t)
     shaken = replace(moved, twist_rate=vibrating(moved.twist_rate, step, frequency, damping))

@@ -39,7 +39,7 @@ class Language:
     write: Callable[[NeutralProgram, Case], bytes]
     read: Callable[[bytes, str, Case], Reading]
     guarantees: Callable[[Reading, Case], Guarantees]
-    tolerance: Callable[[Case], Array] = lambda case: np.zeros(6)
+    tolerance: Callable[[Case], Array] = lambda case: np.zeros(1)
     same: Callable[[NeutralProgram, Reading, Case], None] | None = None
     forecast: Callable[[Reading, Case], Forecast] = _in_time
     prepare: Callable[[NeutralProgram, Case], NeutralProgram] = _as_it_is

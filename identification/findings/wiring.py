@@ -197,7 +197,7 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
     if recording.t is None or case.setup == "1a":
         used = np.flatnonzero(~found.bad)
         forces = recording.forces[used]
-        if recording.struts is None:
+        if recording.struts is None or case.chain is not None:
             matrices = standstills(recording, case, model, found).matrices
         else:
             struts = (recording.struts[used], np.zeros_like(forces), np.zeros_like(forces))
@@ -211,7 +211,10 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
         lengths, velocities, accelerations = decimated(
             run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)]
         )
-        struts = (lengths, velocities, accelerations)
+        if case.chain is None:  # the order of a chain's joints is not looked at
+            struts = (lengths, velocities, accelerations)
+        else:
+            matrices = regressors(model, run.machine.kinematics(lengths, velocities, accelerations))
         forces, slopes = decimated(run.filter, run.recording.forces, rows, [(0, 0.0), (1, 0.0)])
     spread = forces.var(axis=0)
     if case.sensor_frame.bars is None:  # newtons beside newton metres

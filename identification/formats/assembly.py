@@ -11,6 +11,8 @@ from cases.recording_columns import (
     BAR_FORCES,
     DRIVE_VELOCITIES,
     DRIVES,
+    JOINT_ANGLES,
+    JOINT_WAYS,
     OVERRIDE,
     POSE,
     ROTATION,
@@ -35,7 +37,7 @@ from identification.formats.table import Array, Table, listed
 
 # Columns whose clock `recording.clock.offset_s` may shift, by the names it uses.
 _SHIFTED: dict[StreamName, tuple[str, ...]] = {
-    "struts": (*STRUTS, *DRIVES),
+    "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS),
     "pose": POSE,
     "rotation": ROTATION,
     "accelerometer": ACCELEROMETER,
@@ -46,6 +48,11 @@ _SHIFTED: dict[StreamName, tuple[str, ...]] = {
 def force_columns(case: Case) -> tuple[str, ...]:
     """Names of the force columns of a case's sensor frame."""
     return BAR_FORCES if case.sensor_frame.bars is not None else WRENCH
+
+
+def drive_columns(case: Case) -> tuple[str, ...]:
+    """Names of the columns of what moves the sensors: struts, or the joints of a chain."""
+    return STRUTS if case.chain is None else case.chain.columns
 
 
 def stream_of(table: Table, case: Case, form: RecordingFormat, origin: Fraction) -> Stream:
@@ -98,7 +105,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
     stream = Stream(
         source=table.source,
         t=t,
-        struts=_struts(table, form),
+        struts=_struts(table, case, form),
         rotations=None if rotation is None else rotation.reshape(-1, 3, 3),
         forces=forces,
         trigger=None if trigger is None else trigger[:, 0] > 0.5,
@@ -143,7 +150,10 @@ def _group(table: Table, form: RecordingFormat, wanted: tuple[str, ...]) -> Arra
     return group
 
 
-def _struts(table: Table, form: RecordingFormat) -> Array | None:
+def _struts(table: Table, case: Case, form: RecordingFormat) -> Array | None:
+    """Strut lengths of a hexapod, positions of the joints of a chain."""
+    if case.chain is not None:
+        return _group(table, form, case.chain.columns)
     struts, drives = _group(table, form, STRUTS), _group(table, form, DRIVES)
     if drives is None:
         return struts

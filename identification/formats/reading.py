@@ -13,10 +13,10 @@ import numpy as np
 
 from cases.errors import RecordingError
 from cases.recording import RecordingFormat
-from cases.recording_columns import POSE, ROTATION, STRUTS
+from cases.recording_columns import POSE, ROTATION
 from cases.schema import Case
 from identification.formats import delimited, halsampler, twincat
-from identification.formats.assembly import force_columns, start_of, stream_of
+from identification.formats.assembly import drive_columns, force_columns, start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.header import without
 from identification.formats.stream import Recording, Stream, either
@@ -198,7 +198,7 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
         wanted = [form.file_name(c) for c in force_columns(case)]
         raise RecordingError(f"{sources}: no forces: {without(wanted, names)}")
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
-        wanted = [form.file_name(c) for c in (STRUTS if case.hexapod is not None else (*ROTATION, *POSE))]
+        wanted = [form.file_name(c) for c in (drive_columns(case) if case.machine is not None else (*ROTATION, *POSE))]
         raise RecordingError(f"{sources}: no pose: {without(wanted, names)}")
 
 

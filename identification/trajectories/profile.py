@@ -123,8 +123,8 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
     """What limits of each coordinate leave of share rates on a straight way.
 
     Args:
-        way: how far each coordinate moves, at least one of them, shape (6,) [m, rad].
-        limits: of rates, accelerations or jerks, shapes (6,).
+        way: how far each coordinate moves, at least one of them, shape (n,) [m or rad].
+        limits: of rates, accelerations or jerks, shapes (n,).
     """
     moves = way > 0.0
     return [float(np.min(np.asarray(limit)[moves] / way[moves])) for limit in limits]
@@ -132,11 +132,11 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
 
 @dataclass(frozen=True, slots=True)
 class StraightMove:
-    """A straight line in the pose coordinates from rest to rest, all coordinates in step.
+    """A straight line in the coordinates from rest to rest, all coordinates in step.
 
     Args:
-        start: shape (6,) [m, rad].
-        end: shape (6,) [m, rad], different from start.
+        start: shape (n,) [m or rad].
+        end: shape (n,) [m or rad], different from start.
         profile: time law of the share of the way covered, from 0 to 1.
     """
 
@@ -148,7 +148,7 @@ class StraightMove:
     def fastest(
         cls, start: ArrayLike, end: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike = UNLIMITED
     ) -> "StraightMove":
-        """The fastest such move within limits on each coordinate, shapes (6,); the jerk may be unlimited.
+        """The fastest such move within limits on each coordinate, shapes (n,); the jerk may be unlimited.
 
         Raises:
             ValueError: start and end are the same.

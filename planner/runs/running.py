@@ -18,7 +18,7 @@ from identification.peaks import executed_peaks
 from identification.recording import Recording, about_case
 from identification.reference import reference_scaling
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.runs.fingerprints import plan_of_program, written_for_another
@@ -212,7 +212,7 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if log.left_out > NOTICEABLE * len(log.lines):
         surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
         remark = f"{remark}; {surplus}" if remark else surplus
-    execution = StrutExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
+    execution = DriveExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
     on = windows(log.trigger, log.period)
     measured = on if at_poses else moving_windows(log.trigger, log.strut_lengths, log.period)
     return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)

@@ -16,7 +16,7 @@ from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, UNFINISHED, atomic_file, atomic_folder, check_folder, json_text, write_text
 from cases.schema import Case
 from identification.hexapod import Hexapod
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
 from planner.interruption import Interrupted
 from planner.library import planned
@@ -254,7 +254,7 @@ def _kept(key: str, case: Case, real: bool, kept: Path) -> ExecutedRun | None:
     with np.load(kept) as found:
         if "key" not in found or str(found["key"]) != key:
             return None
-        execution = StrutExecution(Hexapod.of(case), BSpline(found["knots"], found["coefficients"], 3))
+        execution = DriveExecution(Hexapod.of(case), BSpline(found["knots"], found["coefficients"], 3))
         trigger, words = found["trigger"], [str(found[name]) for name in ("controller", "remark")]
     return ExecutedRun(words[0], execution, trigger, real=real, remark=words[1])
 

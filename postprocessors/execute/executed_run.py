@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ class ExecutedRun:
     """
 
     controller: str
-    execution: StrutExecution
+    execution: DriveExecution
     trigger: Array
     real: bool
     remark: str = ""

@@ -11,7 +11,7 @@ import pytest
 
 from cases.errors import FileProblem
 from identification.hexapod import Hexapod
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 from planner.interruption import Interrupted
 from planner.validation.carrying_out import Settings, _keep, _kept, _key, unfinished
 from planner.validation.experiment import Excitation, steps
@@ -123,7 +123,7 @@ def test_a_run_is_kept_for_exactly_its_program(tmp_path: Path):
     assert _kept("key", CASE, True, kept) is None
     t = np.arange(500) * 1e-3
     lengths = Hexapod.of(CASE).strut_lengths(Harmonic(seed=1, duration=0.5).at(t).pose)
-    execution = StrutExecution.of_log(Hexapod.of(CASE), 1e-3, lengths)
+    execution = DriveExecution.of_log(Hexapod.of(CASE), 1e-3, lengths)
     run = ExecutedRun("LinuxCNC 2.9", execution, np.array([[0.1, 0.4]]), real=True, remark="late")
     _keep(run, "key", kept)
     again = _kept("key", CASE, True, kept)
