@@ -1,30 +1,90 @@
 """Sensors in the struts of a hexapod (setup 2x): the structure matrix of its own struts, and what the struts add.
 
 A strut is a tube that turns about its base joint B (universal) and a rod that slides in it and ends in the platform
-joint P (ball), both slender: their moments of inertia about the strut's own axis do not count. n points from B to P, l is
-the length. Of a rod count its mass mu, first moment h from P towards B and moment of inertia about P, of a tube its first
-moment d from B and its moment of inertia about B; the two moments of inertia only as their sum k.
+joint P (ball), both slender: moments of inertia about the strut's own axis do not count. n points from B to P, l is the
+length. What counts of a rod is its mass mu, its first moment h from P towards B and its moment of inertia about P; of a
+tube its first moment d from B and its moment of inertia about B; of the two moments of inertia the sum k.
 
-A sensor at the drive's end carries the whole rod. Then a rod's mass cannot be told from a point mass in its platform joint,
-so that the mass, first moments and inertia of the body are those of the platform with the rods lumped there. A sensor at
+A sensor at the drive's end carries the whole rod. Then a rod's mass cannot be told from a point mass in its platform
+joint, and mass, first moments and inertia of the body are those of the platform with the rods lumped there. A sensor at
 the platform's end carries the platform alone, and mu is a parameter of its own. A positive force pushes the platform.
 
 Derived from Lagrange's equations; the tests derive them again by automatic differentiation.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.sensors import StrutSensors
 from identification.hexapod import Hexapod
+from identification.pose import rotation
 from identification.regressor_blocks import Block, Parameter, Rods, State
 
 Array = NDArray[np.float64]
 
 SLOW = 1e-3  # [rad/s] below which Coulomb friction of a joint, which has no value at rest, grows with the rate
+
+
+_Columns = Callable[[Rods, ca.SX], ca.SX]
+"""Rods and angular velocity of the platform -> wrench that each strut adds, shape (6, 6), one column a strut."""
+
+
+@dataclass(frozen=True)
+class StrutLayout:
+    """Sensors in the struts of a hexapod.
+
+    Args:
+        hexapod: its joints.
+        sensors: where in the struts they sit, and nominal values of the struts.
+    """
+
+    hexapod: Hexapod
+    sensors: StrutSensors
+
+    def rods(self, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
+        """Motion of the struts with the platform; see `rods`."""
+        return rods(self.hexapod, position, turn, twist, twist_rate, gravity)
+
+    def blocks(self, moving: bool) -> tuple[Block, ...]:
+        """What the struts add to the regressor; of standstills no inertia and no friction, and `d` is then d less h."""
+        s, at_drive = self.sensors, self.sensors.at == "drive"
+        if moving:
+            return strut_blocks(at_drive, s.each, s.viscous_friction_Nms is not None, s.coulomb_friction_Nm is not None)
+        still = strut_blocks(at_drive, s.each)
+        return (*([] if at_drive else still[:1]), still[-1])
+
+    @cached_property
+    def structure_at_home(self) -> Array:
+        """J^-T where the platform is at home, shape (6, 6)."""
+        pose, still = ca.SX(ca.DM(self.hexapod.home)), ca.SX.zeros(6)
+        moving = self.rods(pose[:3], rotation(pose[3:]), still, still, np.zeros(3))
+        return np.asarray(ca.DM(structure(moving)).full())
+
+    def with_struts(self, body: Mapping[str, float], moving: bool) -> dict[str, float]:
+        """The nominal values of all that a model with these blocks has, by name.
+
+        Args:
+            body: what is known of the body on the platform, by name.
+            moving: as in `blocks`.
+        """
+        s = self.sensors
+        known = dict(body)
+        if s.at == "drive":
+            for x, y, z in self.hexapod.platform:
+                lumped = {"m": 1.0, "mxC": x, "myC": y, "mzC": z, "I11": y**2 + z**2, "I12": -x * y, "I13": -x * z}
+                lumped |= {"I22": x**2 + z**2, "I23": -y * z, "I33": x**2 + y**2}
+                for name, value in lumped.items():
+                    known[name] = known.get(name, 0.0) + s.rod_mass_kg * float(value)
+        (base, joint), (held, turned) = s.viscous_friction_Nms or (0.0, 0.0), s.coulomb_friction_Nm or (0.0, 0.0)
+        net = s.tube_first_moment_kg_m - (0.0 if moving else s.rod_first_moment_kg_m)
+        own = {"mu": s.rod_mass_kg, "h": s.rod_first_moment_kg_m, "k": s.inertia_kg_m2, "d": net}
+        own |= {"cB": base, "cP": joint, "tB": held, "tP": turned}
+        return known | own | {f"{name}_{k}": value for name, value in own.items() for k in range(1, 7)}
 
 
 def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
@@ -55,7 +115,8 @@ def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rat
         lengths.append(length)
         speeds.append(speed)
     joints = ca.SX(ca.DM(hexapod.platform.T))
-    return Rods(joints, *(ca.horzcat(*c) for c in columns), ca.horzcat(*lengths), ca.horzcat(*speeds))
+    direction, turning, felt, weight = (ca.horzcat(*column) for column in columns)
+    return Rods(joints, direction, turning, felt, weight, ca.horzcat(*lengths), ca.horzcat(*speeds))
 
 
 def structure(moving: Rods) -> ca.SX:
@@ -63,7 +124,7 @@ def structure(moving: Rods) -> ca.SX:
     return _wrench(moving, moving.direction)
 
 
-def strut_blocks(at_drive: bool, each: bool, viscous: bool, coulomb: bool) -> tuple[Block, ...]:
+def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: bool = False) -> tuple[Block, ...]:
     """What the struts add to the regressor.
 
     Args:
@@ -72,7 +133,7 @@ def strut_blocks(at_drive: bool, each: bool, viscous: bool, coulomb: bool) -> tu
         viscous: whether the joints have viscous friction.
         coulomb: whether the joints have Coulomb friction.
     """
-    kinds = [] if at_drive else [("mu", "kg", _rod_mass)]
+    kinds: list[tuple[str, str, _Columns]] = [] if at_drive else [("mu", "kg", _rod_mass)]
     kinds += [("h", "kg m", _first_moment_at_drive if at_drive else _first_moment)]
     kinds += [("k", "kg m^2", _inertia), ("d", "kg m", _tube)]
     if viscous:
@@ -80,10 +141,6 @@ def strut_blocks(at_drive: bool, each: bool, viscous: bool, coulomb: bool) -> tu
     if coulomb:
         kinds += [("tB", "N m", _coulomb_of_base), ("tP", "N m", _coulomb_of_platform)]
     return tuple(_block(name, unit, columns, each) for name, unit, columns in kinds)
-
-
-_Columns = Callable[[Rods, ca.SX], ca.SX]
-"""Rods and angular velocity of the platform -> wrench that each strut adds, shape (6, 6), one column a strut."""
 
 
 def _block(name: str, unit: str, columns: _Columns, each: bool) -> Block:

@@ -47,7 +47,7 @@ _SHIFTED: dict[StreamName, tuple[str, ...]] = {
 
 def force_columns(case: Case) -> tuple[str, ...]:
     """Names of the force columns of a case's sensor frame."""
-    return BAR_FORCES if case.sensor_frame.bars is not None else WRENCH
+    return WRENCH if case.sensor_frame.has_moments else BAR_FORCES
 
 
 def drive_columns(case: Case) -> tuple[str, ...]:

@@ -69,7 +69,7 @@ def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str
         "delay": number(calibration.result.delay),
         "half_window": number(window.half),
         "window_meaning": window.meaning,
-        "force_units": "[N]" if calibration.case.sensor_frame.bars is not None else "[N, N m]",
+        "force_units": "[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
         "home": [] if machine is None else [number(v) for v in machine.home.vector],
         "functions": [
             _function(f, name, calibration.model.names) for f in functions_of(calibration.model, calibration.hexapod)

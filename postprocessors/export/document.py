@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from identification.frame import structure_matrix
 from postprocessors.export.calibration import Calibration
 
 SCHEMA_VERSION = 1
@@ -116,7 +115,7 @@ def document(calibration: Calibration) -> Document:
         model=calibration.model.number,
         error_terms=list(result.terms),
         gravity_m_s2=case.gravity.tolist(),
-        structure=structure_matrix(case.sensor_frame).tolist(),
+        structure=calibration.model.structure.tolist(),
         force_delay_s=result.delay,
         kinematics=kinematics,
         linear=[

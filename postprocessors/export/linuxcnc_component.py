@@ -21,7 +21,7 @@ def linuxcnc_component(calibration: Calibration, name: str) -> str:
             hal=name.replace("_", "-"),
             origin=comment_lines(calibration),
             hexapod=calibration.hexapod is not None,
-            force_units="[N]" if calibration.case.sensor_frame.bars is not None else "[N, N m]",
+            force_units="[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
             wrench=AXES,
             half_window=number(window_of(calibration.case).half),
             delay=number(calibration.result.delay),
