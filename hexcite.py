@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from identification.recording import Recording as Recording
     from identification.recording import read as read
     from planner.bounds.kept import bound as bound
-    from planner.comparison.compare import compare as compare
+    from planner.comparison.advising import compare as compare
     from planner.demo import demo as demo
     from planner.families.settings import Fourier as Fourier
     from planner.families.settings import Manual as Manual
@@ -57,7 +57,7 @@ _PLACES = {
     "Recording": "identification.recording",
     "read": "identification.recording",
     "bound": "planner.bounds.kept",
-    "compare": "planner.comparison.compare",
+    "compare": "planner.comparison.advising",
     "demo": "planner.demo",
     "Fourier": "planner.families.settings",
     "Manual": "planner.families.settings",

@@ -1,15 +1,242 @@
 """What the case's controllers need to be told; anything uncertain is a required setting, never a guess."""
 
+import re
 from typing import Annotated, Literal, TypeVar
 
-from pydantic import Field
+from pydantic import AfterValidator, Field, model_validator
 
-from cases.controller_setpoints import Setpoints
-from cases.controller_sinumerik import Sinumerik
-from cases.controller_twincat import TwinCat
 from cases.errors import CaseError
 from cases.parts import Part, Positive
-from cases.units import MINUTE, MM, MS
+from cases.units import DEG, MINUTE, MM, MS
+
+Kept = Literal["velocity", "acceleration", "jerk", "strut velocity", "strut acceleration"]
+
+
+def _once(names: tuple[Kept, ...]) -> tuple[Kept, ...]:
+    twice = [name for k, name in enumerate(names) if name in names[:k]]
+    if twice:
+        raise ValueError(f"names {twice[0]!r} twice; name each limit once")
+    return names
+
+
+Promises = Annotated[tuple[Kept, ...], AfterValidator(_once)]
+"""Families of limits; each covers translations and rotations. An empty list promises nothing."""
+
+
+class PointToPointDrives(Part):
+    """What each strut does at most in a point-to-point move; the same for all six.
+
+    These are machine data of the axes, on SINUMERIK those of the dynamic mode in which the program runs.
+    """
+
+    strut_velocity_m_s: Positive
+    strut_acceleration_m_s2: Positive
+    strut_jerk_m_s3: Positive
+    feed: Literal["time", "rapid"]
+    """What moves them: G1 with the block's time (G93), if the control takes F for a time there too, which no manual
+    states: try it with `--speed 0.1`; or G0, as fast as the drives can, which cannot be slowed."""
+
+
+class Setpoints(Part):
+    """Settings of setpoint tables for external setpoint generation."""
+
+    cycle_ms: Positive
+    """Of the task that feeds them: a whole multiple of the drives' own cycle."""
+    most_rows: Annotated[int, Field(strict=True, ge=10)]
+    """What its memory holds."""
+    controller_keeps: Promises
+    """A generator that copies setpoints to the drives usually keeps nothing: `[]`."""
+
+    @property
+    def cycle(self) -> float:
+        """Control cycle [s]."""
+        return self.cycle_ms * MS
+
+
+SINUMERIK_NAME = r"^(?:[A-Z]{2}|_[A-Z])[A-Z0-9_]{0,22}$"
+TRANSFORMATION = r"^[A-Z][A-Z0-9_]*(?:\([0-9](?:,[0-9])*\))?$"
+_NOT_WORDS = {
+    *"DFGHIJKLMNPRSTXYZ",
+    "LEAD",
+    "TILT",
+    "THETA",
+    "PHI",
+    "PSI",
+    "AR",
+    "CR",
+    "PL",
+    "PO",
+    "PW",
+    "SD",
+    "ACC",
+    "OVR",
+}
+_VECTORS = re.compile(r"[ABC][3-7]")
+
+
+def _sinumerik_name(name: str) -> str:
+    if re.fullmatch(SINUMERIK_NAME, name) is None:
+        raise ValueError(
+            f"{name!r} is no program name; write 2 to 24 of A-Z, 0-9 and _, beginning with two letters or _ and a "
+            "letter"
+        )
+    return name
+
+
+def _transformation(call: str) -> str:
+    if re.fullmatch(TRANSFORMATION, call) is None:
+        raise ValueError(f"{call!r} switches no transformation; write a name as TRAORI or a call as TRAORI(2)")
+    return call
+
+
+def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
+    vector = next((word for word in words if _VECTORS.fullmatch(word)), None)
+    if vector is not None:
+        raise ValueError(
+            f"{vector} takes a component of a vector, not an angle; write the words for roll, pitch and yaw, such as "
+            "A2, B2, C2"
+        )
+    if len(set(words)) < 3 or _NOT_WORDS & set(words):
+        raise ValueError(f"{', '.join(words)} do not name three angles; write the words for roll, pitch and yaw")
+    return words
+
+
+def _word(word: str) -> str:
+    if re.fullmatch(r"[A-Z]{1,7}[0-9]?", word) is None:
+        raise ValueError(f"{word!r} is no address; write capitals and at most one digit, such as A or A2")
+    return word
+
+
+Word = Annotated[str, AfterValidator(_word)]
+Call = Annotated[str, AfterValidator(_transformation)]
+AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
+
+
+class Sinumerik(Part):
+    """Settings of SINUMERIK programs. The transformation of a hexapod is the machine builder's: ask for these words."""
+
+    program_name: Annotated[str, AfterValidator(_sinumerik_name)]
+    """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
+    transformation: Call
+    """What switches the transformation on: `TRAORI`, `TRAORI(2)` or the builder's own name."""
+    transformation_off: Call
+    """What switches it off."""
+    orientation_words: AngleWords
+    """Roll, pitch, yaw in blocks: `A2 B2 C2` (written `A2=`, read under ORIRPY), or `A B C` if the transformation
+    takes the angles as axes."""
+    orientation_axes: AngleWords
+    """Names of the axes behind them, for FGROUP( ) and PO[ ]."""
+    path: Literal["poly", "lines"]
+    """Motions that are no straight moves: polynomial blocks (POLY), or dense G1 with the compressor COMPCAD."""
+    moves: Literal["feed", "poly"] = "feed"
+    """Point-to-point moves: G1 at a feed under the controller's own time law, or POLY blocks that hold the plan's."""
+    poly_degree: Literal[3, 5]
+    """Of the polynomials that the controller takes."""
+    poly_axes: Annotated[int, Field(strict=True, ge=1, le=9)]
+    """How many axes one POLY block may hold; fewer than six cannot carry a hexapod's motion."""
+    poly_block_ms: Positive
+    """Longest POLY block. Shorter blocks leave the controller less to decide, and cost it more of them a second."""
+    poly_tolerance_mm: Positive
+    poly_tolerance_deg: Positive
+    """How far POLY blocks may be from a motion that is no polynomial of their degree."""
+    contour_tolerance_mm: Positive
+    orientation_tolerance_deg: Positive
+    """CTOL and OTOL of the compressor."""
+    trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
+    """Number of the digital output $A_OUT that a synchronised action switches."""
+    shortest_block_ms: Positive
+    """The controller's block cycle time: shorter blocks starve it."""
+    most_blocks: Annotated[int, Field(strict=True, ge=10)]
+    """What its program memory holds."""
+    controller_keeps: Promises
+    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
+    ptp: PointToPointDrives | None = None
+    """Drives in moves under `PTP`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
+
+    @model_validator(mode="after")
+    def _polynomials_at_all(self) -> "Sinumerik":
+        if self.moves == "poly" and self.path != "poly":
+            raise ValueError("moves = 'poly' needs path = 'poly'; set both, or moves = 'feed'")
+        return self
+
+    @property
+    def poly_block(self) -> float:
+        """Longest POLY block [s]."""
+        return self.poly_block_ms * MS
+
+    @property
+    def poly_tolerance(self) -> tuple[float, float]:
+        """Of positions [m] and angles [rad]."""
+        return self.poly_tolerance_mm * MM, self.poly_tolerance_deg * DEG
+
+    @property
+    def shortest_block(self) -> float:
+        """Shortest block [s]."""
+        return self.shortest_block_ms * MS
+
+
+TWINCAT_NAME = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}$"
+_TAKEN = {0, 1, 2, 3, 4, 5, 6, 17, 19, 29, 30}
+
+
+def _twincat_name(name: str) -> str:
+    if re.fullmatch(TWINCAT_NAME, name) is None:
+        raise ValueError(
+            f"{name!r} is no program name; write up to 63 letters, digits, _, . and -, not . or - at the beginning"
+        )
+    return name
+
+
+def _free(number: int) -> int:
+    if number in _TAKEN:
+        raise ValueError(f"M{number} means something else to the controller; choose a user M function")
+    return number
+
+
+MFunction = Annotated[int, Field(strict=True, ge=7, le=999), AfterValidator(_free)]
+
+
+class TwinCat(Part):
+    """Settings of TF5200 / ISG programs. Channel parameters are named as in Beckhoff's manuals."""
+
+    program_name: Annotated[str, AfterValidator(_twincat_name)]
+    """Name in the `%` line."""
+    kinematic_id: Annotated[int, Field(strict=True, ge=1, le=999)]
+    """Of the hexapod's transformation: no manual names one, it is what `trafo[i].id` says."""
+    angle_sign_b: Literal[-1, 1]
+    """-1: B turns negatively, R = Rz(C) Ry(-B) Rx(A) (P-CHAN-00112 = 0, the default). +1: the kinematics takes the
+    angles as R = Rz(C) Ry(B) Rx(A). Try it with a single small B before anything else."""
+    path: Literal["akima", "hsc", "contour"]
+    """Dense paths: `#SPLINE TYPE AKIMA` through the points, `#HSC ON [BSPLINE ..]` or `#CONTOUR MODE [DEV ..]` near
+    them."""
+    path_deviation_mm: Positive
+    track_deviation_deg: Positive
+    """PATH_DEV and TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
+    slope: Literal["STEP", "TRAPEZ"]
+    """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""
+    trigger_on_m: MFunction
+    trigger_off_m: MFunction
+    """M functions that the PLC makes the trigger of; each needs a synchronisation type (P-CHAN-00041)."""
+    shortest_block_ms: Positive
+    """The controller's cycle: shorter blocks starve it."""
+    most_blocks: Annotated[int, Field(strict=True, ge=10)]
+    """What its program memory holds."""
+    controller_keeps: Promises
+    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
+    ptp: PointToPointDrives | None = None
+    """Drives in moves under `#PTP ON`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
+
+    @model_validator(mode="after")
+    def _two_functions(self) -> "TwinCat":
+        if self.trigger_on_m == self.trigger_off_m:
+            raise ValueError(f"trigger_on_m and trigger_off_m are both {self.trigger_on_m}; give two M functions")
+        return self
+
+    @property
+    def shortest_block(self) -> float:
+        """Shortest block [s]."""
+        return self.shortest_block_ms * MS
+
 
 Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints)
 

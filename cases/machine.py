@@ -7,9 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from cases.geometry import WORST_CONDITION, condition_of_lines
-from cases.parts import Array, NonNegative, Number, Part, Positive, PositiveVector, Range, SixPoints, Vector, frozen
-from cases.recording_columns import POSE
+from cases.parts import (
+    WORST_CONDITION,
+    Array,
+    NonNegative,
+    Number,
+    Part,
+    Positive,
+    PositiveVector,
+    Range,
+    SixPoints,
+    Vector,
+    condition_of_lines,
+    frozen,
+)
+from cases.recording import POSE
 from cases.units import DEG, MM
 
 

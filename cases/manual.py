@@ -10,7 +10,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from cases.errors import FileProblem
 from cases.parts import Array, Number, Part, Positive, frozen
-from cases.recording_columns import POSE
+from cases.recording import POSE
 from cases.units import DEG, MM
 
 MOST_STEPS = 1000

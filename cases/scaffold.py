@@ -5,20 +5,19 @@ import inspect
 import json
 import re
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from cases.controller import Controller
-from cases.controller_setpoints import Setpoints
-from cases.controller_sinumerik import Sinumerik
-from cases.controller_twincat import TwinCat
+from cases.controller import Controller, Setpoints, Sinumerik, TwinCat
 from cases.errors import CaseError, FileProblem
 from cases.files import write_text
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.parts import Part
 from cases.poses import Poses
+from cases.schema import Case
 from cases.units import DEG, MM
 from cases.urdf import UrdfJoint, read_urdf
 
@@ -230,3 +229,64 @@ def _explanations(part: type[Part]) -> Mapping[str, str]:
             told[waiting] = " ".join(str(node.value.value).split())
             waiting = None
     return told
+
+
+_MACHINE = ("machine", "workspace", "limits.motion")
+_PLAN = (*_MACHINE, "nominal")
+_PROGRAM = (*_MACHINE, "controller")
+_RUN = (*_PROGRAM, "simulation", "recording.filter_cutoff_Hz")
+NEEDS: Mapping[str, tuple[str, ...]] = {
+    "plan": (*_PLAN, "controller"),
+    "plan --family fourier": _PLAN,
+    "poses": (*_PLAN, "poses"),
+    "bound": _MACHINE,
+    "retime": _PROGRAM,
+    "post --dialect linuxcnc": (*_PROGRAM, "controller.linuxcnc"),
+    "post --dialect sinumerik": (*_PROGRAM, "controller.sinumerik"),
+    "post --dialect twincat": (*_PROGRAM, "controller.twincat"),
+    "post --dialect setpoints": (*_PROGRAM, "controller.setpoints"),
+    "run": _RUN,
+    "identify a motion": ("recording.filter_cutoff_Hz",),
+    "identify standstills, force, tare": (),
+    "validate": (*_RUN, "nominal", "poses", "payloads"),
+    "demo": (*_RUN, "nominal"),
+}
+"""Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
+_OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
+
+
+class Readiness(NamedTuple):
+    """Whether a case has what a command needs.
+
+    Args:
+        command: as it is typed.
+        missing: tables and keys that the case lacks, or why the command is not for it.
+    """
+
+    command: str
+    missing: tuple[str, ...]
+
+
+def readiness(case: Case) -> tuple[Readiness, ...]:
+    """What each command misses in a case."""
+    if case.setup == "1a":  # Figure 1: the sensor frame stands
+        return tuple(
+            Readiness(command, ("a sensor frame that moves (setup is 1a)",) if command in _OF_A_MOVING_FRAME else ())
+            for command in NEEDS
+        )
+    return tuple(Readiness(name, tuple(_missing(case, keys))) for name, keys in NEEDS.items())
+
+
+def _missing(case: Case, keys: tuple[str, ...]) -> Iterator[str]:
+    """Keys that the case lacks; of a table that is missing as a whole its own name only."""
+    for key in keys:
+        above = key.rpartition(".")[0]
+        if not _has(case, key) and not (above in keys and not _has(case, above)):
+            yield key
+
+
+def _has(case: Case, key: str) -> bool:
+    value: object = case
+    for part in key.split("."):
+        value = getattr(value, part, None)
+    return value is not None

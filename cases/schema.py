@@ -6,7 +6,7 @@ Keys of the file carry their unit; properties without a unit in their name are S
 import hashlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import accumulate
 from typing import Annotated, Any, Literal, NoReturn
@@ -18,12 +18,10 @@ from cases.controller import Controller
 from cases.errors import CaseError
 from cases.machine import Limits, Machine, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
-from cases.payloads import Payloads
 from cases.poses import Poses
-from cases.recording import RecordingFormat
-from cases.sensors import RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.shown import as_html
-from cases.units import MINUTE, MM
+from cases.recording import STRUTS, RecordingFormat
+from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
+from cases.units import MINUTE, MM, as_html, coordinate_words, pose_words
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
@@ -253,6 +251,11 @@ class Case(Part):
         """The chain of joints, where the machine is one."""
         return self.machine.chain if isinstance(self.machine, SerialMachine) else None
 
+    @property
+    def drive_columns(self) -> tuple[str, ...]:
+        """Columns of recorded drives: struts of a hexapod, joints of a chain."""
+        return STRUTS if self.chain is None else self.chain.columns
+
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
         """Chain and limits of motion.
 
@@ -282,6 +285,12 @@ class Case(Part):
             return chain.home, limits
         machine, _, of_pose = self.need_machine(purpose)
         return machine.home.vector, of_pose.motion
+
+    def words(self, coordinates: Iterable[float]) -> str:
+        """Coordinates of the machine, shape (n,) [m or rad], in words."""
+        if self.chain is None:
+            return pose_words(coordinates)
+        return coordinate_words(coordinates, self.chain.names, [joint.turns for joint in self.chain.joints])
 
     def without_jerk(self) -> "Case":
         """The same where jerks are not limited, as for a controller whose accelerations step."""

@@ -6,11 +6,65 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from cases.disturbances import Disturbances
-from cases.geometry import WORST_CONDITION, condition_of_lines
 from cases.machine import Joints
-from cases.parts import Array, NonNegative, Number, Part, Positive, Six, Vector, frozen
+from cases.parts import (
+    WORST_CONDITION,
+    Array,
+    NonNegative,
+    Number,
+    Part,
+    Positive,
+    Six,
+    Vector,
+    condition_of_lines,
+    frozen,
+)
+from cases.recording import BAR_FORCES, WRENCH
 from cases.units import DEG, MM, MS, UM
+
+
+class Disturbances(Part):
+    """Imperfections of the simulated machine that no identification model contains.
+
+    One set of values holds for all loads and methods. They are effective values, set so that the residuals come out
+    as large as measured ones; the source says whose.
+    """
+
+    source: str
+    mode_Hz: Positive
+    """Structural mode between drives and platform, without payload; it falls with the root of the moved mass."""
+    mode_damping: Annotated[float, Field(strict=True, gt=0, lt=1)]
+    """Share of critical damping."""
+    strut_velocity_noise_percent: NonNegative
+    """Rms of the struts' velocity ripple, which really moves the platform, as a share of each strut's own velocity."""
+    strut_velocity_band_Hz: Positive
+    """Highest frequency of that ripple."""
+    pose_error_N: NonNegative
+    """Rms of the force error that depends on the pose, in each sensor, without payload."""
+    pose_error_of_load: NonNegative
+    """The same of a payload, as a share of its weight; independent of the error without payload."""
+    pose_error_length_mm: Positive
+    """Distance over which the error changes, translations."""
+    pose_error_angle_deg: Positive
+    """The same of rotations."""
+    pose_error_seed: Annotated[int, Field(strict=True, ge=0)]
+    """Chooses the error of this machine: it belongs to the machine, not to a run."""
+
+    @property
+    def ripple(self) -> float:
+        """Rms of the struts' velocity ripple over their velocity."""
+        return self.strut_velocity_noise_percent / 100.0
+
+    @property
+    def pose_error_length(self) -> float:
+        """Distance over which the pose error changes [m]."""
+        return self.pose_error_length_mm * MM
+
+    @property
+    def pose_error_angle(self) -> float:
+        """Angle over which the pose error changes [rad]."""
+        return self.pose_error_angle_deg * DEG
+
 
 LEAST_LENGTH_MM, MOST_LENGTH_MM = 0.1, 10_000.0  # of errors that depend on the pose: others are metres or radians
 
@@ -80,6 +134,11 @@ class SensorFrame(Part):
     def has_moments(self) -> bool:
         """Whether the last three channels are moments; else all six are forces."""
         return self.transducer is not None
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the columns of what it measures."""
+        return WRENCH if self.has_moments else BAR_FORCES
 
 
 class Sensors(Part):
@@ -259,3 +318,11 @@ class Simulation(Part):
     def force_delay(self) -> float:
         """How much later than the motion the forces are recorded [s]."""
         return self.force_delay_ms * MS
+
+
+class Payloads(Part):
+    """Known weights that are mounted one after the other to validate an identification."""
+
+    source: str
+    weights: Annotated[tuple[RigidBody, ...], Field(min_length=1)]
+    """In order of mounting; centres of gravity in {P}."""

@@ -17,8 +17,7 @@ from identification.estimation.biases import Biases, accelerometer_bias, drift_t
 from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import Method, Problem
 from identification.finding import Kind, note, warning
-from identification.findings.contact import touched
-from identification.findings.contact_free import contacts_told, free_of_contact
+from identification.findings.contact import contacts_told, free_of_contact, touched
 from identification.findings.plausibility import Scan, scan
 from identification.findings.residual_checks import CHECKS, other_mass, require_scale
 from identification.findings.wiring import require_wiring

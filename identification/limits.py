@@ -177,13 +177,22 @@ def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantit
 
 def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
     """Struts, joints, boxes, singularities and sensors: what takes the rotation of the load to compute."""
+    rotation, acceleration = load_motion(motion, case)
+    if case.hexapod is not None:
+        machine, workspace, limits = case.need_machine("the proof of limits")
+        yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
+    yield from sensor_loads(rotation, acceleration, Loads.of(case))
+
+
+def load_motion(motion: Motion, case: Case) -> tuple[tuple[Array, Array, Array], Array]:
+    """Rotation of the load's frame with its first and second time derivative, and the acceleration of its origin.
+
+    Returns:
+        R, R', R'', shapes (n, 3, 3), and the acceleration, shape (n, 3) [m/s^2], in {B}.
+    """
     if case.chain is not None:
-        yield from sensor_loads(*frame_motion(motion, case.chain), Loads.of(case))
-        return
-    machine, workspace, limits = case.need_machine("the proof of limits")
-    rotation = rotation_motion(motion)
-    yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
-    yield from sensor_loads(rotation, motion.accelerations[:, :3], Loads.of(case))
+        return frame_motion(motion, case.chain)
+    return rotation_motion(motion), motion.accelerations[:, :3]
 
 
 def of_velocities(motion: Motion, case: Case) -> Iterable[Quantity]:

@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.disturbances import Disturbances
 from cases.errors import CaseError
 from cases.schema import Case
-from cases.sensors import RigidBody, Truth, together
+from cases.sensors import Disturbances, RigidBody, Truth, together
 from identification.trajectories.executed import DriveExecution, Execution
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
-from cases.shown import as_html
+from cases.units import as_html
 from identification.identifiability import Identifiability
 from identification.recording import Recording
 from identification.result import Estimate, Value

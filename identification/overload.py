@@ -10,12 +10,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.payloads import Payloads
 from cases.schema import Case
-from cases.sensors import RigidBody, SensorFrame
+from cases.sensors import Payloads, RigidBody, SensorFrame
 from identification.frame import structure_matrix
-from identification.limited import Quantity, rotation_motion
-from identification.motion import Motion
+from identification.limited import Quantity
 
 Array = NDArray[np.float64]
 
@@ -165,7 +163,7 @@ def sensor_loads(rotation: tuple[Array, Array, Array], acceleration: Array, load
             yield Quantity.between(name, unit, labels, values[:, channels], -limit, limit, 1.0)
 
 
-def load_shares(motion: Motion, case: Case) -> Array:
+def load_shares(rotation: tuple[Array, Array, Array], acceleration: Array, case: Case) -> Array:
     """Largest share of that limit which a motion uses with each number of payloads, shape (bodies,).
 
     Empty where nothing is limited.
@@ -173,5 +171,5 @@ def load_shares(motion: Motion, case: Case) -> Array:
     loads = Loads.of(case)
     if loads is None:
         return np.zeros(0)
-    forces = loads.forces(rotation_motion(motion), motion.accelerations[:, :3])
+    forces = loads.forces(rotation, acceleration)
     return np.asarray((np.abs(forces).max(axis=0) / loads.limit).reshape(-1, 6).max(axis=1))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cases.basis import KEPT, Artefact, recording_basis
 from cases.errors import RecordingError
 from cases.files import RUN, atomic_folder, check_folder, json_text, read_json
-from cases.recording_columns import (
+from cases.recording import (
     ACCELEROMETER,
     BAR_FORCES,
     CLOCK,
@@ -34,12 +34,11 @@ from cases.recording_columns import (
 )
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.assembly import drive_columns, force_columns
 from identification.formats.reading import files_of, read_recording, read_run
 from identification.formats.stream import Recording
 
 __all__ = [
-    "Recording", "about_case", "files_of", "force_columns", "load_recording", "read", "read_recording",
+    "Recording", "about_case", "files_of", "load_recording", "read", "read_recording",
     "read_run", "save_recording", "write_recording",
 ]  # fmt: skip
 
@@ -149,10 +148,10 @@ def _columns(recording: Recording, case: Case) -> dict[str, NDArray[np.float64]]
     """Numbers by the names of their columns, in the units that the names say."""
     table = {} if recording.t is None else {CLOCK: recording.t}
     groups = (
-        (drive_columns(case), recording.struts, MM if case.chain is None else case.chain.units),
+        (case.drive_columns, recording.struts, MM if case.chain is None else case.chain.units),
         (ROTATION, None if recording.rotations is None else recording.rotations.reshape(-1, 9), 1.0),
         (STRUT_VELOCITIES, recording.strut_velocities, MM),
-        (force_columns(case), recording.forces, 1.0),
+        (case.sensor_frame.channels, recording.forces, 1.0),
         (ACCELEROMETER, recording.specific_forces, 1.0),
         ((OVERRIDE,), None if recording.override is None else recording.override[:, None], 0.01),
     )

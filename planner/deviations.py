@@ -13,7 +13,7 @@ from identification.noise.pose_field import PoseField
 from identification.parameters import nominal_parameters, physical_form
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.pose_errors import PoseErrors
-from planner.poses.regressors import total_information
+from planner.poses.criteria import total_information
 from planner.search.problem import mean_information
 
 Array = NDArray[np.float64]

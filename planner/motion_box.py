@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import CaseError
-from cases.recording_columns import POSE
+from cases.recording import POSE
 from cases.schema import Case
 from identification.limits import TOLERANCE, LimitCheck, prove
 from identification.motion import StandingPoses

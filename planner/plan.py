@@ -186,7 +186,7 @@ class Plan:
         }
 
     def _of_poses(self) -> dict[str, Any]:
-        from cases.recording_columns import POSE
+        from cases.recording import POSE
 
         rows = poses_in_units(self.poses).tolist()
         return {"count": len(rows), "poses": [dict(zip(POSE, row, strict=True)) for row in rows]}
@@ -213,7 +213,7 @@ class Plan:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        from cases.shown import as_html
+        from cases.units import as_html
 
         return as_html(str(self))
 
@@ -234,7 +234,7 @@ def poses_in_units(poses: Array) -> Array:
 
 def motion_csv(motion: Motion, case: Case) -> str:
     """The motion as a table in mm and degrees; header as in CONVENTIONS."""
-    from cases.recording_columns import motion_columns
+    from cases.recording import motion_columns
 
     limits = case.need_motion("a plan")[1]
     unit = np.where(limits.turns, 1 / DEG, 1 / MM)

@@ -7,7 +7,7 @@ from typing import Any
 from cases.basis import Artefact, plan_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text, read_json
-from cases.recording_columns import POSE
+from cases.recording import POSE
 from cases.schema import Case
 from identification.limits import LimitReport
 from identification.model import identification_model

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.recording_columns import POSE
+from cases.recording import POSE
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.evaluate import over_samples

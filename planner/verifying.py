@@ -16,7 +16,7 @@ from planner.deviations import predicted_std_at_poses, worst_std
 from planner.families.settings import FAMILIES
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.pose_errors import PoseErrors
-from planner.poses.regressors import pose_regressors, total_information
+from planner.poses.criteria import pose_regressors, total_information
 from planner.search.problem import information_of, mean_information
 
 Array = NDArray[np.float64]

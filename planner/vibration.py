@@ -6,7 +6,7 @@ carry more information: which of the two is better follows from the errors to be
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,13 @@ from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import nominal_parameters, physical_form
 from identification.reference import reference_scaling
-from identification.runs.smoothing import SAMPLED
-from identification.signals import Filter
 from identification.trajectories.executed import DriveExecution
 from identification.trajectories.profile import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.noise import expected_noise
+
+if TYPE_CHECKING:
+    from identification.signals import Filter
 
 Array = NDArray[np.float64]
 
@@ -94,6 +95,8 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     u = nominal_parameters(model, case.body(payload))
     still = [Standstill(pose, REST) for pose in motion.at([0.0, motion.duration]).pose]
     run = Joined((still[0], motion, still[1]))
+    from identification.signals import Filter  # SciPy, which plans without a mode do without
+
     low_pass, damping = Filter(cutoff, cycle), around.disturbances.mode_damping
     columns, added = _evaluated(Hexapod.of(case), model, run, u, low_pass, frequency, damping)
     weight = around.load * float(np.linalg.norm(case.gravity))
@@ -112,8 +115,10 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     return Vibration(frequency, found, _mean_ratio(found, white), s0)
 
 
-def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: Filter) -> bool:
+def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: "Filter") -> bool:
     """Whether identification estimates the smoothing too, by its own rule: differences of evaluated samples decide."""
+    from identification.runs.smoothing import SAMPLED  # all of identification, which most plans do without
+
     step, matrices = low_pass.stride * low_pass.step, columns[:, : len(u)].reshape(-1, 6, len(u))
     expected = matrices @ u
     slope = (expected[2:] - expected[:-2]) / (2.0 * step)
@@ -123,7 +128,7 @@ def _tells_smoothing(columns: Array, u: Array, s0: float, low_pass: Filter) -> b
     return bool(s0 / np.sqrt(low_pass.stride) < SAMPLED * low_pass.step**2 * abs(triangle[-1, -1]))
 
 
-def _shift(columns: Array, added: Array, noise: float, low_pass: Filter) -> tuple[Array, float]:
+def _shift(columns: Array, added: Array, noise: float, low_pass: "Filter") -> tuple[Array, float]:
     """What added forces move each unknown by, and the residual of a force sample beside its noise [N]."""
     size = np.linalg.norm(columns, axis=0)
     answer, *_ = np.linalg.lstsq(columns / size, added, rcond=None)
@@ -132,7 +137,7 @@ def _shift(columns: Array, added: Array, noise: float, low_pass: Filter) -> tupl
 
 
 def _evaluated(
-    hexapod: Hexapod, model: Model, run: Joined, u: Array, low_pass: Filter, frequency: float, damping: float
+    hexapod: Hexapod, model: Model, run: Joined, u: Array, low_pass: "Filter", frequency: float, damping: float
 ) -> tuple[Array, Array]:
     """Columns of the least squares, those of delay and smoothing the last two, shape (n, u + 2), and the forces that
     the vibration adds, shape (n,), both of the excitation behind the filter."""

@@ -72,8 +72,7 @@ class Dialect:
 
 
 def _linuxcnc(suffix: str = "") -> Language:
-    from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
-    from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast
+    from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
     from postprocessors.linuxcnc import write_linuxcnc
     from postprocessors.reading.linuxcnc import read_linuxcnc_bytes
 

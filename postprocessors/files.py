@@ -7,7 +7,7 @@ from pathlib import Path
 from cases.errors import ProgramError
 from cases.files import another_kind, atomic_file, check_file
 from cases.schema import Case
-from cases.shown import as_html
+from cases.units import as_html
 from postprocessors.dialects import Dialect, dialect_of_file
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.proving.guarantees import Forecast, Guarantees

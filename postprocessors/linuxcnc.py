@@ -11,7 +11,7 @@ from cases.schema import Case
 from cases.units import MINUTE
 from identification.trajectories.profile import limits_along
 from postprocessors.composing import timed_path
-from postprocessors.execute.linuxcnc.guarantees import ARC_ACROSS, ARC_ALONG
+from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG
 from postprocessors.program import (
     Arc,
     Array,

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases.errors import HexciteError, ProgramError
-from cases.recording_columns import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
+from cases.recording import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
@@ -140,7 +140,8 @@ def _columns(case: Case) -> tuple[str, ...]:
     return (*motion_columns(case.need_motion("a setpoint table")[1].columns), *struts, TRIGGER)
 
 
-def _decimals(case: Case) -> list[int]:
+def decimals_of(case: Case) -> list[int]:
+    """Decimals of each column of a CSV table."""
     count = len(case.need_motion("a setpoint table")[0])
     struts = STRUT_DECIMALS if case.hexapod is not None else []
     return [6, *(places for places in DECIMALS for _ in range(count)), *struts, 0]
@@ -177,7 +178,7 @@ def write_csv(program: NeutralProgram, case: Case) -> bytes:
     Raises:
         CaseError: the case has no machine or no settings of this dialect.
     """
-    values, decimals = _values(program, case), _decimals(case)
+    values, decimals = _values(program, case), decimals_of(case)
     rounded = np.column_stack([np.round(v, d) for v, d in zip(values.T, decimals, strict=True)]) + 0.0  # no -0
     row = ",".join(f"%.{d}f" for d in decimals)
     lines = [*_header(program, case), ",".join(_columns(case)), *(row % tuple(v) for v in rounded)]

@@ -6,14 +6,13 @@ X, Y, Z, or in degrees/min along the angles where only they move (FGROUP says wh
 
 import numpy as np
 
-from cases.controller_sinumerik import Sinumerik
+from cases.controller import Sinumerik
 from cases.errors import CaseError
 from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import TimedPoints, Trajectory
 from postprocessors.composing import moves_as_polynomials, timed_path
-from postprocessors.feeds import feed_of, strut_feed_of, written_feed
 from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.program import (
     Arc,
@@ -41,7 +40,10 @@ from postprocessors.wording import (
     coordinates,
     digits,
     feed,
+    feed_of,
     number,
+    strut_feed_of,
+    written_feed,
 )
 
 POLY_LENGTH_DECIMALS = 7  # of a coefficient: rates must pass from piece to piece

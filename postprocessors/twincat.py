@@ -6,11 +6,10 @@ in degrees/min along A, B, C where only they move (#FGROUP says which); G93 is t
 
 import numpy as np
 
-from cases.controller_twincat import TwinCat
+from cases.controller import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
 from postprocessors.composing import timed_path
-from postprocessors.feeds import feed_of, strut_feed_of, written_feed
 from postprocessors.program import (
     Arc,
     Array,
@@ -36,7 +35,10 @@ from postprocessors.wording import (
     coordinates,
     digits,
     feed,
+    feed_of,
     number,
+    strut_feed_of,
+    written_feed,
 )
 
 TIME_DECIMALS = 9  # of a second

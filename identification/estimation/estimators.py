@@ -15,9 +15,8 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.estimation.biases import OFFSET_NAMES, Biases
 from identification.estimation.consistent import consistent
-from identification.estimation.estimator import gauss_markov, per_channel
+from identification.estimation.estimator import full_weights, gauss_markov, per_channel
 from identification.estimation.fit import EACH, UNFILTERED, Estimator, Filtered, Fit
-from identification.estimation.full_weights import full_weights
 from identification.estimation.nonlinear import nonlinear
 from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import huber

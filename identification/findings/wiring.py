@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import HexciteError, IdentificationError
-from cases.recording_columns import STRUTS
+from cases.recording import STRUTS
 from cases.schema import Case
 from identification.findings.plausibility import scan
-from identification.formats.assembly import force_columns
 from identification.hexapod import Hexapod
 from identification.model import Model, regressors
 from identification.recording import Recording
@@ -156,7 +155,7 @@ def _remedy(case: Case, side: str, order: Order) -> str:
     if side == "strut" and case.recording.drives is not None:
         numbers = [case.recording.drives.order[place] for place in order.places]
         return f"write recording.drives.order = {numbers}"
-    names = STRUTS if side == "strut" else force_columns(case)
+    names = STRUTS if side == "strut" else case.sensor_frame.channels
     theirs = [case.recording.file_name(names[place]) for place in order.places]
     moved = [
         f'{ours} = "{name}"' for k, (ours, name) in enumerate(zip(names, theirs, strict=True)) if order.places[k] != k

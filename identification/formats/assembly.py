@@ -5,8 +5,7 @@ from fractions import Fraction
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat, StreamName
-from cases.recording_columns import (
+from cases.recording import (
     ACCELEROMETER,
     BAR_FORCES,
     DRIVE_VELOCITIES,
@@ -20,18 +19,22 @@ from cases.recording_columns import (
     STRUTS,
     TRIGGER,
     WRENCH,
+    RecordingFormat,
+    StreamName,
 )
 from cases.schema import Case
 from identification.formats.checks import (
+    Marked,
+    marked,
     require_gravity,
     require_increasing,
     require_override,
     require_reach,
     require_rotations,
     require_switch,
+    with_lost_rows,
 )
 from identification.formats.header import without
-from identification.formats.missing import Marked, marked, with_lost_rows
 from identification.formats.stream import Stream
 from identification.formats.table import Array, Table, listed
 
@@ -43,16 +46,6 @@ _SHIFTED: dict[StreamName, tuple[str, ...]] = {
     "accelerometer": ACCELEROMETER,
     "forces": (*BAR_FORCES, *WRENCH),
 }
-
-
-def force_columns(case: Case) -> tuple[str, ...]:
-    """Names of the force columns of a case's sensor frame."""
-    return WRENCH if case.sensor_frame.has_moments else BAR_FORCES
-
-
-def drive_columns(case: Case) -> tuple[str, ...]:
-    """Names of the columns of what moves the sensors: struts, or the joints of a chain."""
-    return STRUTS if case.chain is None else case.chain.columns
 
 
 def stream_of(table: Table, case: Case, form: RecordingFormat, origin: Fraction) -> Stream:
@@ -94,7 +87,7 @@ def start_of(table: Table, form: RecordingFormat) -> Fraction:
 
 def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -> Stream:
     table = found.table
-    forces = _group(table, form, force_columns(case))
+    forces = _group(table, form, case.sensor_frame.channels)
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
     if trigger is not None:
@@ -118,7 +111,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
         missing_in=found.columns,
     )
     if not stream.channels:
-        raise RecordingError(f"{table.source}: {_nothing(table, force_columns(case), form)}")
+        raise RecordingError(f"{table.source}: {_nothing(table, case.sensor_frame.channels, form)}")
     require_rotations(stream)
     if STRUTS[0] in table.values:
         require_reach(stream, case, form)

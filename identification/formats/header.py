@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
-from cases.recording_columns import CLOCK, COLUMNS
+from cases.recording import CLOCK, COLUMNS, RecordingFormat
 from identification.formats.table import listed, shown
 from identification.formats.text import Dialect, not_text
 

@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
-from cases.recording_columns import POSE, ROTATION
+from cases.recording import POSE, ROTATION, RecordingFormat
 from cases.schema import Case
-from identification.formats import delimited, halsampler, twincat
-from identification.formats.assembly import drive_columns, force_columns, start_of, stream_of
+from identification.formats import delimited, twincat
+from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.header import without
 from identification.formats.stream import Recording, Stream, either
@@ -28,7 +27,7 @@ _PARQUET = b"PAR1"
 
 _READERS: dict[str, Callable[[Path, RecordingFormat], Iterator[Table]]] = {
     "csv": delimited.tables,
-    "halsampler": halsampler.tables,
+    "halsampler": delimited.halsampler_tables,
     "twincat-scope": twincat.tables,
     "sinumerik-trace": delimited.tables,
 }
@@ -195,10 +194,10 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
             owner[channel] = stream.source
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
-        wanted = [form.file_name(c) for c in force_columns(case)]
+        wanted = [form.file_name(c) for c in case.sensor_frame.channels]
         raise RecordingError(f"{sources}: no forces: {without(wanted, names)}")
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
-        wanted = [form.file_name(c) for c in (drive_columns(case) if case.machine is not None else (*ROTATION, *POSE))]
+        wanted = [form.file_name(c) for c in (case.drive_columns if case.machine is not None else (*ROTATION, *POSE))]
         raise RecordingError(f"{sources}: no pose: {without(wanted, names)}")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from cases.shown import as_html
+from cases.units import as_html
 from identification.finding import Finding, Kind, note
 from identification.formats.clock import lost_samples, uniform_step
 from identification.formats.table import Array, Lines

@@ -20,8 +20,7 @@ import numpy as np
 import pyarrow as pa
 
 from cases.errors import RecordingError
-from cases.recording import RecordingFormat
-from cases.recording_columns import CLOCK
+from cases.recording import CLOCK, RecordingFormat
 from identification.formats.header import cells, decoded, select, unknown_columns
 from identification.formats.table import Stamps, Table
 from identification.formats.text import Block, Dialect, Fields, is_number, lines_of, parse, read_blocks, read_head

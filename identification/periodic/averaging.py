@@ -23,7 +23,6 @@ from identification.finding import Finding, Kind, note, warning
 from identification.findings.plausibility import Scan, bridged
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
-from identification.periodic.fourier import FourierSeries, fit_series
 from identification.periodic.periods import (
     FEWEST,
     PeriodScatter,
@@ -32,7 +31,7 @@ from identification.periodic.periods import (
     longest_window,
     telling_harmonics,
 )
-from identification.periodic.repeating import Part, find_part, given_part
+from identification.periodic.repeating import FourierSeries, Part, find_part, fit_series, given_part
 from identification.recording import Recording
 from identification.runs.evaluation import DELAY_STEP
 from identification.runs.preparation import LEAST_TRAVEL, MOST_BRIDGED, checked_filter, require_position

@@ -14,8 +14,7 @@ from scipy.special import chdtri
 from cases.errors import RecordingError
 from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import places
-from identification.periodic.fourier import FourierSeries, fit_series
-from identification.periodic.repeating import Part
+from identification.periodic.repeating import FourierSeries, Part, fit_series
 from identification.recording import Recording
 
 Array = NDArray[np.float64]

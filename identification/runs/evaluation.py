@@ -18,8 +18,7 @@ from identification.hexapod import Kinematics, StrutsDoNotClose
 from identification.machine import Machine
 from identification.model import Model, expected_forces, regressors
 from identification.noise.by_pose import covariance_by_pose
-from identification.noise.coloured import coloured_covariance
-from identification.noise.turned import turned
+from identification.noise.coloured import coloured_covariance, turned
 from identification.recording import Recording
 from identification.samples import fair_part
 from identification.signals import Filter, decimated

@@ -10,7 +10,7 @@ from cases.schema import Case
 from cases.units import MM
 from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import Scan, bridged
-from identification.formats.missing import MOST_PUT_BACK
+from identification.formats.checks import MOST_PUT_BACK
 from identification.hexapod import StrutsDoNotClose
 from identification.machine import machine_of
 from identification.model import Model, regressors

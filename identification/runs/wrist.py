@@ -22,8 +22,7 @@ from identification.findings.plausibility import bridged
 from identification.formats.clock import HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
 from identification.model import Model
-from identification.noise.coloured import coloured_covariance
-from identification.noise.turned import turned
+from identification.noise.coloured import coloured_covariance, turned
 from identification.regressor_blocks import MASS
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter

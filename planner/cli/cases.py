@@ -44,7 +44,7 @@ def check(
     from cases.errors import CaseError
     from cases.leftovers import leftovers
     from cases.loading import load_case
-    from cases.needs import readiness
+    from cases.scaffold import readiness
     from planner.reports.case_figures import case_figures, proposed_box, reach_figures
 
     try:

@@ -8,7 +8,7 @@ import typer
 from planner.cli.console import Json, Overwrite, Stale, print_json, print_table, status
 
 if TYPE_CHECKING:
-    from planner.comparison.compare import Comparison
+    from planner.comparison.advising import Comparison
 
 
 def compare(
@@ -29,8 +29,8 @@ def compare(
     """
     from cases.files import COMPARISON, check_folder, output_place
     from cases.loading import load_case
-    from planner.cli.saving import save_with_page
-    from planner.comparison.compare import compare as compared
+    from planner.cli.console import save_with_page
+    from planner.comparison.advising import compare as compared
 
     place = output_place(output, Path("hexcite-comparison"), overwrite)
     check_folder(place, COMPARISON, folders, overwrite)

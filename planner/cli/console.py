@@ -5,11 +5,19 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Annotated, Any, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import typer
 
+from cases.files import FolderKind, atomic_folder
 from planner.precision import bounds_text, share_text
+from planner.reports.page import render
+from planner.reports.report import figures, page
+
+if TYPE_CHECKING:
+    from planner.reports.report import Shown
+
 
 LONGEST_NUMBER = 12  # characters
 FOLDED = 12  # characters that a column of words keeps at least
@@ -169,3 +177,16 @@ def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
 
 
 LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")
+
+
+def save_with_page(value: "Shown", kind: FolderKind, folder: Path, overwrite: bool, plots: bool) -> None:
+    """Writes a value with its page report.html and, where asked for, figures for papers in plots/.
+
+    Raises:
+        FileProblem: the folder is somebody's, or cannot be written.
+    """
+    with atomic_folder(folder, kind, overwrite) as part:
+        value.write(part)
+        (part / "report.html").write_text(render(page(value)), encoding="utf-8")
+        if plots:
+            figures(value, part / "plots")

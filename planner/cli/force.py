@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from cases.recording_columns import WRENCH
+from cases.recording import WRENCH
 from planner.cli.console import Json, Overwrite, Stale, print_json, print_table
 
 AXES = ("fx", "fy", "fz", "mx", "my", "mz")

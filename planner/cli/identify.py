@@ -93,10 +93,9 @@ def identify(
     from cases.files import RESULT, check_folder, output_place
     from identification.formats.text import require_file
     from identification.recording import files_of
-    from planner.cli.conditioning import read_conditioning
+    from planner.cli.conditioning import Typed, method_of, read_conditioning
+    from planner.cli.console import save_with_page
     from planner.cli.identified import answer_of_result, show_result, verify_result
-    from planner.cli.saving import save_with_page
-    from planner.cli.wishes import Typed, method_of
     from planner.poses.expected import poses_of_plan
     from planner.runs.identified import Wish, identified_file
     from planner.runs.recorded import Still, case_of

@@ -101,7 +101,7 @@ def plan(
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import load_case
     from identification.model import full_model
-    from planner.cli.saving import save_with_page
+    from planner.cli.console import save_with_page
     from planner.families.settings import family_class
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned
@@ -169,7 +169,6 @@ def answer_of_plan(plan: "Plan", folder: Path) -> dict[str, Any]:
 
 def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     """Prints a plan for people."""
-    from cases.units import pose_words
     from planner.search.last_words import solver_text
 
     for weakness in answer["weaknesses"]:
@@ -213,7 +212,7 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     print(f"predicted standard deviations ({noise}, weights {answer['weights']}):")
     for line in plan.deviations():
         print(f"  {line}")
-    first, last = (pose_words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
+    first, last = (plan.case.words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
     print(

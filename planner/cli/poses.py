@@ -14,12 +14,8 @@ if TYPE_CHECKING:
 def poses(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     criterion: Criterion = "D",
-    count: Annotated[
-        int | None, typer.Option(help="Poses; by default 30, or with forward until one more gains too little.")
-    ] = None,
-    method: Annotated[
-        str, typer.Option(help="backward (Algorithm 1), backward-change, forward, exchange, refine, or all.")
-    ] = "refine",
+    count: Annotated[int | None, typer.Option(help="Poses; by default 30.")] = None,
+    method: Annotated[str, typer.Option(help="backward (Algorithm 1), backward-change, refine, or all.")] = "refine",
     model: Annotated[int, typer.Option(help="Identification model, 0 to 5.")] = 5,
     candidates: Annotated[
         int | None, typer.Option(help="Quasi-random candidates to sample; by default the grid of the case.")
@@ -41,7 +37,7 @@ def poses(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
-    from planner.cli.saving import save_with_page
+    from planner.cli.console import save_with_page
     from planner.poses.plan import poses_planned
     from planner.poses.request import PoseRequest
 

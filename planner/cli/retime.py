@@ -65,7 +65,7 @@ def make_retimed(
     from cases.units import DEG, MM
     from identification.model import identification_model
     from identification.motion import sample
-    from planner.cli.saving import save_with_page
+    from planner.cli.console import save_with_page
     from planner.plan import SAMPLE_RATE, motion_csv
     from planner.retiming.plan import method_of, retimed_plan
     from planner.retiming.retimed import Method, retimed

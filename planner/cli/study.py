@@ -42,10 +42,9 @@ def run(
     from cases.loading import load_case
     from planner.interruption import Interrupted
     from planner.study.cluster import local_client, remote_client, require_dask
-    from planner.study.rows import DONE, PLANNED, schema
     from planner.study.running import about_study, cells_of, missing, run_study
     from planner.study.spec import load_spec
-    from planner.study.store import ABOUT, check_study, read_rows
+    from planner.study.store import ABOUT, DONE, PLANNED, check_study, read_rows, schema
     from planner.study.summary import best_groups, groups
 
     loaded, wanted = load_case(case), load_spec(spec)
@@ -108,7 +107,7 @@ def run(
 
 def _page(about: dict[str, Any], table: Any) -> str:
     from planner.reports.page import render
-    from planner.study.page import study_page
+    from planner.study.summary import study_page
 
     return render(study_page(about, table))
 

@@ -46,7 +46,7 @@ def validate(
     """
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case
-    from planner.cli.saving import save_with_page
+    from planner.cli.console import save_with_page
     from planner.validation.carrying_out import Settings, unfinished
     from planner.validation.experiment import chosen, mounted_weights
     from planner.validation.validate import disturbances_of, validate_recordings

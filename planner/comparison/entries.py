@@ -31,7 +31,7 @@ from planner.noise import expected_noise
 from planner.plan import Plan
 from planner.plan_folder import fingerprint, load_plan
 from planner.pose_errors import PoseErrors
-from planner.poses.regressors import pose_regressors
+from planner.poses.criteria import pose_regressors
 from planner.runs.recorded import standing_of
 from planner.search.problem import mean_information
 from planner.vibration import Vibration, vibration

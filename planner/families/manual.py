@@ -1,5 +1,6 @@
 """Hand-made excitations: the moves, circles and pauses of a file, as fast as the limits allow."""
 
+import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -10,8 +11,8 @@ from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import find_case
 from cases.manual import Sequence, load_poses, load_sequence
 from cases.schema import Case
-from identification.limits import of_coordinates, of_mechanics, prove, prove_at, worst_of
-from identification.motion import Joined, Standstill, Trajectory
+from identification.limits import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
+from identification.motion import Joined, StandingPoses, Standstill, Trajectory
 from identification.trajectories.circle import Plane, fastest_circle
 from identification.trajectories.profile import StraightMove
 
@@ -113,7 +114,12 @@ def _fastest_within_limits(case: Case, build: Build, place: str) -> Trajectory:
 
     if keeps(1.0):
         return way
-    low, high = SLOWEST, 1.0
+    shares = kinetic_shares(way, case, np.linspace(0.0, way.duration, math.ceil(way.duration * RATE)))
+    most = max(float(share.max()) ** (1 / power) for power, share in enumerate(shares, start=1))
+    high = max((1.0 - MARGIN) / most, SLOWEST)  # the same way in more time: shares shrink with powers of the speed
+    if keeps(high):
+        return build(high)
+    low = SLOWEST  # forces of sensors do not shrink so
     if not keeps(low):
         worst = prove(build(low), case, RATE).violations
         words = worst[0].sentence() if worst else "a limit is all but used up"
@@ -128,7 +134,7 @@ def _require_reach(way: Trajectory, case: Case, place: str) -> None:
     """No pace helps where standing somewhere on the way passes a limit; and a way of miles need not be timed."""
     poses = way.at(np.linspace(0.0, way.duration, PLACES)).pose
     for limited in (of_coordinates, of_mechanics):  # what is computed of the latter may overflow miles away
-        report = worst_of(prove_at(Standstill(pose, 1.0), case, np.zeros(1), limited=limited) for pose in poses)
+        report = prove_at(StandingPoses(poses), case, np.arange(float(len(poses))), limited=limited)
         if not report.kept:
             worst = report.violations[0].sentence(timed=False)
             raise InfeasiblePlan(f"{place}: {worst}; choose another pose or a smaller circle")

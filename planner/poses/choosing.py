@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.model import Model
-from planner.poses.adding import SATURATED, add_forward, exchange
-from planner.poses.criteria import POSE_CRITERIA
+from planner.poses.criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.refinement import refine
-from planner.poses.regressors import pose_regressors, total_information
-from planner.poses.removal import MOST_EXHAUSTIVE, full_rank, reduce_best, reduce_smallest_change
+from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change
 from planner.poses.request import Method, PoseRequest
 
 Array = NDArray[np.float64]
@@ -60,10 +58,6 @@ def choose(
     criterion = POSE_CRITERIA[request.criterion]
     if request.method == Method.ALL:
         return Choice(candidates, "every candidate")
-    if request.method == Method.FORWARD:
-        added = add_forward(regressors, criterion, count, SATURATED if request.count is None else 0.0, done)
-        remark = f"one more would gain less than {100 * SATURATED:g} %" if added.saturated else "as many as asked for"
-        return Choice(_of_full_rank(candidates, regressors, added.chosen, request), remark)
     if request.method == Method.BACKWARD_CHANGE:
         if len(candidates) > MOST_EXHAUSTIVE:
             raise HexciteError(
@@ -80,19 +74,8 @@ def choose(
         )
     if request.method in (Method.BACKWARD, Method.BACKWARD_CHANGE):
         return Choice(candidates[kept], "as many as asked for")
-    kept = exchange(regressors, criterion, kept)
-    if request.method == Method.EXCHANGE:
-        return Choice(candidates[kept], "no exchange helps any more")
     refined = refine(case, model, scaling, criterion, candidates[kept])
     return Choice(refined.poses, f"refined: {refined.status}")
-
-
-def _of_full_rank(candidates: Array, regressors: Array, chosen: NDArray[np.int64], request: PoseRequest) -> Array:
-    if not full_rank(regressors[chosen]):
-        raise InfeasiblePlan(
-            f"{len(chosen)} added poses do not determine model {request.model}; ask for more, or choose backward"
-        )
-    return candidates[chosen]
 
 
 def smallest_set(model: Model, scaling: Array, poses: Array, letter: str) -> int:

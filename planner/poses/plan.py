@@ -15,14 +15,12 @@ from planner.deviations import predicted_std_at_poses
 from planner.infeasible import remedy
 from planner.noise import sensor_noise
 from planner.plan import Plan
-from planner.poses.approximate import approximate_design
 from planner.poses.choosing import Choice, choose, criterion_value, smallest_set
-from planner.poses.continuous import continuous_bound
-from planner.poses.order import duration, shortest_order
-from planner.poses.regressors import candidate_scaling, pose_regressors, require_full_rank, total_information
+from planner.poses.continuous import approximate_design, continuous_bound
+from planner.poses.criteria import candidate_scaling, pose_regressors, require_full_rank, total_information
 from planner.poses.request import PoseRequest
 from planner.poses.space import Candidates, grid_candidates, sampled_candidates
-from planner.poses.travel import fastest_move, require_ways, travel_times
+from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.worth import PoseWorth
 
 Array = NDArray[np.float64]

@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.model import Model
 from identification.pose import rpy
-from planner.poses.coordinates import SIZE, PoseSpace
-from planner.poses.criteria import PoseCriterion
-from planner.poses.regressors import pose_regressors, total_information
-from planner.poses.validity import valid_poses, validity_margins
+from planner.poses.criteria import PoseCriterion, pose_regressors, total_information
+from planner.poses.space import SIZE, PoseSpace, valid_poses, validity_margins
 from planner.search.information import log_determinant
 from planner.search.last_words import last_words
 

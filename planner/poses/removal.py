@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.poses.criteria import Index, PoseCriterion, Screen
-from planner.poses.regressors import total_information
+from planner.poses.criteria import Index, PoseCriterion, Screen, total_information
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,6 @@ from cases.errors import HexciteError
 from planner.poses.criteria import POSE_CRITERIA
 
 USUAL = 30  # poses of the paper's reduced sets
-MOST_FORWARD = 200  # poses that forward adding stops at, saturated or not
 
 
 class Method(StrEnum):
@@ -17,8 +16,6 @@ class Method(StrEnum):
 
     BACKWARD = "backward"
     BACKWARD_CHANGE = "backward-change"
-    FORWARD = "forward"
-    EXCHANGE = "exchange"
     REFINE = "refine"
     ALL = "all"
 
@@ -26,9 +23,7 @@ class Method(StrEnum):
 METHODS = {
     Method.BACKWARD: "Algorithm 1: removes the pose without which the criterion is best",
     Method.BACKWARD_CHANGE: "Algorithm 1 in its other reading: removes the pose that changes the criterion least",
-    Method.FORWARD: "adds the most useful pose until one more gains less than 1 %",
-    Method.EXCHANGE: "Algorithm 1, then exchanges poses while that helps",
-    Method.REFINE: "Algorithm 1, exchanges, then moves the poses freely in the workspace",
+    Method.REFINE: "Algorithm 1, then moves the poses freely in the workspace",
     Method.ALL: "every candidate",
 }
 
@@ -39,7 +34,7 @@ class PoseRequest:
 
     Args:
         criterion: letter of Table 4.
-        count: poses; None: 30, or with `forward` until the criterion saturates.
+        count: poses; None: 30.
         method: one of METHODS.
         model: number in Table 2, 0 to 5.
         candidates: quasi-random candidates; None: the grid of the case.
@@ -94,8 +89,6 @@ class PoseRequest:
             return available
         fewest = -(-parameters // 6)
         count = self.count if self.count is not None else min(USUAL, available)
-        if self.count is None and self.method == Method.FORWARD:
-            count = min(MOST_FORWARD, available)
         if count < fewest:
             raise HexciteError(
                 f"{count} poses give {6 * max(count, 0)} forces for {parameters} parameters of model {self.model}; ask "

@@ -4,7 +4,7 @@ Okabe and Ito's colours (told apart by everybody) come from the page; what is se
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,12 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.identifiability import Identifiability
 from identification.motion import Motion
-from identification.runs.residuals import Residuals
 from planner.precision import bounds_text, std_text, value_text
-from planner.reports.charts import AXES, Chart
-from planner.reports.page import Plot, plain, thinned
+from planner.reports.charts import Chart
+from planner.reports.page import Item, Plot, Table, plain, thinned
+
+if TYPE_CHECKING:
+    from identification.runs.residuals import Residuals
 
 Array = NDArray[np.float64]
 
@@ -27,27 +29,36 @@ MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 
 def motion_plots(case: Case, motion: Motion) -> list[Plot]:
     """Position, velocity, acceleration and jerk over time, each axis with its own limits."""
-    machine, _, limits = case.need_machine("the report")
-    box = limits.motion
+    home, box = case.need_motion("the report")
     rows = (
-        ("position from home", "mm", "deg", motion.pose - machine.home.vector, box.pose, 1 / MM, 1 / DEG),
+        ("position from home", "mm", "deg", motion.pose - home, box.pose, 1 / MM, 1 / DEG),
         ("velocity", "mm/s", "deg/s", motion.rates, _both(box.rate), 1 / MM, 1 / DEG),
         ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), 1.0, 1.0),
         ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), 1.0, 1.0),
     )
     plots = []
     for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
-        for axes, unit, factor in ((range(3), length_unit, to_length), (range(3, 6), angle_unit, to_angle)):
+        for kind, own, unit, factor in (
+            ("translation", ~box.turns, length_unit, to_length),
+            ("rotation", box.turns, angle_unit, to_angle),
+        ):
+            axes = [int(k) for k in np.flatnonzero(own)]
+            if not axes:
+                continue
             figure = Chart()
             for k in axes:
                 x, y = thinned(motion.t, values[:, k] * factor)
-                figure.add_scatter(x=x, y=y, name=AXES[k], line={"color": COLOURS[k], "width": 1.6})
-            _add_limits(figure, limit[:, list(axes)] * factor, [COLOURS[k] for k in axes])
+                figure.add_scatter(x=x, y=y, name=plain(box.labels[k]), line={"color": colour(k), "width": 1.6})
+            _add_limits(figure, limit[:, axes] * factor, [colour(k) for k in axes])
             figure.update_xaxes(title="time [s]")
             figure.update_yaxes(title=f"{name} [{unit}]")
-            kind = "rotation" if axes.start else "translation"
-            plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), half=True))
+            plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), half=not own.all()))
     return plots
+
+
+def colour(k: int) -> str:
+    """Of a line by its number, from 0."""
+    return COLOURS[k % len(COLOURS)]
 
 
 def _both(limit: Array) -> Array:
@@ -85,7 +96,7 @@ def limits_plot(limits: dict[str, dict[str, Any]]) -> Plot:
     return Plot("limits", figure.update_layout(height=110 + 30 * len(names)))
 
 
-def forces_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
+def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
     """Forces as the estimator saw them (lines) and the model's (dotted)."""
     figure = Chart()
     for k, name in enumerate(channels):
@@ -100,7 +111,7 @@ def forces_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
     return Plot("forces", figure.update_layout(height=340), f"Lines: {how}. Dotted: the identified model.")
 
 
-def residuals_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
+def residuals_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
     """What the model leaves of each channel over time; a long run is drawn by its extremes."""
     figure = Chart()
     for k, name in enumerate(channels):
@@ -111,7 +122,7 @@ def residuals_plot(residuals: Residuals, channels: Sequence[str]) -> Plot:
     return Plot("residuals", figure.update_layout(height=320))
 
 
-def distribution_plot(residuals: Residuals) -> Plot:
+def distribution_plot(residuals: "Residuals") -> Plot:
     """Residuals over the rms of their channel, with the density of the normal distribution."""
     values = residuals.left
     scaled = (values / np.maximum(np.sqrt(np.mean(values**2, axis=0)), 1e-300)).ravel()
@@ -126,7 +137,7 @@ def distribution_plot(residuals: Residuals) -> Plot:
     return Plot("distribution", figure.update_layout(height=320, bargap=0.0), half=True)
 
 
-def spectrum_plot(residuals: Residuals, channels: Sequence[str], cutoff: float | None) -> Plot:
+def spectrum_plot(residuals: "Residuals", channels: Sequence[str], cutoff: float | None) -> Plot:
     """Amplitude spectral density of the residuals; what stands above the cut-off the evaluation does not see."""
     frequency, density = residuals.spectrum()
     figure = Chart()
@@ -148,7 +159,7 @@ def spectrum_plot(residuals: Residuals, channels: Sequence[str], cutoff: float |
     return Plot("spectrum", figure.update_layout(height=320), note, half=True)
 
 
-def _over_samples(figure: Chart, residuals: Residuals) -> None:
+def _over_samples(figure: Chart, residuals: "Residuals") -> None:
     if residuals.step is None:
         figure.update_traces(mode="lines+markers", marker={"size": 4})
     figure.update_xaxes(title="standstill" if residuals.step is None else "time [s]")
@@ -159,8 +170,8 @@ def _unit(channels: Sequence[str]) -> str:
     return ", ".join(dict.fromkeys(name.rsplit("_", 1)[-1].replace("Nm", "N m") for name in channels))
 
 
-def identifiability_plots(found: Identifiability) -> list[Plot]:
-    """Chart 3 of the paper: correlation of the columns, and R of the scaled regressor, both as magnitudes."""
+def identifiability_items(found: Identifiability) -> tuple[Item, ...]:
+    """Chart 3 of the paper, magnitudes of correlations and of R of the scaled regressor, and the strongest pairs."""
     panels = (
         ("correlation", np.abs(found.correlation), "Magnitude of the correlation of the regressor's columns."),
         ("qr", np.abs(found.r), "Magnitude of R of the scaled regressor: what stands right of the diagonal is shared."),
@@ -176,7 +187,8 @@ def identifiability_plots(found: Identifiability) -> list[Plot]:
         figure.update_yaxes(autorange="reversed", tickfont={"size": 10})
         figure.update_xaxes(tickfont={"size": 10}, tickangle=-90)
         plots.append(Plot(name, figure.update_layout(height=460), note, half=True))
-    return plots
+    rows = tuple((f"{a} ~ {b}", f"{value:+.3f}") for a, b, value in found.strongest())
+    return (*plots, Table(("strongest correlations", "value"), rows))
 
 
 def errors_plot(rows: Sequence[dict[str, Any]]) -> Plot:

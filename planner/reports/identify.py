@@ -4,15 +4,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from cases.schema import Case
-from identification.identifiability import Identifiability
 from identification.outcome import TOLD_OF_RUNS, Result
-from identification.recording import force_columns
 from identification.runs.residuals import Residuals
 from planner.precision import std_text, value_text, with_deviation
 from planner.reports.figures import (
     distribution_plot,
     forces_plot,
-    identifiability_plots,
+    identifiability_items,
     parameters_plot,
     residuals_plot,
     spectrum_plot,
@@ -93,15 +91,9 @@ def delay_words(result: Result) -> str | None:
     return f"Forces lag the motion by {lag:.3f} ± {std:.3f} ms: estimated with the parameters."
 
 
-def identifiability_items(found: Identifiability) -> tuple[Item, ...]:
-    """Correlation, QR and the strongest pairs."""
-    rows = tuple((f"{a} ~ {b}", f"{value:+.3f}") for a, b, value in found.strongest())
-    return (*identifiability_plots(found), Table(("strongest correlations", "value"), rows))
-
-
 def residual_items(case: Case, residuals: Residuals) -> tuple[Item, ...]:
     """Forces, residuals over time, their distribution and spectrum."""
-    channels = force_columns(case)
+    channels = case.sensor_frame.channels
     plots: list[Plot] = [forces_plot(residuals, channels), residuals_plot(residuals, channels)]
     plots.append(distribution_plot(residuals))
     if residuals.step is not None:

@@ -9,8 +9,7 @@ from planner.poses.plan import candidates_of
 from planner.poses.request import PoseRequest
 from planner.precision import std_text
 from planner.reports.charts import Chart
-from planner.reports.figures import COLOURS, GREY
-from planner.reports.identify import identifiability_items
+from planner.reports.figures import COLOURS, GREY, identifiability_items
 from planner.reports.machine import posing_machine
 from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain
 

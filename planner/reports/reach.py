@@ -2,7 +2,7 @@
 
 from matplotlib.axes import Axes
 
-from cases.recording_columns import POSE
+from cases.recording import POSE
 from planner.precision import share_text
 from planner.reach import UNITS, Reach
 

@@ -1,11 +1,10 @@
 """Pages and figures of values, for people."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cases.files import write_text
-from identification.outcome import Result
 from planner.reports.page import Page, render
 
 if TYPE_CHECKING:
@@ -13,7 +12,8 @@ if TYPE_CHECKING:
 
     from identification.identifiability import Identifiability
     from identification.model import Model
-    from planner.comparison.compare import Comparison
+    from identification.outcome import Result
+    from planner.comparison.advising import Comparison
     from planner.plan import Plan
     from planner.validation.validate import Validation
 
@@ -34,25 +34,26 @@ def report(value: "Shown", file: Path | str) -> None:
 
 def page(value: "Shown") -> Page:
     """The page of a value."""
-    if isinstance(value, Result):
-        from planner.reports.identify import identify_page
+    return _PAGES[type(value).__name__](value)
 
-        return identify_page(value)
-    from planner.plan import Plan
 
-    if isinstance(value, Plan):
-        return _page_of_plan(value)
-    from planner.comparison.compare import Comparison
+def _page_of_result(result: "Result") -> Page:
+    from planner.reports.identify import identify_page
 
-    if isinstance(value, Comparison):
-        from planner.reports.compare import compare_page
+    return identify_page(result)
 
-        return compare_page(value.groups, value.advice)
+
+def _page_of_comparison(comparison: "Comparison") -> Page:
+    from planner.reports.compare import compare_page
+
+    return compare_page(comparison.groups, comparison.advice)
+
+
+def _page_of_validation(validation: "Validation") -> Page:
     from planner.reports.validation import validation_page
 
-    return validation_page(
-        value.case, value.steps, value.findings, value.columns, value.machine, value.failed, value.remedies
-    )
+    v = validation
+    return validation_page(v.case, v.steps, v.findings, v.columns, v.machine, v.failed, v.remedies)
 
 
 def _page_of_plan(plan: "Plan") -> Page:
@@ -66,6 +67,14 @@ def _page_of_plan(plan: "Plan") -> Page:
     return plan_page(plan, beside_manual(plan))
 
 
+_PAGES: "dict[str, Callable[[Any], Page]]" = {  # by name: to import the types of all takes a second
+    "Plan": _page_of_plan,
+    "Result": _page_of_result,
+    "Comparison": _page_of_comparison,
+    "Validation": _page_of_validation,
+}
+
+
 def figures(value: "Shown", folder: Path) -> None:
     """Writes figures for papers as SVG and PNG into a folder."""
     from planner.reports.plots import save_figure
@@ -75,7 +84,8 @@ def figures(value: "Shown", folder: Path) -> None:
 
 
 def _figures(value: "Shown") -> "Iterator[tuple[str, Figure]]":
-    from planner.comparison.compare import Comparison
+    from identification.outcome import Result
+    from planner.comparison.advising import Comparison
     from planner.plan import Plan
     from planner.reports.plots import identifiability_figure, residual_figure
 
@@ -118,7 +128,7 @@ def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
     """The model of a plan of poses, and what its poses determine."""
     from identification.identifiability import analyse
     from identification.model import identification_model
-    from planner.poses.regressors import pose_regressors
+    from planner.poses.criteria import pose_regressors
 
     model = identification_model(plan.case, plan.model)
     return model, analyse(pose_regressors(model, plan.poses), model.names)

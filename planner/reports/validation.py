@@ -13,10 +13,9 @@ from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
 from planner.reports.ratios import Series, ratio_figure
-from planner.validation.causes import SUSPICIOUS
 from planner.validation.experiment import TABLE_3
 from planner.validation.remedy import REMEDY_COLUMNS, Remedy
-from planner.validation.step import COMPARED, SHOWN, Identified, Step
+from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, Step
 from planner.validation.verdict import OFF_COLUMNS, Finding, off_rows
 
 TABLE_7 = ("load", "s0", *(label for n in SHOWN for label in ((n,) if n[0] == "k" else (n, "dev."))))

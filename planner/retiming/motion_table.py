@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.errors import FileProblem
-from cases.recording_columns import POSE
+from cases.recording import POSE
 from cases.units import DEG, MM
 from identification.motion import TimedPoints
 

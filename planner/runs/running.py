@@ -14,11 +14,10 @@ from identification.hexapod import Hexapod
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
 from identification.model import full_model, identification_model
 from identification.motion import Trajectory
-from identification.peaks import executed_peaks
 from identification.recording import Recording, about_case
 from identification.reference import reference_scaling
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import DriveExecution
+from identification.trajectories.executed import DriveExecution, executed_peaks
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.runs.fingerprints import plan_of_program, written_for_another
@@ -26,9 +25,9 @@ from planner.runs.followed import planned_excitation
 from planner.runs.standing import stood, way_of
 from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import ExecutedRun, moving_windows, windows
-from postprocessors.execute.linuxcnc.guarantees import acceleration_headroom
-from postprocessors.execute.linuxcnc.punctuality import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
+from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
+from postprocessors.execute.log import TIME_TOLERANCE, slowest_path
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.files import Program, read_program
 from postprocessors.proving.guarantees import Guarantees
@@ -92,8 +91,10 @@ class Outcome:
     plan_hash: str | None = None
 
 
-def best_controller() -> tuple[str, str]:
-    """The real controller if it is installed, else the virtual one, with the reason."""
+def best_controller(dialect: str = "linuxcnc") -> tuple[str, str]:
+    """The real controller if it is installed and runs programs of a dialect, else the virtual one, with the reason."""
+    if dialect != "linuxcnc":
+        return "virtual", "no real controller here runs such programs"
     reason = linuxcnc_missing()
     return ("linuxcnc", "LinuxCNC is installed") if reason is None else ("virtual", reason)
 

@@ -174,7 +174,7 @@ def workers() -> Iterator[Runner]:
         yield run
     finally:
         stop.set()
-        pool.shutdown(wait=True, cancel_futures=True)
+        pool.shutdown(wait=False, cancel_futures=True)  # they end beside what follows
 
 
 def _result(future: Future[Start | Failed]) -> Start | Failed:

@@ -165,7 +165,7 @@ def _stages(task: Task, close: bool) -> Iterator[_Stage]:
     afar = _FAR if task.begin is None and not task.moves else _NEAR
     at_hand = _Stage("D", 0, False, REFINE, _AT_HAND)
     if task.step is Step.GLANCE:
-        if not task.moves:
+        if not close and not task.moves:
             yield _Stage("D", 0, True, GLANCE, afar)
         return
     if close:
@@ -263,7 +263,7 @@ class _Run:
         if begin is not None:
             worst = self.problem.worst(begin)
             # What is good for white noise alone is far from what errors of the pose call for.
-            self.close = task.step is Step.EXPLORE and worst <= CLOSE and self.errors is None
+            self.close = task.step is not Step.REFINE and worst <= CLOSE and self.errors is None
             if self.close or task.step is Step.REFINE:
                 self.problem = self.problem.with_rows_above(begin, NEAR)
                 return begin

@@ -2,16 +2,32 @@
 
 import logging
 import os
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING
+from threading import current_thread, main_thread
+from typing import TYPE_CHECKING, Any
+
+from distributed import WorkerPlugin
 
 from cases.errors import HexciteError
 from planner.interruption import ctrl_c_waits
 
 if TYPE_CHECKING:
     from distributed import Client
+
+
+class Deaf(WorkerPlugin):  # type: ignore[misc]  # distributed has no types
+    """Makes a worker ignore SIGINT."""
+
+    name = "hexcite-deaf"
+
+    def setup(self, worker: Any) -> None:
+        """Called in each worker as it starts."""
+        if current_thread() is main_thread():
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
 
 CONNECT = 5.0  # [s] to reach a scheduler
 PATIENCE = "120s"  # with processes of this computer: they are not lost because it is busy
@@ -40,8 +56,6 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
     """
     import dask
     from distributed import Client, LocalCluster
-
-    from planner.study.deaf import Deaf
 
     settings = {
         "distributed.scheduler.allowed-failures": 1,

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from cases.basis import KEPT, study_basis
 from cases.schema import Case
-from planner.study.rows import FAILED, PLANNED, completed, schema
 from planner.study.spec import Spec, cell_key, request_of, settings_of
-from planner.study.store import opened, read_rows
+from planner.study.store import FAILED, PLANNED, completed, opened, read_rows, schema
 from planner.study.tasks import Outcome, run_tasks
 from planner.study.work import Job, work
 

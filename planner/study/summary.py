@@ -1,14 +1,19 @@
 """What the rows of a study say: convergence, spread over seeds, coverage, and the settings that came out best."""
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from planner.study.rows import DONE, PLANNED, SETTINGS
+from planner.reports.charts import Chart
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.study.spec import command_of
+from planner.study.store import DONE, FAILED, PLANNED, SETTINGS
 
 if TYPE_CHECKING:
     import pyarrow as pa
+
 
 GROUPED = tuple(name for name in SETTINGS if name != "seed")
 
@@ -94,3 +99,139 @@ def best_groups(found: list[Group]) -> dict[str, Group]:
         if group.done and (letter not in best or group.best > best[letter].best):
             best[letter] = group
     return best
+
+
+MOST_MAPS = 6
+MOST_BOXES = 60
+MOST_REASONS = 20
+
+
+def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
+    """The page of a study folder.
+
+    Args:
+        about: its study.json.
+        table: its rows.
+    """
+    found = groups(table)
+    failures = _failures(table)
+    lost = sum(count for _, count in failures)
+    warnings = (f"{lost} rows failed; their reasons stand below",) if lost else ()
+    done = sum(g.done for g in found)
+    tiles = [Tile(f"{done} of {about['cells']}", "cells planned"), Tile(str(lost), "rows failed")]
+    intervals = sum(g.intervals for g in found)
+    if intervals:
+        inside = sum(g.inside * g.intervals for g in found if g.intervals) / intervals
+        tiles.append(Tile(f"{100 * inside:.1f} %", f"of {intervals} 95 % intervals hold the truth"))
+    sections = [
+        Section("In short", (Tiles(tuple(tiles)), *_best(found, about["case_file"]))),
+        Section("Settings", (_table(found),)),
+    ]
+    maps = _maps(found)
+    if maps:
+        sections.append(Section("Median criterion over pairs of settings", maps))
+    sections.append(Section("Spread over seeds", _boxes(found)))
+    if failures:
+        rows = tuple((reason, str(count)) for reason, count in failures[:MOST_REASONS])
+        sections.append(Section("What failed", (Table(("reason", "rows"), rows),)))
+    return Page(
+        title=f"Study {about['name']}: {about['case']}",
+        lead=f"{len(table)} rows of {about['cells']} cells; a cell is one start of an optimisation, and what it gave.",
+        inputs=(("case", f"{about['case']} (hash {about['case_hash']})"), ("hexcite", about["version"])),
+        warnings=warnings,
+        sections=tuple(sections),
+    )
+
+
+def _failures(table: "pa.Table") -> list[tuple[str, int]]:
+    counts: dict[str, int] = {}
+    for status, reason in zip(table["status"].to_pylist(), table["reason"].to_pylist(), strict=True):
+        if status == FAILED:
+            counts[str(reason)] = counts.get(str(reason), 0) + 1
+    return sorted(counts.items(), key=lambda item: -item[1])
+
+
+def _best(found: list[Group], case_file: str) -> tuple[Item, ...]:
+    rows = tuple(
+        (letter, command_of(group.settings, case_file), f"{group.best:.4g}", f"{group.median:.4g}")
+        for letter, group in sorted(best_groups(found).items())
+    )
+    if not rows:
+        return (Note("No cell is done yet."),)
+    return (
+        Table(("criterion", "command that plans it", "best", "median"), rows, left=2),
+        Note("The larger the better: A is minus the trace, K minus the condition, in the reference scaling."),
+    )
+
+
+def _table(found: list[Group]) -> Table:
+    varied = [name for name in GROUPED if len({g.settings.get(name) for g in found}) > 1]
+    columns = (*varied, "cells", "done", "converged", "best", "median", "iterations", "s a cell", "coverage")
+    rows = tuple(
+        (
+            *(str(g.settings.get(name, "-")) for name in varied),
+            str(g.cells),
+            str(g.done),
+            _share(g.converged),
+            _number(g.best),
+            _number(g.median),
+            _number(g.iterations),
+            _number(g.seconds),
+            _share(g.inside),
+        )
+        for g in found
+    )
+    return Table(columns, rows, left=len(varied))
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else "-"
+
+
+def _share(value: float) -> str:
+    return f"{100 * value:.1f} %" if np.isfinite(value) else "-"
+
+
+def _maps(found: list[Group]) -> tuple[Plot, ...]:
+    """A heat map for each criterion and pair of other settings that vary."""
+    plots = []
+    for letter in sorted({g.settings["criterion"] for g in found}):
+        these = [g for g in found if g.settings["criterion"] == letter and g.done]
+        varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in these} - {None}) > 1]
+        for row, column in combinations(varied, 2):
+            plots.append(_map(letter, these, row, column))
+    return tuple(plots[:MOST_MAPS])
+
+
+def _map(letter: str, these: list[Group], row: str, column: str) -> Plot:
+    ys = sorted({g.settings[row] for g in these if row in g.settings and column in g.settings})
+    xs = sorted({g.settings[column] for g in these if row in g.settings and column in g.settings})
+    scores: dict[tuple[Any, Any], list[float]] = {}
+    for g in these:
+        if row in g.settings and column in g.settings:
+            scores.setdefault((g.settings[row], g.settings[column]), []).extend(g.scores)
+    z = [[float(np.median(scores[y, x])) if (y, x) in scores else None for x in xs] for y in ys]
+    figure = Chart()
+    figure.add("heatmap", x=[str(x) for x in xs], y=[str(y) for y in ys], z=z, colorscale="Viridis")
+    figure.update_xaxes(title=column, type="category")
+    figure.update_yaxes(title=row, type="category")
+    figure.update_layout(title={"text": f"criterion {letter}"})
+    return Plot(f"map-{letter}-{row}-{column}", figure, half=True)
+
+
+def _boxes(found: list[Group]) -> tuple[Item, ...]:
+    plots: list[Item] = []
+    for letter in sorted({g.settings["criterion"] for g in found}):
+        these = [g for g in found if g.settings["criterion"] == letter and g.done]
+        these = sorted(these, key=lambda g: -g.best)[:MOST_BOXES]
+        if not these:
+            continue
+        varied = [n for n in GROUPED if n != "criterion" and len({g.settings.get(n) for g in these}) > 1]
+        figure = Chart()
+        for g in these:
+            name = ", ".join(f"{n} {g.settings[n]}" for n in varied if n in g.settings) or "all"
+            figure.add("box", y=g.scores, name=name, boxpoints="all" if len(g.scores) <= 50 else "outliers")
+        figure.update_yaxes(title=f"criterion {letter}")
+        figure.update_layout(showlegend=False)
+        plots.append(Plot(f"spread-{letter}", figure, note=f"{len(these)} best settings for {letter}, a box each."))
+    return tuple(plots)

@@ -10,7 +10,7 @@ import numpy as np
 from cases.errors import HexciteError
 from cases.schema import Case
 from planner.request import Request
-from planner.study.rows import DONE, FAILED, PLANNED
+from planner.study.store import DONE, FAILED, PLANNED
 
 if TYPE_CHECKING:
     from identification.loaded import Circumstances

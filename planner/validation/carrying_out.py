@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import BSpline
 
-from cases.disturbances import Disturbances
 from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, UNFINISHED, atomic_file, atomic_folder, check_folder, json_text, write_text
 from cases.schema import Case
+from cases.sensors import Disturbances
 from identification.hexapod import Hexapod
 from identification.trajectories.executed import DriveExecution
 from planner.families.settings import Fourier, Manual, PointToPoint, Spline
@@ -28,8 +28,7 @@ from planner.runs.running import carried_out
 from planner.runs.standing import stood
 from planner.runs.writing import write
 from planner.validation.experiment import METHODS, Excitation, steps
-from planner.validation.kept import Kept, keep, kept_step
-from planner.validation.remedy import remedy_of
+from planner.validation.remedy import Kept, keep, kept_step, remedy_of
 from postprocessors.execute.executed_run import ExecutedRun
 from postprocessors.files import Program
 from postprocessors.proving.measured import measured_poses, measures_at_poses

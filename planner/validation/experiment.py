@@ -11,22 +11,20 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.disturbances import Disturbances
 from cases.errors import FileProblem, HexciteError
 from cases.schema import Case
-from cases.sensors import RigidBody
+from cases.sensors import Disturbances, RigidBody
 from identification.identify import identify
-from identification.loaded import Circumstances, loaded_truth
+from identification.loaded import Circumstances, loaded_truth, pose_covariance
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
+from identification.result import Estimate
 from identification.runs.standing import Standing, average, find_standstills, match
 from identification.simulate import ForceParts, Moved, moved, sensed
 from identification.trajectories.executed import Execution
-from planner.validation.answer import linear_answer
-from planner.validation.causes import BODY, error_budget
-from planner.validation.scatter import true_deviations
-from planner.validation.step import Identified, Step
+from planner.validation.answer import LinearAnswer, linear_answer
+from planner.validation.step import BODY, Identified, Step, error_budget
 
 Array = NDArray[np.float64]
 
@@ -228,3 +226,31 @@ def chosen(names: str | None) -> list[str]:
     if not found or len(set(found)) < len(found):
         raise HexciteError(f"methods {names!r}: name each once, of {', '.join(METHODS)}")
     return found
+
+
+def true_deviations(
+    case: Case, answer: LinearAnswer, estimate: Estimate, disturbances: Disturbances, load: float
+) -> dict[str, float]:
+    """Standard deviations of parameters over machines that differ in their pose errors, by name [SI].
+
+    The errors of the pose have the covariance that the simulated machine draws them from; all the rest is white, as
+    (28) has it.
+
+    Args:
+        case: with a simulated machine.
+        answer: of the estimate to forces.
+        estimate: by least squares.
+        disturbances: of the machine.
+        load: mass of the weights on it [kg].
+    """
+    model = identification_model(case, estimate.model, estimate.terms)
+    home = case.need_machine("a validation")[0].home.vector
+    weight = load * float(np.linalg.norm(case.gravity))
+    common = pose_covariance(disturbances, home, answer.poses, weight)
+    covariance = sum(part @ common @ part.T for part in np.moveaxis(answer.answer, 2, 0))
+    form = physical_form(model)
+    _, by_pose = form.of(estimate.values, np.asarray(covariance))
+    return {
+        p.name: float(np.sqrt(variance + estimate.physical[p.name].std ** 2))
+        for p, variance in zip(form.parameters, np.diag(by_pose), strict=True)
+    }

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from cases.disturbances import Disturbances
 from cases.errors import HexciteError
 from cases.files import VALIDATION, atomic_folder, check_folder, json_text
 from cases.schema import Case
+from cases.sensors import Disturbances
 from identification.recording import Recording, read_recording, record_of
 from identification.runs.rates import on_one_clock
 from planner.runs.recorded import standing_of

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.schema import Case
-from planner.validation.causes import BODY, CAUSES, SUSPICIOUS
-from planner.validation.step import Identified, Step
+from planner.validation.step import BODY, CAUSES, SUSPICIOUS, Identified, Step
 
 OURS, MOVING, STANDING = ("ptp", "ptp-steps", "spline"), ("D9M", "D9N"), ("Q5M", "Q5N")
 TIMING = 1.005  # ratio of durations that counts as the same time: a controller's own ramps

@@ -6,10 +6,9 @@ from typing import NamedTuple
 import casadi as ca
 
 from cases.schema import Case
-from postprocessors.export.calibration import Calibration
-from postprocessors.export.functions import functions_of, signature
-from postprocessors.export.instructions import INFIX, Language, number, operand, statements
-from postprocessors.export.rendering import comment_lines, environment, shared_values
+from cases.units import DEG
+from postprocessors.export.calibration import Calibration, comment_lines, environment, shared_values
+from postprocessors.export.instructions import INFIX, Language, functions_of, number, operand, signature, statements
 
 RING = 256
 """Cycles that the signal chain remembers: 40 ms of delay and as much window at 4 kHz."""
@@ -97,3 +96,30 @@ def _function(function: ca.Function, name: str, parameters: list[str]) -> dict[s
         "arguments": ", ".join(arguments),
         "statements": statements(function, language),
     }
+
+
+AXES = (("fx", "[N]"), ("fy", "[N]"), ("fz", "[N]"), ("mx", "[N m]"), ("my", "[N m]"), ("mz", "[N m]"))
+
+
+def linuxcnc_component(calibration: Calibration, name: str) -> str:
+    """The text of a component called `name`."""
+    declarations, definitions = c_parts(calibration, name, "static ")
+    return (
+        environment()
+        .get_template("component.comp.jinja")
+        .render(
+            name=name,
+            NAME=name.upper(),
+            hal=name.replace("_", "-"),
+            origin=comment_lines(calibration),
+            hexapod=calibration.hexapod is not None,
+            force_units="[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
+            wrench=AXES,
+            half_window=number(window_of(calibration.case).half),
+            delay=number(calibration.result.delay),
+            degree=number(DEG),
+            offsets=[n for n in calibration.model.names if n.startswith("f_q0_")],
+            declarations=declarations,
+            definitions=definitions,
+        )
+    )

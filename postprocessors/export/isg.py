@@ -14,8 +14,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError
 from cases.units import DEG, MM
 from identification.regressor_blocks import INERTIA
-from postprocessors.export.calibration import Calibration
-from postprocessors.export.rendering import comment_lines
+from postprocessors.export.calibration import Calibration, comment_lines
 
 Array = NDArray[np.float64]
 

@@ -2,10 +2,8 @@
 
 import casadi as ca
 
-from postprocessors.export.calibration import Calibration
-from postprocessors.export.functions import functions_of, signature
-from postprocessors.export.instructions import INFIX, Language, number, operand, statements
-from postprocessors.export.rendering import comment_lines, environment, shared_values
+from postprocessors.export.calibration import Calibration, comment_lines, environment, shared_values
+from postprocessors.export.instructions import INFIX, Language, functions_of, number, operand, signature, statements
 
 
 def structured_text(calibration: Calibration, name: str) -> str:

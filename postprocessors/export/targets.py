@@ -1,22 +1,90 @@
 """From a calibration to files: which targets there are, what each is called, and how it appears as a whole or not."""
 
 import shutil
+import subprocess
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from cases.errors import FileProblem, HexciteError
+from cases.errors import ExecutionError, FileProblem, HexciteError
 from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder, output_place
 from identification.outcome import Result
-from postprocessors.export.building import build_component, build_object
-from postprocessors.export.c99 import c_sources
-from postprocessors.export.calibration import Calibration, calibration_of
+from postprocessors.export.c99 import c_sources, linuxcnc_component
+from postprocessors.export.calibration import Calibration, calibration_of, checked_name, default_name
 from postprocessors.export.document import json_document
 from postprocessors.export.isg import isg_load
-from postprocessors.export.linuxcnc_component import linuxcnc_component
-from postprocessors.export.rendering import checked_name, default_name
 from postprocessors.export.structured_text import structured_text
+
+SYSTEM_PATH = "/usr/bin:/bin:/usr/sbin:/sbin"
+"""Where compilers are looked for: halcompile belongs to the system's Python, not to ours."""
+
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2")
+TIME_LIMIT = 120.0  # [s]; it takes one
+
+
+def tool_missing(program: str, packages: str) -> str | None:
+    """Why a compiler cannot be run, with the remedy; None if it can."""
+    if shutil.which(program, path=SYSTEM_PATH) is None:
+        return f"{program} is missing; install {packages}, or export without --build"
+    return None
+
+
+def halcompile_missing() -> str | None:
+    """Why HAL components cannot be compiled, with the remedy; None if they can."""
+    for program, packages in (
+        ("halcompile", "the package linuxcnc-uspace-dev"),
+        ("gcc", "the packages gcc and libc6-dev"),
+        ("make", "the package make"),
+    ):
+        if (missing := tool_missing(program, packages)) is not None:
+            return missing
+    return None
+
+
+def build_object(source: Path) -> Path:
+    """Compiles a C file to an object file beside it.
+
+    Raises:
+        ExecutionError: gcc is missing or refuses the file.
+    """
+    if (missing := tool_missing("gcc", "the packages gcc and libc6-dev")) is not None:
+        raise ExecutionError(f"{source.name}: cannot be compiled: {missing}")
+    target = source.with_suffix(".o")
+    _run(["gcc", *STRICT, "-c", "-o", target.name, source.name], source)
+    return target
+
+
+def build_component(source: Path) -> Path:
+    """Compiles a HAL component to a realtime module beside it.
+
+    Raises:
+        ExecutionError: halcompile is missing or refuses the file.
+    """
+    if (missing := halcompile_missing()) is not None:
+        raise ExecutionError(f"{source.name}: cannot be compiled: {missing}")
+    _run(["halcompile", "--compile", source.name], source)
+    return source.with_suffix(".so")
+
+
+def _run(command: list[str], source: Path) -> None:
+    try:
+        done = subprocess.run(
+            command,
+            cwd=source.parent,
+            env={"PATH": SYSTEM_PATH, "LC_ALL": "C"},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=TIME_LIMIT,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise ExecutionError(f"{source.name}: {command[0]} did not end within {TIME_LIMIT:g} s; report this") from error
+    if done.returncode != 0:
+        lines = (done.stderr or done.stdout).strip().splitlines()
+        said = next((line for line in lines if "error" in line.lower()), f"exit code {done.returncode}")
+        raise ExecutionError(f"{source.name}: {command[0]} refuses it ({said.strip()}); check its installation")
 
 
 @dataclass(frozen=True, slots=True)

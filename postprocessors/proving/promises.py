@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cases.controller_struts import PointToPointDrives
+from cases.controller import PointToPointDrives
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod

@@ -9,16 +9,21 @@ from typing import NoReturn
 
 import numpy as np
 
-from cases.controller_sinumerik import PROGRAM_NAME, Sinumerik
+from cases.controller import SINUMERIK_NAME, Sinumerik
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading.lines import program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
-from postprocessors.reading.sinumerik_groups import GROUPS, LONGEST_LINE, MODAL, NEUTRAL, REMEDY
-from postprocessors.reading.sinumerik_polynomials import polynomial
-from postprocessors.reading.sinumerik_words import sinumerik_words
+from postprocessors.reading.sinumerik_words import (
+    GROUPS,
+    LONGEST_LINE,
+    MODAL,
+    NEUTRAL,
+    REMEDY,
+    polynomial,
+    sinumerik_words,
+)
 from postprocessors.reading.strut_moves import read_strut_move
-from postprocessors.reading.words import Event, Pause, Reading, Switch, Timing
+from postprocessors.reading.words import Event, Pause, Reading, Switch, Timing, program_lines
 
 SPELLING = Spelling(
     "SINUMERIK", GROUPS, last="M30", rapid="G0", straight="G1",
@@ -113,7 +118,7 @@ class _Interpreter(ModalState):
 
     def _program_name(self, word: Word) -> None:
         name = (word.arguments or ("",))[0]
-        if re.match(PROGRAM_NAME, name) is None:
+        if re.match(SINUMERIK_NAME, name) is None:
             self.fail(word, f"program name {name!r} is not taken; at most 24 letters, digits and _, two letters first")
 
     def _tolerance(self, name: str, word: Word) -> None:

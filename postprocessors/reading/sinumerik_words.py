@@ -1,10 +1,82 @@
 """The words of SINUMERIK programs, before any meaning: addresses, keywords, calls, lists and synchronised actions."""
 
+import math
 import re
 
+import numpy as np
+
+from cases.controller import Sinumerik
 from cases.errors import ProgramError
-from postprocessors.reading.lines import each_word
-from postprocessors.reading.modal import Word
+from cases.units import MINUTE
+from postprocessors.reading.modal import LARGEST, ModalState, Word
+from postprocessors.reading.words import Polynomial, each_word
+
+LONGEST_LINE = 512
+
+# Two words of one modal group in a block are an error to the controller.
+GROUPS: tuple[tuple[str, ...], ...] = (
+    ("G0", "G1", "G2", "G3", "POLY", "ASPLINE", "BSPLINE", "CSPLINE"),
+    ("G17", "G18", "G19"),
+    ("G90", "G91"),
+    ("G70", "G71", "G700", "G710"),
+    ("G93", "G94", "G95"),
+    ("G60", "G64", "G641", "G642", "G643", "G644", "G645"),
+    ("G40", "G41", "G42"),
+    ("G500", "G54", "G55", "G56", "G57"),
+    ("COMPOF", "COMPON", "COMPCURV", "COMPCAD", "COMPSURF"),
+    ("BRISK", "SOFT", "DRIVE"),
+    ("FFWON", "FFWOF"),
+    ("DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH", "DYNPREC"),
+    ("ORIWKS", "ORIMKS"),
+    ("ORIEULER", "ORIRPY", "ORIRPY2", "ORIVIRT1", "ORIVIRT2"),
+    ("ORIAXES", "ORIVECT", "ORIPLANE"),
+    ("PTP", "PTPG0", "CP"),
+    ("G4",),
+    ("M2", "M17", "M30"),
+)
+
+# Words that a proven program may hold; those that change nothing it relies on need no more than this.
+NEUTRAL = {"G40", "FFWON", "FFWOF", "DYNNORM", "DYNPOS", "MSG", "N"}
+MODAL = {
+    *("G0", "G1", "G2", "G3", "POLY", "G17", "G18", "G19", "G90", "G710", "G93", "G94", "G60", "G64", "G642"),
+    *("G500", "COMPOF", "COMPCAD", "SOFT", "ORIWKS", "ORIRPY", "ORIAXES", "PTP", "CP"),
+}
+
+REMEDY = {
+    "G20": "no inches here but unknown to SINUMERIK; write G710 for millimetres",
+    "G21": "unknown to SINUMERIK; write G710 for millimetres",
+    "G70": "inches; write G710",
+    "G71": "millimetres for the geometry alone, not for feeds; write G710",
+    "G700": "inches; write G710",
+    "G61": "not used here; write G60 for exact stop",
+    "G9": "an exact stop in this block alone; write G60",
+    "G80": "no cancel of cycles here; remove it",
+    "G91": "incremental coordinates; write G90",
+    "G95": "feed per revolution; write G94 or G93",
+    "G54": "a frame that the proof does not know; write G500",
+    "BRISK": "without jerk limit; write SOFT",
+    "DRIVE": "without jerk limit; write SOFT",
+    "ORIEULER": "another order of rotations; write ORIRPY",
+    "ORIRPY2": "another order of rotations; write ORIRPY",
+    "ORIMKS": "relative to the machine, not the workpiece; write ORIWKS",
+    "ORIVECT": "a turn on a great circle, not along the angles; write ORIAXES",
+    "ORIPLANE": "a turn on a great circle, not along the angles; write ORIAXES",
+    "PTPG0": "straight in the machine's axes in rapid moves alone; write PTP",
+    "STAT=": "a choice among assemblies, of which a hexapod has one; remove it",
+    "TU=": "a choice among turns, of which struts have none; remove it",
+    "RTLIOF": "ignored while a transformation is active; remove it",
+    "ASPLINE": "a spline whose time law nobody states; write POLY",
+    "BSPLINE": "a spline whose time law nobody states; write POLY",
+    "CSPLINE": "a spline whose time law nobody states; write POLY",
+    "STOPRE": "a stop of the look-ahead; remove it",
+    "M17": "the end of a subprogram; write M30",
+    "M62": "no output here; write DO $A_OUT[n]=1",
+    "M63": "no output here; write DO $A_OUT[n]=0",
+    "M64": "no output here; write DO $A_OUT[n]=1",
+    "M65": "no output here; write DO $A_OUT[n]=0",
+    "P": "no word of an excitation; G4 takes seconds as F",
+}
+
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _PROGRAM = re.compile(r"%_N_(?P<name>[A-Z0-9_]+)_(?:MPF|SPF)\s*$", re.IGNORECASE)
@@ -106,3 +178,71 @@ def _remedy(bad: str) -> str:
     if bad.startswith("/"):
         return "skipped blocks are not proven; remove the block or its slash"
     return "words are a letter and a number, NAME=number, or a keyword"
+
+
+COEFFICIENTS = 4  # of a piece beside its end: a2 to a5
+
+_COEFFICIENT = re.compile(f"{_NUMBER}$")
+
+
+def polynomial(
+    state: ModalState, settings: Sinumerik, seen: dict[str, Word], pieces: list[Word], first: Word
+) -> Polynomial:
+    """X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to pass evenly in time.
+
+    Args:
+        state: of the controller; its pose becomes the piece's end.
+        settings: of the case.
+        seen: words of the block but PO.
+        pieces: the PO words.
+        first: word of the motion, for messages.
+
+    Raises:
+        ProgramError: no polynomial that the controller takes, or one that does not keep its time.
+    """
+    if not state.active("POLY"):
+        state.fail(first, "PO without POLY; add POLY")
+    other = next((seen[name] for name in (*state.axes, "I", "J", "K") if name in seen), None)
+    if other is not None:
+        state.fail(other, f"{other.name.rstrip('=')} under POLY is a straight line among polynomials; write PO[ ]")
+    if state.active("COMPCAD"):
+        state.fail(first, "POLY under the compressor; write COMPOF before")
+    if not state.active("G64"):
+        state.fail(first, "POLY under exact stop or rounding does not keep its time; write G64")
+    if not state.active("G93") or "F" not in seen:
+        state.fail(first, "POLY without a time of its own; write G93 and F = 60 / seconds in the block")
+    if np.isnan(state.pose).any():
+        state.fail(first, "a polynomial starts from an unknown pose; first move home at a feed (G94)")
+    if len(pieces) > settings.poly_axes:
+        state.fail(pieces[-1], f"{len(pieces)} axes in a POLY block, the controller takes {settings.poly_axes}")
+    length = float(seen["PL="].value or 0.0) if "PL=" in seen else 1.0
+    if not length > 0.0:
+        state.fail(seen["PL="], "PL is not positive; correct it")
+    coefficients = np.zeros((COEFFICIENTS + 2, 6))
+    coefficients[0] = state.pose
+    end = state.pose.copy()
+    axes = ("X", "Y", "Z", *settings.orientation_axes)
+    moved: set[str] = set()
+    for word in pieces:
+        if word.selector not in axes or word.selector in moved:
+            state.fail(word, f"PO[{word.selector}] is not one of the six axes {', '.join(axes)}, each once; correct it")
+        moved.add(word.selector)
+        k = axes.index(word.selector)
+        end[k], higher = _piece(state, settings, word)
+        coefficients[2 : 2 + len(higher), k] = [a * length**i for i, a in enumerate(higher, start=2)]
+    coefficients[1] = end - coefficients[0] - coefficients[2:].sum(axis=0)
+    duration = MINUTE / float(seen["F"].value or math.nan)
+    state.pose = end
+    return Polynomial(state.line, coefficients * state.scale, duration)
+
+
+def _piece(state: ModalState, settings: Sinumerik, word: Word) -> tuple[float, list[float]]:
+    items = word.arguments or ()
+    bad = next((item for item in items if _COEFFICIENT.match(item) is None or abs(float(item)) > LARGEST), None)
+    if bad is not None:
+        state.fail(word, f"{bad!r} in PO[{word.selector}] is no plain number of a machine's size; correct it")
+    end, *higher = (float(item) for item in items)
+    if len(higher) > settings.poly_degree - 1:
+        degree = settings.poly_degree
+        state.fail(word, f"PO[{word.selector}] has degree {len(higher) + 1}, the controller takes {degree}")
+    return end, higher

@@ -2,7 +2,7 @@
 
 import math
 
-from cases.controller_struts import PointToPointDrives
+from cases.controller import PointToPointDrives
 from postprocessors.reading.modal import ModalState, Word
 from postprocessors.reading.words import Array, Move, Timing
 

@@ -8,22 +8,21 @@ import re
 
 import numpy as np
 
-from cases.controller_twincat import PROGRAM_NAME, TwinCat
+from cases.controller import TWINCAT_NAME, TwinCat
 from cases.schema import Case
 from cases.units import DEG, MM
-from postprocessors.reading.lines import program_lines
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.strut_moves import read_strut_move
-from postprocessors.reading.twincat_groups import (
+from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
     MODAL,
     MOST_MESSAGES,
     REMEDY,
+    PointPath,
+    twincat_words,
 )
-from postprocessors.reading.twincat_paths import PointPath
-from postprocessors.reading.twincat_words import twincat_words
-from postprocessors.reading.words import Pause, Reading, Switch, Timing
+from postprocessors.reading.words import Pause, Reading, Switch, Timing, program_lines
 
 SPELLING = Spelling(
     "TwinCAT", GROUPS, last="M30", rapid="G00", straight="G01",
@@ -71,7 +70,7 @@ class _Interpreter(ModalState):
                 self.fail(word, f"{name} is no machine's number; correct it")
         elif name == "%":
             program = (word.arguments or ("",))[0]
-            if self.events or self.modal or re.match(PROGRAM_NAME, program) is None:
+            if self.events or self.modal or re.match(TWINCAT_NAME, program) is None:
                 self.fail(word, f"program name {program!r} is not taken; one plain name at the start of the file")
         elif name in (f"M{self.settings.trigger_on_m}", f"M{self.settings.trigger_off_m}"):
             self._switch(name, word, seen)

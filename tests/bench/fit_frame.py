@@ -20,7 +20,7 @@ from cases.machine import Ring
 from cases.schema import Case
 from identification.model import identification_model
 from identification.regressor_blocks import OFFSETS
-from planner.poses.regressors import pose_regressors
+from planner.poses.criteria import pose_regressors
 from planner.poses.space import grid_candidates
 from tests.bench.table_5 import PUBLISHED, group_deviations
 

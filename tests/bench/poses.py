@@ -8,9 +8,8 @@ import numpy as np
 from cases.loading import load_case
 from identification.model import identification_model
 from planner.cli.console import print_table
-from planner.poses.criteria import POSE_CRITERIA
+from planner.poses.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.plan import poses_planned
-from planner.poses.regressors import candidate_scaling, pose_regressors
 from planner.poses.removal import reduce_best, reduce_smallest_change
 from planner.poses.request import PoseRequest
 from planner.poses.space import grid_candidates, sampled_candidates

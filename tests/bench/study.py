@@ -11,11 +11,10 @@ import pyarrow as pa
 
 from cases.loading import load_case
 from planner.study.cluster import local_client
-from planner.study.page import study_page
-from planner.study.rows import DONE, PLANNED, completed, schema
 from planner.study.running import about_study, run_study
 from planner.study.spec import Cells, Grid, Spec
-from planner.study.store import opened, read_rows
+from planner.study.store import DONE, PLANNED, completed, opened, read_rows, schema
+from planner.study.summary import study_page
 from planner.study.tasks import run_tasks
 
 CELLS = 200

@@ -10,7 +10,7 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.result import Estimate
-from planner.poses.regressors import pose_regressors
+from planner.poses.criteria import pose_regressors
 from planner.poses.space import grid_candidates
 
 TRUE_STATIC_MODEL = 5

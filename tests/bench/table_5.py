@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.model import identification_model
 from identification.parameters import physical_form
-from planner.poses.criteria import POSE_CRITERIA
-from planner.poses.regressors import candidate_scaling, pose_regressors
+from planner.poses.criteria import POSE_CRITERIA, candidate_scaling, pose_regressors
 from planner.poses.removal import Reduction, reduce_best, reduce_smallest_change
 from planner.poses.space import grid_candidates
 

@@ -11,7 +11,7 @@ import pytest
 from cases.errors import CaseError
 from cases.leftovers import leftovers
 from cases.loading import built_in_cases, load_case
-from cases.needs import NEEDS, readiness
+from cases.scaffold import NEEDS, readiness
 from cases.schema import Case
 from planner.families.settings import Fourier
 from planner.readiness import require_plannable

@@ -7,7 +7,7 @@ import pytest
 
 from cases.errors import CaseError
 from cases.loading import load_case
-from cases.recording_columns import COLUMNS
+from cases.recording import COLUMNS
 from cases.schema import Case
 from tests.cases.editing import edited
 from tests.helpers import one_line

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from cases.errors import IdentificationError, RecordingError
 from cases.loading import load_case
-from identification.findings import contact_free
+from identification.findings import contact
 from identification.findings.contact import find_contacts
 from identification.findings.plausibility import scan
 from identification.frame import structure_matrix
@@ -81,7 +81,7 @@ def test_a_run_that_nothing_touches_raises_no_alarm(seeds: range) -> None:
 
 
 def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(contact_free, "MOST_TOUCHED", 0.08)
+    monkeypatch.setattr(contact, "MOST_TOUCHED", 0.08)
     with pytest.raises(IdentificationError, match=r"leave the model in (9|10) % of the samples") as caught:
         identify(pushed(run(), 0.5, np.array([0.0, 0.0, 20.0])), CASE)
     one_line(caught.value)

@@ -14,7 +14,7 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model
-from identification.noise import restricted
+from identification.noise import by_pose
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording
@@ -153,7 +153,7 @@ def test_blas_has_one_thread_meanwhile_and_the_callers_setting_again_afterwards(
         during.append(pools())
         return cho_factor(matrix, lower=lower)
 
-    monkeypatch.setattr(restricted, "cho_factor", factorised)
+    monkeypatch.setattr(by_pose, "cho_factor", factorised)
     moving = run(CASE)
     with threadpool_limits(limits=threads, user_api="blas"):
         before = pools()  # some libraries know one number only

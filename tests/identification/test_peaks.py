@@ -7,8 +7,7 @@ from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.limits import prove
 from identification.motion import Joined, Standstill
-from identification.peaks import coordinate_rates, executed_peaks
-from identification.trajectories.executed import DriveExecution
+from identification.trajectories.executed import DriveExecution, coordinate_rates, executed_peaks
 from identification.trajectories.profile import StraightMove
 from tests.simulated_machine import PoseExecution, kinematics_of_coordinates
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from cases.recording_columns import BAR_FORCES, STRUTS
+from cases.recording import BAR_FORCES, STRUTS
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.recording import Recording, read_recording, write_recording

@@ -7,7 +7,7 @@ import pytest
 
 from cases.errors import RecordingError
 from cases.loading import load_case
-from cases.recording_columns import ROTATION
+from cases.recording import ROTATION
 from cases.schema import Case
 from identification.recording import read_recording
 from tests.helpers import one_line

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from cases.recording_columns import BAR_FORCES, STRUTS
+from cases.recording import BAR_FORCES, STRUTS
 from identification.hexapod import Hexapod
 from identification.recording import write_recording
 from tests.helpers import Harmonic

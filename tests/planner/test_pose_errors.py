@@ -21,7 +21,7 @@ from planner.families.ptp import PointToPointFamily
 from planner.families.spline import SplineFamily
 from planner.noise import expected_noise
 from planner.pose_errors import PoseErrors, of_estimate, without_pose_errors
-from planner.poses.regressors import pose_regressors
+from planner.poses.criteria import pose_regressors
 from planner.search.problem import build_problem, information_of, mean_information
 from tests.bench.pose_errors import over_machines
 from tests.helpers import taylor_slope

@@ -13,8 +13,8 @@ from planner.families.settings import Fourier, Manual, PointToPoint, Spline, fam
 from planner.found import Found as Searched
 from planner.found import notes
 from planner.interruption import Interrupted
+from planner.library import shortest_plan
 from planner.request import Request
-from planner.shortest import shortest_plan
 from planner.target import parse_targets
 from tests.helpers import one_line
 

@@ -14,8 +14,8 @@ from identification.trajectories.profile import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.families.fourier_motion import FourierMotion
 from planner.noise import expected_noise
-from planner.validation.causes import MODE
 from planner.validation.experiment import Excitation, steps
+from planner.validation.step import MODE
 from planner.vibration import both_laws, vibration, with_other_law
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual

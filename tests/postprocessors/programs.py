@@ -12,7 +12,7 @@ from identification.limits import prove
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.composing import timed_path
-from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
+from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
 from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.errors import ProgramError
-from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
+from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.proving.proof import prove_program
 from postprocessors.reading.linuxcnc import read_linuxcnc

@@ -16,7 +16,7 @@ from identification.trajectories.profile import StraightMove
 from postprocessors.program import Arc, Dwell, NeutralProgram, PointToPoint, TimedPath, ToHome, Trigger
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
-from postprocessors.reading.sinumerik_groups import LONGEST_LINE
+from postprocessors.reading.sinumerik_words import LONGEST_LINE
 from postprocessors.reading.words import Pause, Switch
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import (

@@ -12,10 +12,10 @@ from identification.trajectories.strut_move import StrutMove
 from postprocessors.composing import excitation_program, straight_in_struts
 from postprocessors.dialects import DIALECTS
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.feeds import strut_feed_of
 from postprocessors.program import Dwell, NeutralProgram, ToHome
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Untimed, stretches
+from postprocessors.wording import strut_feed_of
 from postprocessors.writing import proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths

@@ -1,20 +1,26 @@
 """Runs a program on LinuxCNC: check of the program, configuration, headless session, log, proof of the log."""
 
+import json
 import logging
 import math
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 from functools import cache
 from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
 
 from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
+from cases.units import MM
 from identification.hexapod import Hexapod
-from postprocessors.execute.linuxcnc import configuration, outcome, timing
-from postprocessors.execute.linuxcnc.isolation import SYSTEM_PATH, preload_works, run_session
-from postprocessors.execute.linuxcnc.syntax import check_syntax
+from postprocessors.execute.linuxcnc import configuration, timing
+from postprocessors.execute.linuxcnc.configuration import CHANNELS, SERVO_PERIOD, UNITS
+from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, check_syntax, preload_works, run_session
 from postprocessors.execute.log import ControllerLog
 
 HERE = Path(__file__).parent
@@ -106,7 +112,7 @@ def run_linuxcnc(
             log, window = _session(
                 program, copy, case, headroom, timed, speed, usual if time_limit is None else time_limit
             )
-        except outcome.LostCycles as lost:
+        except LostCycles as lost:
             problem = str(lost)
         else:
             if not (durations or switched):
@@ -140,8 +146,8 @@ def _session(
                 f"{program}: LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed; run again, and "
                 "check its installation if that does not help"
             )
-        report = outcome.read_report(program, folder)
-        return outcome.read_log(program, folder, report, speedup), (report["started"], report["ended"])
+        report = read_report(program, folder)
+        return read_log(program, folder, report, speedup), (report["started"], report["ended"])
 
 
 def _lines(program: Path, content: bytes | None) -> list[str]:
@@ -168,3 +174,85 @@ def _compile_clock(folder: Path) -> None:
     if result.returncode != 0:
         said = next((line for line in result.stderr.splitlines() if "error" in line), f"exit code {result.returncode}")
         raise ExecutionError(f"gcc cannot compile LinuxCNC's clock ({said}); install the packages gcc and libc6-dev")
+
+
+class LostCycles(ExecutionError):
+    """Cycles are missing in a log: the computer was too busy to fetch them."""
+
+
+REPORT_FILE = "status.json"
+SAMPLES_FILE = "samples.f64"
+
+
+def read_report(program: Path, folder: Path) -> dict[str, Any]:
+    """The report of a program that ran to its end.
+
+    Args:
+        program: the program, for messages.
+        folder: the session's.
+
+    Returns:
+        `version` of LinuxCNC; `started` and `ended`: rows between which the program ran; `samples` and `lost`: counts.
+
+    Raises:
+        ExecutionError: LinuxCNC did not start, or stopped the program; the message says why.
+    """
+    try:
+        report: dict[str, Any] = json.loads((folder / REPORT_FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        output = (folder / OUTPUT_FILE).read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        said = " ".join(output[-1].split()) if output else "nothing"
+        raise ExecutionError(
+            f"{program}: LinuxCNC did not start, or broke down; it said last: {said}; check the installation by "
+            "running one of its sample configurations"
+        ) from error
+    if report["outcome"] != "done":
+        _explain(program, report)
+    return report
+
+
+def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
+    said = " ".join((report["errors"] or ["it gave no reason"])[0].split()).rstrip(".")
+    if match := re.search(r"\bline (\d+)", said):
+        place = f"{program}, line {match[1]}"
+    else:  # what the driver saw last is exact to its polling
+        place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
+    if report["outcome"] == "time limit":
+        raise ExecutionError(f"{place}: LinuxCNC was not through in time; check the feeds, or allow more time")
+    if report["outcome"] == "paused":
+        raise ExecutionError(f"{place}: LinuxCNC waits for its operator; remove the pause from the program")
+    if "limit" in said:
+        remedy = "keep the program inside the limits of the case (hexcite check names what is outside)"
+    else:
+        remedy = "correct the program, or write it again with hexcite post --dialect linuxcnc"
+    raise ExecutionError(f"{place}: LinuxCNC stopped: {said}; {remedy}")
+
+
+def read_log(program: Path, folder: Path, report: dict[str, Any], speedup: float) -> ControllerLog:
+    """The log of a session, in SI units.
+
+    Args:
+        program: the program, for messages.
+        folder: the session's.
+        report: the driver's.
+        speedup: controller time per wall-clock time, for messages.
+
+    Raises:
+        LostCycles: cycles are missing.
+    """
+    lost, count = report["lost"], report["samples"]
+    if lost or not count:
+        raise LostCycles(
+            f"{program}: {lost} of {count + lost} cycles were not logged; the computer is too busy, run again with a "
+            f"speed-up below {speedup:g}"
+        )
+    samples = np.fromfile(folder / SAMPLES_FILE).reshape(count, 1 + len(CHANNELS))
+    lines, trigger, values = samples[:, 1], samples[:, 2], samples[:, 3:]
+    return ControllerLog(
+        controller=f"LinuxCNC {report['version'].split('+')[0]}",
+        period=SERVO_PERIOD,
+        strut_lengths=values[:, :6] * MM,
+        poses=values[:, 6:] * UNITS,
+        trigger=trigger != 0.0,
+        lines=lines.astype(np.int64),
+    )

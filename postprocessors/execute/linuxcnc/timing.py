@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.errors import ExecutionError
-from postprocessors.execute.linuxcnc.syntax import words
+from postprocessors.execute.linuxcnc.isolation import words
 from postprocessors.execute.log import ControllerLog
 
 ATTEMPTS = 3

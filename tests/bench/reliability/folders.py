@@ -13,7 +13,7 @@ import numpy as np
 from cases.errors import HexciteError
 from cases.leftovers import leftovers
 from cases.loading import built_in_cases, load_case
-from cases.needs import readiness
+from cases.scaffold import readiness
 from identification.hexapod import Hexapod
 from planner.reports.case_figures import case_figures, has_motion_box, reach_figures
 from postprocessors.files import read_program

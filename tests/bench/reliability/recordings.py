@@ -17,7 +17,7 @@ import pyarrow.csv as pacsv
 from numpy.typing import NDArray
 
 from cases.loading import load_case
-from cases.recording_columns import BAR_FORCES, STRUTS
+from cases.recording import BAR_FORCES, STRUTS
 from cases.schema import Case
 from cases.units import MM
 from identification.hexapod import Hexapod

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from cases.errors import IdentificationError
-from identification.estimation import full_weights as module
-from identification.estimation.estimator import gauss_markov, per_channel
+from identification.estimation import estimator as module
+from identification.estimation.estimator import full_weights, gauss_markov, per_channel
 from identification.estimation.fit import Filtered
-from identification.estimation.full_weights import full_weights
 from tests.helpers import one_line
 from tests.identification.moving_run import NAMES, SAMPLES, A, U, coverage, forces
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from cases.loading import load_case
-from cases.recording import RecordingFormat
-from cases.recording_columns import BAR_FORCES, STRUTS
+from cases.recording import BAR_FORCES, STRUTS, RecordingFormat
 from cases.schema import Case
 
 HEXAPOD = load_case("hexapod")

@@ -8,7 +8,7 @@ import pytest
 
 from cases.errors import RecordingError
 from cases.loading import load_case
-from cases.recording_columns import BAR_FORCES, STRUTS
+from cases.recording import BAR_FORCES, STRUTS
 from identification.recording import Recording, read_recording, read_run
 from tests.helpers import one_line
 from tests.identification.formats.runs import HEXAPOD, Truth, case_with, csv, written

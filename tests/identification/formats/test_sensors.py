@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
-from cases.recording_columns import BAR_FORCES, STRUTS
+from cases.recording import BAR_FORCES, STRUTS
 from identification.hexapod import Hexapod
 from identification.recording import read_recording
 from tests.helpers import one_line

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cases.recording_columns import BAR_FORCES, STRUTS
+from cases.recording import BAR_FORCES, STRUTS
 from identification.recording import read_recording
 from tests.identification.formats.runs import Truth, case_with, csv, rows, written
 

@@ -12,9 +12,8 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.loaded import UNDISTURBED, Circumstances
 from identification.noise.by_pose import FREEDOM, _spectrum, covariance_by_pose
-from identification.noise.coloured import coloured_covariance
+from identification.noise.coloured import Turned, coloured_covariance, turned
 from identification.noise.pose_field import matern
-from identification.noise.turned import Turned, turned
 from identification.result import Estimate
 from identification.simulate import simulate_recording
 from tests.helpers import Harmonic, taylor_slope

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cases.loading import load_case
 from cases.schema import Case
 from identification.model import Model, identification_model
-from planner.poses.regressors import candidate_scaling, pose_regressors
+from planner.poses.criteria import candidate_scaling, pose_regressors
 from planner.poses.space import grid_candidates, sampled_candidates
 
 

@@ -11,9 +11,7 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.limits import prove_at
 from identification.motion import Standstill
-from planner.poses.coordinates import PoseSpace
-from planner.poses.space import grid_candidates, sampled_candidates
-from planner.poses.validity import margins_of
+from planner.poses.space import PoseSpace, grid_candidates, margins_of, sampled_candidates
 from tests.helpers import one_line, paper_poses
 from tests.planner.poses.conftest import Setting
 

@@ -1,17 +1,14 @@
-"""Adding, exchanging and refining poses, and the designs that bound what any of it can reach."""
+"""Refining poses, and the designs that bound what any of it can reach."""
 
 import cvxpy as cp
 import numpy as np
 import pytest
 
-from planner.poses.adding import add_forward, exchange
-from planner.poses.approximate import approximate_design
-from planner.poses.continuous import continuous_bound
-from planner.poses.criteria import POSE_CRITERIA
+from planner.poses.continuous import approximate_design, continuous_bound
+from planner.poses.criteria import POSE_CRITERIA, pose_regressors, total_information
 from planner.poses.refinement import refine
-from planner.poses.regressors import pose_regressors, total_information
-from planner.poses.removal import full_rank, reduce_best
-from planner.poses.validity import margins_of
+from planner.poses.removal import reduce_best
+from planner.poses.space import margins_of
 from tests.planner.poses.conftest import Setting
 
 LETTERS = tuple(POSE_CRITERIA)
@@ -51,45 +48,8 @@ def test_30_of_480_poses_by_algorithm_1_carry_nearly_all_that_any_30_could(grid:
 
 
 @pytest.mark.parametrize("letter", LETTERS)
-def test_exchange_never_makes_a_set_worse_and_leaves_none_that_one_exchange_improves(
-    sample: Setting, letter: str
-) -> None:
-    start = np.arange(0, 200, 20)
-    end = exchange(sample.regressors, POSE_CRITERIA[letter], start)
-    assert len(set(end)) == len(start)
-    best = value(letter, sample.regressors[end])
-    assert best > value(letter, sample.regressors[start])
-    for place in range(0, len(end), 3):
-        for other in range(0, 200, 7):
-            trial = [*np.delete(end, place), other]
-            if len(set(trial)) == len(end):
-                assert value(letter, sample.regressors[trial]) <= best + 1e-6 * abs(best)
-
-
-@pytest.mark.parametrize("letter", LETTERS)
-def test_each_pose_that_is_added_makes_the_criterion_better_until_it_saturates(sample: Setting, letter: str) -> None:
-    added = add_forward(sample.regressors, POSE_CRITERIA[letter], 100)
-    assert added.saturated
-    assert len(set(added.chosen)) == len(added.chosen) < 100
-    known = added.values[np.isfinite(added.values)]
-    if letter in "AD":  # condition and noise index need not grow
-        assert np.all(np.diff(known) > 0.0)
-    # one more pose would shrink the standard deviations by less than one per cent in the mean
-    now = value("D", sample.regressors[added.chosen])
-    before = value("D", sample.regressors[added.chosen[:-1]])
-    assert 1.0 - np.exp((before - now) / 28) >= 0.01
-
-
-def test_the_first_added_poses_reach_full_rank_with_few(sample: Setting) -> None:
-    added = add_forward(sample.regressors, POSE_CRITERIA["D"], 10, 0.0)
-    assert full_rank(sample.regressors[added.chosen[:4]])
-    assert len(added.chosen) == 10
-    assert not added.saturated
-
-
-@pytest.mark.parametrize("letter", LETTERS)
 def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, letter: str) -> None:
-    start = exchange(sample.regressors, POSE_CRITERIA[letter], np.arange(0, 200, 20))
+    start = reduce_best(sample.regressors, POSE_CRITERIA[letter], 10).kept
     found = refine(sample.case, sample.model, sample.scaling, POSE_CRITERIA[letter], sample.poses[start])
     assert found.value > value(letter, sample.regressors[start])
     exact = value(letter, pose_regressors(sample.model, found.poses) * sample.scaling)
@@ -98,9 +58,7 @@ def test_refinement_finds_better_poses_that_are_all_valid(sample: Setting, lette
 
 
 def test_30_refined_poses_reach_95_percent_of_what_any_poses_in_the_space_could(sample: Setting) -> None:
-    chosen = exchange(
-        sample.regressors, POSE_CRITERIA["D"], reduce_best(sample.regressors, POSE_CRITERIA["D"], 30).kept
-    )
+    chosen = reduce_best(sample.regressors, POSE_CRITERIA["D"], 30).kept
     found = refine(sample.case, sample.model, sample.scaling, POSE_CRITERIA["D"], sample.poses[chosen])
     bound = continuous_bound(sample.case, sample.model, sample.scaling, sample.poses)
     mean = total_information(pose_regressors(sample.model, found.poses) * sample.scaling) / 30

@@ -12,7 +12,7 @@ COUNT = 5
 @pytest.mark.linuxcnc
 def test_poses_run_on_linuxcnc_are_identified(tmp_path: Path) -> None:
     plan, program, run = tmp_path / "plan", tmp_path / "poses.ngc", tmp_path / "run"
-    call("poses", "hexapod", "--count", COUNT, "--method", "exchange", "-o", plan, "--json").json()
+    call("poses", "hexapod", "--count", COUNT, "--method", "backward", "-o", plan, "--json").json()
     call("post", plan, "--accept", "jerk,strut-acceleration", "-o", program, "--json").json()
     answer = call("run", program, "--case", "hexapod", "--on", "linuxcnc", "-o", run, "--json").json()
     assert answer["poses"] == COUNT

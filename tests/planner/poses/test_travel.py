@@ -9,9 +9,8 @@ from cases.errors import InfeasiblePlan
 from cases.loading import load_case
 from identification.hexapod import Hexapod
 from identification.limits import prove
-from planner.poses.order import duration, shortest_order
 from planner.poses.space import sampled_candidates
-from planner.poses.travel import fastest_move, require_ways, travel_times
+from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 
 CASE = load_case("hexapod")
 HOME = np.array([0.0, 0.0, 0.9, 0.0, 0.0, 0.0])

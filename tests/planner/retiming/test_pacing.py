@@ -7,7 +7,7 @@ from cases.loading import load_case
 from identification.motion import Joined
 from identification.trajectories.profile import StraightMove, fastest_profile
 from planner.retiming.pacing import Course, PacedMotion, paced
-from planner.retiming.spline_fit import fitted_spline
+from planner.retiming.path import fitted_spline
 
 CASE = load_case("hexapod")
 HOME = CASE.machine.home.vector

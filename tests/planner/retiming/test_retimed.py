@@ -19,9 +19,8 @@ from planner.plan import motion_csv
 from planner.plan_folder import load_plan
 from planner.request import Request
 from planner.retiming.motion_table import read_motion
-from planner.retiming.moves import by_controller
 from planner.retiming.plan import retimed_plan
-from planner.retiming.retimed import Method, fitting_method, retimed
+from planner.retiming.retimed import Method, by_controller, fitting_method, retimed
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -148,7 +147,7 @@ def replace_controller():
 
 def written(folder: Path) -> Path:
     file = folder / "motion.csv"
-    file.write_text(motion_csv(sample(slowed_moves(), 100.0)))
+    file.write_text(motion_csv(sample(slowed_moves(), 100.0), CASE))
     return file
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from identification.motion import Motion
-from planner.retiming.spline_fit import fitted_spline
+from planner.retiming.path import fitted_spline
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,9 @@ import pytest
 from cases.basis import KEPT
 from cases.schema import Case
 from planner.study import running
-from planner.study.rows import DONE, FAILED, PLANNED, completed, schema
 from planner.study.running import cells_of, missing, run_study
 from planner.study.spec import Execution, Grid, Spec
-from planner.study.store import JOURNAL, opened, read_rows
+from planner.study.store import DONE, FAILED, JOURNAL, PLANNED, completed, opened, read_rows, schema
 from planner.study.summary import best_groups, groups
 from planner.study.tasks import Outcome
 from planner.study.work import Job

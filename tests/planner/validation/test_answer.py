@@ -11,7 +11,7 @@ from identification.loaded import pose_fields
 from identification.model import identification_model
 from identification.parameters import physical_form
 from planner.validation.answer import linear_answer
-from planner.validation.scatter import true_deviations
+from planner.validation.experiment import true_deviations
 from tests.planner.validation.excitations import CASE, FOUND, HOME, moving
 
 

@@ -4,10 +4,9 @@ import pytest
 
 from identification.identify import identify
 from identification.samples import Conditioning
-from planner.validation.causes import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from planner.validation.experiment import steps
 from planner.validation.remedy import remedy_of
-from planner.validation.step import Identified
+from planner.validation.step import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget, Identified
 from planner.validation.verdict import off_rows
 from tests.helpers import ideal
 from tests.planner.validation.excitations import (

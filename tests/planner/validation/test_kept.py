@@ -15,8 +15,7 @@ from identification.trajectories.executed import DriveExecution
 from planner.interruption import Interrupted
 from planner.validation.carrying_out import Settings, _keep, _kept, _key, unfinished
 from planner.validation.experiment import Excitation, steps
-from planner.validation.kept import Kept, keep, kept_step
-from planner.validation.remedy import remedy_of
+from planner.validation.remedy import Kept, keep, kept_step, remedy_of
 from planner.validation.step import Step
 from planner.validation.validate import validate
 from postprocessors.execute.executed_run import ExecutedRun

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
-from cases.recording_columns import STRUTS
+from cases.recording import STRUTS
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.loaded import Circumstances

@@ -2,8 +2,8 @@
 
 from types import SimpleNamespace
 
-from planner.validation.causes import MODE
 from planner.validation.experiment import steps
+from planner.validation.step import MODE
 from planner.validation.verdict import findings, off_rows
 from tests.planner.validation.excitations import CASE, FOUND, NO_POSE_ERROR, brisk
 

@@ -11,7 +11,7 @@ import pytest
 
 from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
-from postprocessors.execute.linuxcnc import isolation, outcome, running
+from postprocessors.execute.linuxcnc import isolation, running
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing, run_linuxcnc
 from tests.postprocessors.execute.runs import PROGRAM, log_of
 
@@ -59,20 +59,20 @@ REPORT = {"outcome": "done", "version": "2.9.4", "errors": [], "messages": [], "
     ],
 )
 def test_reports_of_failure_become_one_line(change: dict[str, Any], said: str, tmp_path: Path) -> None:
-    (tmp_path / outcome.REPORT_FILE).write_text(json.dumps(REPORT | change))
+    (tmp_path / running.REPORT_FILE).write_text(json.dumps(REPORT | change))
     with pytest.raises(ExecutionError, match=re.escape(said)):
-        outcome.read_report(Path("p.ngc"), tmp_path)
+        running.read_report(Path("p.ngc"), tmp_path)
 
 
 def test_a_session_without_report_tells_what_linuxcnc_said_last(tmp_path: Path) -> None:
     (tmp_path / isolation.OUTPUT_FILE).write_text("Starting\nRealtime system did not load\n")
     with pytest.raises(ExecutionError, match="said last: Realtime system did not load"):
-        outcome.read_report(Path("p.ngc"), tmp_path)
+        running.read_report(Path("p.ngc"), tmp_path)
 
 
 def test_lost_cycles_are_an_error(tmp_path: Path) -> None:
-    with pytest.raises(outcome.LostCycles, match=r"3 of 10 cycles were not logged; .* speed-up below 20"):
-        outcome.read_log(Path("p.ngc"), tmp_path, REPORT | {"samples": 7, "lost": 3}, 20.0)
+    with pytest.raises(running.LostCycles, match=r"3 of 10 cycles were not logged; .* speed-up below 20"):
+        running.read_log(Path("p.ngc"), tmp_path, REPORT | {"samples": 7, "lost": 3}, 20.0)
 
 
 @pytest.mark.parametrize("losses", [0, 1, 2, 3])
@@ -84,7 +84,7 @@ def test_a_run_that_loses_cycles_is_repeated_more_slowly_and_given_up_in_the_end
     def session(program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speed: float, limit: float):
         speeds.append(speed)
         if len(speeds) <= losses:
-            raise outcome.LostCycles(f"{program}: lost at {speed:g}")
+            raise running.LostCycles(f"{program}: lost at {speed:g}")
         return log_of([0, 2, 2, 0]), (0, 4)
 
     for name, value in (("linuxcnc_missing", lambda: None), ("preload_works", lambda: True), ("_session", session)):

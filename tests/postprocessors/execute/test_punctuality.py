@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from postprocessors.execute.executed_run import moving_windows
-from postprocessors.execute.linuxcnc.punctuality import slowest_path
-from postprocessors.execute.log import ControllerLog
+from postprocessors.execute.log import ControllerLog, slowest_path
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.programs import FIRST, there_and_back, timed, typed
 

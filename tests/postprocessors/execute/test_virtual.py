@@ -13,8 +13,7 @@ from identification.simulate import simulate_recording
 from identification.trajectories.path import path_error
 from postprocessors.execute.block_limited import rounded
 from postprocessors.execute.executed_run import ExecutedRun, windows
-from postprocessors.execute.linuxcnc.guarantees import linuxcnc_guarantees
-from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
+from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees, predicted_stretch, triggered_paths
 from postprocessors.execute.virtual import REST, commanded, run_virtual
 from postprocessors.proving.stretches import Timed
 from postprocessors.reading.linuxcnc import read_linuxcnc

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from cases.errors import ExecutionError
-from postprocessors.export import building
-from postprocessors.export.building import build_object
+from postprocessors.export import targets
 from postprocessors.export.c99 import c_sources
+from postprocessors.export.targets import build_object
 from tests.helpers import one_line
 from tests.postprocessors.export.calibrations import calibration
 
@@ -84,8 +84,8 @@ def test_a_compiler_that_hangs_is_ended(tmp_path: Path, monkeypatch: pytest.Monk
     hanging = tmp_path / "gcc"
     hanging.write_text("#!/bin/sh\nexec /bin/sleep 60\n", encoding="ascii")
     hanging.chmod(0o755)
-    monkeypatch.setattr(building, "SYSTEM_PATH", str(tmp_path))
-    monkeypatch.setattr(building, "TIME_LIMIT", 0.2)
+    monkeypatch.setattr(targets, "SYSTEM_PATH", str(tmp_path))
+    monkeypatch.setattr(targets, "TIME_LIMIT", 0.2)
     with pytest.raises(ExecutionError, match=r"model.c: gcc did not end within 0.2 s") as caught:
         build_object(tmp_path / "model.c")
     one_line(caught.value)

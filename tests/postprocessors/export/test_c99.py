@@ -12,7 +12,7 @@ from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
 from postprocessors.export.c99 import RING, c_sources, window_of
-from postprocessors.export.rendering import MOST_STEPS
+from postprocessors.export.calibration import MOST_STEPS
 from tests.helpers import HOME, Harmonic, simulated
 from tests.postprocessors.export.calibrations import calibration, with_drives
 from tests.postprocessors.export.compiled import BAD_INPUT, FILLING, NOT_CLOSED, OK, Chain, Compiled

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from cases.loading import built_in_cases, load_case
-from postprocessors.export import building
+from postprocessors.export import targets
 from postprocessors.export.targets import TARGETS
 from tests.planner.command_line import call, refused
 from tests.postprocessors.export.calibrations import write_result
@@ -150,7 +150,7 @@ def test_c_is_compiled_on_demand(result: Path, here: Path) -> None:
 def test_without_gcc_nothing_is_compiled_and_nothing_written(
     result: Path, here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(building, "SYSTEM_PATH", str(here))
+    monkeypatch.setattr(targets, "SYSTEM_PATH", str(here))
     line = refused("export", result, "--to", "c", "--build")
     for word in ("gcc is missing", "install", "--build"):
         assert word in line

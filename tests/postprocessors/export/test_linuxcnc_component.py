@@ -18,10 +18,9 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters
 from postprocessors.execute.linuxcnc.isolation import preload_works
 from postprocessors.execute.linuxcnc.running import linuxcnc_missing
-from postprocessors.export import building
-from postprocessors.export.building import build_component, halcompile_missing
-from postprocessors.export.c99 import window_of
-from postprocessors.export.linuxcnc_component import linuxcnc_component
+from postprocessors.export import targets
+from postprocessors.export.c99 import linuxcnc_component, window_of
+from postprocessors.export.targets import build_component, halcompile_missing
 from tests.planner.command_line import call, refused
 from tests.postprocessors.export.calibrations import calibration, write_result
 from tests.postprocessors.export.rig import run_rig
@@ -222,7 +221,7 @@ def test_without_halcompile_nothing_is_compiled_and_nothing_written(
     here = tmp_path / "here"
     here.mkdir()
     monkeypatch.chdir(here)
-    monkeypatch.setattr(building, "SYSTEM_PATH", str(here))
+    monkeypatch.setattr(targets, "SYSTEM_PATH", str(here))
     line = refused("export", result, "--to", "linuxcnc", "--build")
     for word in ("hexapod_force.comp", "halcompile is missing", "linuxcnc-uspace-dev", "--build"):
         assert word in line

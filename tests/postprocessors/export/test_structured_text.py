@@ -12,8 +12,7 @@ from identification.force import tare
 from identification.hexapod import Hexapod
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
-from postprocessors.export.calibration import Calibration
-from postprocessors.export.rendering import MOST_STEPS
+from postprocessors.export.calibration import MOST_STEPS, Calibration
 from postprocessors.export.structured_text import structured_text
 from tests.helpers import HOME
 from tests.postprocessors.export.calibrations import calibration, with_drives
