@@ -21,7 +21,7 @@ from cases.units import DEG, MM
 
 MOST_JOINTS = 12
 LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
-_NAME = re.compile(r"[^\s,;=\"'#]+")  # a name in ROS, and of columns
+_NAME = re.compile(r"[A-Za-z][\w./-]*")  # a name in ROS, and of columns
 
 
 class Frame(Part):
@@ -68,7 +68,9 @@ class Joint(Frame):
     @classmethod
     def _nameable(cls, value: str) -> str:
         if not _NAME.fullmatch(value):
-            raise ValueError(f"{value!r} names a column and a word of programs; use letters, digits, _ and -")
+            raise ValueError(
+                f"{value!r} names a column and a word of programs; use letters, digits, _, -, . and /, a letter first"
+            )
         return value
 
     @field_validator("axis")

@@ -37,6 +37,15 @@ class PointToPointDrives(Part):
     states: try it with `--speed 0.1`; or G0, as fast as the drives can, which cannot be slowed."""
 
 
+class UrScript(Part):
+    """Settings of programs for robots of Universal Robots."""
+
+    program_name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,30}$")]
+    """Of the function that the program is: letters, digits and underscores."""
+    trigger_output: Annotated[int, Field(strict=True, ge=0, le=7)]
+    """Standard digital output that is on while the excitation runs; RTDE records it with the robot's clock."""
+
+
 class Setpoints(Part):
     """Settings of setpoint tables for external setpoint generation."""
 
@@ -238,7 +247,7 @@ class TwinCat(Part):
         return self.shortest_block_ms * MS
 
 
-Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints)
+Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints, UrScript)
 
 
 class LinuxCnc(Part):
@@ -267,7 +276,7 @@ class Controller(Part):
     """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
     at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
     turn, under the limits of `[limits.motion]`)."""
-    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints"] | None = None
+    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2"] | None = None
     """The controller whose time law point-to-point plans are made for (`hexcite plan --for`). Without it all limits of
     `[limits.motion]` count, those of jerk too."""
     linuxcnc: LinuxCnc | None = None
@@ -276,6 +285,7 @@ class Controller(Part):
     sinumerik: Sinumerik | None = None
     twincat: TwinCat | None = None
     setpoints: Setpoints | None = None
+    urscript: UrScript | None = None
 
     @property
     def cycle(self) -> float:
@@ -313,6 +323,10 @@ class Controller(Part):
     def need_setpoints(self, case: str) -> Setpoints:
         """Settings of setpoint tables; raises CaseError where the case has none."""
         return _needed(self.setpoints, case, "setpoints")
+
+    def need_urscript(self, case: str) -> UrScript:
+        """Settings of URScript programs; raises CaseError where the case has none."""
+        return _needed(self.urscript, case, "urscript")
 
 
 def _needed(settings: Settings | None, case: str, name: str) -> Settings:

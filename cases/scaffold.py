@@ -245,6 +245,8 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "post --dialect sinumerik": (*_PROGRAM, "controller.sinumerik"),
     "post --dialect twincat": (*_PROGRAM, "controller.twincat"),
     "post --dialect setpoints": (*_PROGRAM, "controller.setpoints"),
+    "post --dialect urscript": (*_PROGRAM, "controller.urscript"),
+    "post --dialect ros2": _PROGRAM,
     "run": _RUN,
     "identify a motion": ("recording.filter_cutoff_Hz",),
     "identify standstills, force, tare": (),
@@ -252,6 +254,9 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "demo": (*_RUN, "nominal"),
 }
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
+_OF_A_HEXAPOD = frozenset({"poses", "retime", "post --dialect sinumerik", "post --dialect twincat", "validate"})
+_OF_A_CHAIN = frozenset({"post --dialect urscript", "post --dialect ros2"})
+_NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains do not need
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
 
 
@@ -274,7 +279,17 @@ def readiness(case: Case) -> tuple[Readiness, ...]:
             Readiness(command, ("a sensor frame that moves (setup is 1a)",) if command in _OF_A_MOVING_FRAME else ())
             for command in NEEDS
         )
-    return tuple(Readiness(name, tuple(_missing(case, keys))) for name, keys in NEEDS.items())
+    return tuple(Readiness(name, tuple(_lacks(case, name, keys))) for name, keys in NEEDS.items())
+
+
+def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
+    """Keys that a command misses, or the machine that it is for."""
+    if case.chain is not None and command in _OF_A_HEXAPOD:
+        yield "a hexapod (the machine is a chain)"
+    elif case.hexapod is not None and command in _OF_A_CHAIN:
+        yield "a chain of joints (the machine is a hexapod)"
+    else:
+        yield from _missing(case, tuple(key for key in keys if case.chain is None or key not in _NOT_OF_A_CHAIN))
 
 
 def _missing(case: Case, keys: tuple[str, ...]) -> Iterator[str]:

@@ -16,7 +16,7 @@ from postprocessors.dialects import DIALECTS, dialect
 from postprocessors.proving.guarantees import family, limits_jerk
 from postprocessors.reading.words import Reading
 
-CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints")
+CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
 
 
 class Controlled(NamedTuple):
@@ -65,20 +65,24 @@ def controlled(case: Case, controller: str | None) -> Controlled:
     return Controlled(case.without_jerk(), controller, guarantees.jerk_time)
 
 
-def moves_in(box: Box, duration: float) -> float | None:
-    """How many moves a duration has room for where accelerations step; None where jerk is limited.
+MOVES_A_SECOND = 10.0 / 3.0  # at most where jerk is limited
 
-    A good move then is one that just reaches its limit of velocity, or crosses the box before that.
+
+def moves_in(box: Box, duration: float) -> float:
+    """How many moves a duration has room for.
+
+    A good move just reaches its limit of velocity, or crosses the box before that: where accelerations step in all
+    coordinates; where jerk is limited in the quickest, and in 0.3 s at least.
 
     Args:
         box: limits that count, see `Controlled`.
         duration: of all moves [s].
     """
-    if box.limits_jerk:
-        return None
     width = box.pose[1] - box.pose[0]
-    one = float(np.max(2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))))
-    return duration / one
+    each = 2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))
+    if box.limits_jerk:
+        return duration * min(MOVES_A_SECOND, 1.0 / float(np.min(each)))
+    return duration / float(np.max(each))
 
 
 def usual_dialect(settings: Mapping[str, Any]) -> str:

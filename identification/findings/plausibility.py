@@ -281,7 +281,7 @@ def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
         return np.zeros(len(rows), dtype=bool)
     near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.struts) - 3)
     shaken = np.zeros(near.shape, dtype=bool)
-    for k in range(6):
+    for k in range(recording.struts.shape[1]):
         away = np.abs(_from_neighbours(np.diff(recording.struts[:, k], 2)))
         usual = 1.4826 * _median(away)
         if usual > 0.0:

@@ -19,7 +19,6 @@ from planner.families.manual import manual_motion, sequence_file
 
 MOST_PERIODS = 1e6
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
-MOVES_A_SECOND = 10.0 / 3.0
 KNOTS_A_SECOND = 10.0
 SHORTEST = spline.FEWEST / KNOTS_A_SECOND  # [s] of a spline, and of any motion whose duration is searched
 ORDERS = range(2, 8)  # where the order is free
@@ -216,7 +215,7 @@ class PointToPoint(FamilySettings):
     """Straight moves in the coordinates, each from rest to rest.
 
     Args:
-        moves: 8 to 64; None for ten in three seconds, or where accelerations step as many as reach their velocity.
+        moves: 8 to 64; None for as many as reach their velocity, where jerk is limited ten in three seconds at most.
         controller: whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat or setpoints; None
             for the one that the case plans for, else limited jerk.
     """
@@ -249,7 +248,7 @@ class PointToPoint(FamilySettings):
         if self.moves is not None:
             return self.moves
         fitting = moves_in(case.need_motion("planning")[1], duration)
-        return int(np.clip(round(MOVES_A_SECOND * duration if fitting is None else fitting), ptp.FEWEST, ptp.MOST))
+        return int(np.clip(round(fitting), ptp.FEWEST, ptp.MOST))
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Every move has four phases of jerk, or two of acceleration where it steps, each three controller cycles.

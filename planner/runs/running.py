@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
-from identification.hexapod import Hexapod
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
+from identification.machine import machine_of
 from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case
@@ -213,9 +213,9 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if log.left_out > NOTICEABLE * len(log.lines):
         surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
         remark = f"{remark}; {surplus}" if remark else surplus
-    execution = DriveExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
+    execution = DriveExecution.of_log(machine_of(case), log.period, log.drives)
     on = windows(log.trigger, log.period)
-    measured = on if at_poses else moving_windows(log.trigger, log.strut_lengths, log.period)
+    measured = on if at_poses else moving_windows(log.trigger, log.drives, log.period)
     return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)
 
 

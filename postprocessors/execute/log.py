@@ -19,8 +19,8 @@ class ControllerLog:
     Args:
         controller: name and version of the controller, as it gave them itself.
         period: duration of a cycle [s].
-        strut_lengths: commanded strut lengths, shape (n, 6) [m].
-        poses: commanded pose (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad].
+        drives: commanded positions of struts or joints, shape (n, k) [m or rad].
+        poses: commanded coordinates, shape (n, k) [m or rad].
         trigger: the recording output, shape (n,).
         lines: the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the
             controller reports it so (LinuxCNC), shape (n,).
@@ -32,7 +32,7 @@ class ControllerLog:
 
     controller: str
     period: float
-    strut_lengths: Array
+    drives: Array
     poses: Array
     trigger: NDArray[np.bool_]
     lines: NDArray[np.int64]
@@ -44,8 +44,9 @@ class ControllerLog:
         count = len(self.lines)
         if count == 0:
             raise ValueError("controller log: holds no cycle")
-        self._freeze("strut_lengths", np.array(self.strut_lengths, dtype=np.float64), (count, 6))
-        self._freeze("poses", np.array(self.poses, dtype=np.float64), (count, 6))
+        for name in ("drives", "poses"):
+            values = np.array(getattr(self, name), dtype=np.float64)
+            self._freeze(name, values, (count, *np.shape(self.poses)[1:]))
         self._freeze("trigger", np.array(self.trigger, dtype=np.bool_), (count,))
         self._freeze("lines", np.array(self.lines, dtype=np.int64), (count,))
 
