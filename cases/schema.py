@@ -131,6 +131,8 @@ class Case(Part):
             yield "sensor_frame.struts are those of a hexapod; add [machine] with base, platform and home"
         if self.sensor_frame.struts is not None and self.sensors.range_N is not None:
             yield "sensors.range_N is a limit that plans do not hold yet where sensors sit in struts; remove it"
+        if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:
+            yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
         if not isinstance(self.machine, SerialMachine):
             if isinstance(self.limits, JointLimits):
                 yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"

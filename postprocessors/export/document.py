@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from cases.errors import HexciteError
 from postprocessors.export.calibration import Calibration
 
 SCHEMA_VERSION = 1
@@ -86,8 +87,17 @@ class Document(_Part):
 
 
 def document(calibration: Calibration) -> Document:
-    """Everything that a calibration holds."""
+    """Everything that a calibration holds.
+
+    Raises:
+        HexciteError: the sensors sit in struts; their structure matrix is none of the constants of a document.
+    """
     case, result = calibration.case, calibration.result
+    if calibration.model.struts is not None:
+        raise HexciteError(
+            f"{result.source}: the sensors sit in struts, whose structure matrix depends on the pose; a JSON document "
+            "has a constant one: export --to c, linuxcnc or st"
+        )
     kinematics = None
     if case.hexapod is not None:
         drives = case.recording.drives
