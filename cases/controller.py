@@ -40,6 +40,15 @@ class PointToPointDrives(Part):
     states: try it with `--speed 0.1`; or G0, as fast as the drives can, which cannot be slowed."""
 
 
+class UrScript(Part):
+    """Settings of programs for robots of Universal Robots."""
+
+    program_name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,30}$")]
+    """Of the function that the program is: letters, digits and underscores."""
+    trigger_output: Annotated[int, Field(strict=True, ge=0, le=7)]
+    """Standard digital output that is on while the excitation runs; RTDE records it with the robot's clock."""
+
+
 class Setpoints(Part):
     """Settings of setpoint tables for external setpoint generation."""
 
@@ -245,7 +254,7 @@ class TwinCat(Part):
         return self.shortest_block_ms * MS
 
 
-Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints)
+Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints, UrScript)
 
 
 class LinuxCnc(Part):
@@ -262,8 +271,10 @@ class Controller(Part):
 
     block_ms: Positive
     """Duration of the blocks that a dense path is written in."""
-    safe_feed_mm_min: Positive
-    """Feed of the first move, from wherever the machine stands to home."""
+    safe_feed_mm_min: Positive | None = None
+    """Feed of the first move of a hexapod, from wherever the machine stands to home."""
+    safe_speed_percent: Annotated[Positive, Field(le=100.0)] = 10.0
+    """Of the speeds and accelerations of `[limits.motion]`: the first move of a chain, from wherever it stands."""
     settle_s: Positive
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
@@ -272,7 +283,7 @@ class Controller(Part):
     """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
     at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
     turn, under the limits of `[limits.motion]`)."""
-    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints"] | None = None
+    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2"] | None = None
     """The controller whose time law point-to-point plans are made for (`hexcite plan --for`). Without it all limits of
     `[limits.motion]` count, those of jerk too."""
     linuxcnc: LinuxCnc | None = None
@@ -284,6 +295,8 @@ class Controller(Part):
     """Settings of TwinCAT CNC (TF5200) and ISG programs."""
     setpoints: Setpoints | None = None
     """Settings of tables of set points."""
+    urscript: UrScript | None = None
+    """Settings of URScript programs."""
 
     @property
     def cycle(self) -> float:
@@ -297,8 +310,14 @@ class Controller(Part):
 
     @property
     def safe_feed(self) -> float:
-        """Feed of the first move to home [m/s]."""
+        """Feed of the first move of a hexapod to home [m/s]; its case states one."""
+        assert self.safe_feed_mm_min is not None
         return self.safe_feed_mm_min * MM / MINUTE
+
+    @property
+    def safe_share(self) -> float:
+        """Share of the limits of motion that the first move of a chain may use."""
+        return self.safe_speed_percent / 100.0
 
     def need_linuxcnc(self, case: str) -> LinuxCnc:
         """Settings of LinuxCNC's programs; raises CaseError where the case has none."""
@@ -315,6 +334,10 @@ class Controller(Part):
     def need_setpoints(self, case: str) -> Setpoints:
         """Settings of setpoint tables; raises CaseError where the case has none."""
         return _needed(self.setpoints, case, "setpoints")
+
+    def need_urscript(self, case: str) -> UrScript:
+        """Settings of URScript programs; raises CaseError where the case has none."""
+        return _needed(self.urscript, case, "urscript")
 
 
 def _needed(settings: Settings | None, case: str, name: str) -> Settings:

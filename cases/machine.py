@@ -4,6 +4,7 @@ import math
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import model_validator
 
 from cases.parts import (
@@ -229,6 +230,21 @@ class MotionLimits(Part):
                     f"{name} = [{low:g}, {high:g}] does not contain 0; pose limits are relative to home, widen them"
                 )
         return self
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return ("x", "y", "z", "a", "b", "c")
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The same of columns, with their units."""
+        return POSE
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which coordinates are angles, shape (6,)."""
+        return np.arange(6) >= 3
 
     @cached_property
     def pose(self) -> Array:

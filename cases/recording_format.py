@@ -17,6 +17,8 @@ CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
 STRUT_VELOCITIES = tuple(f"ld{k}_mm_s" for k in range(1, 7))
 DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
+JOINT_ANGLES = tuple(f"q{k}_deg" for k in range(1, 13))
+JOINT_WAYS = tuple(f"q{k}_mm" for k in range(7, 13))  # of a chain; those before are the names of drives too
 DRIVE_VELOCITIES = tuple(f"qd{k}_mm_s" for k in range(1, 7))
 POSE = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
 ROTATION = tuple(f"r{i}{j}" for i in range(1, 4) for j in range(1, 4))
@@ -24,12 +26,16 @@ ACCELEROMETER = ("ax", "ay", "az")
 BAR_FORCES = tuple(f"f{k}_N" for k in range(1, 7))
 WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
 COLUMNS = (
-    CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
+    CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS,
+    *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
     *WRENCH, TRIGGER, OVERRIDE,
 )  # fmt: skip
 
-MOTION = (CLOCK, *POSE, *(f"v_{c}_s" for c in POSE), *(f"acc_{c}_s2" for c in POSE))
-"""Columns of `motion.csv` and of tables of set points: poses, rates and accelerations over time."""
+
+def motion_columns(coordinates: tuple[str, ...]) -> tuple[str, ...]:
+    """Columns of `motion.csv` and of tables of set points: coordinates, rates and accelerations over time."""
+    return (CLOCK, *coordinates, *(f"v_{c}_s" for c in coordinates), *(f"acc_{c}_s2" for c in coordinates))
+
 
 _LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}
 _VELOCITY = {"mm/s": MM, "m/s": 1.0, "mm/min": MM / 60.0, "m/min": 1.0 / 60.0}
@@ -41,7 +47,8 @@ _MOMENT = {"Nm": 1.0, "Nmm": 1e-3, "kNm": 1e3}
 _GROUPS: tuple[tuple[str, Iterable[str], Mapping[str, float]], ...] = (
     ("struts", STRUTS, _LENGTH),
     ("strut_velocities", STRUT_VELOCITIES, _VELOCITY),
-    ("drives", DRIVES, _LENGTH),
+    ("drives", (*DRIVES, *JOINT_WAYS), _LENGTH),
+    ("joints", JOINT_ANGLES, _ANGLE),
     ("drive_velocities", DRIVE_VELOCITIES, _VELOCITY),
     ("positions", POSE[:3], _LENGTH),
     ("angles", POSE[3:], _ANGLE),

@@ -100,24 +100,52 @@ class Transducer(Part):
     """Which force a positive reading means: that of the load on the sensor, or its reaction."""
 
 
+class StrutSensors(Part):
+    """Six single-axis force sensors, one in each strut of the hexapod; struts are slender, of a tube and a rod."""
+
+    at: Literal["drive", "platform"]
+    """The end of the rod where its sensor sits: between drive and rod, or between rod and platform joint."""
+    each: bool = False
+    """Whether every strut has parameters of its own; else all struts are alike."""
+    rod_mass_kg: NonNegative
+    """Of one rod, nominal like all that follows: predictions and simulated runs go by these values."""
+    rod_first_moment_kg_m: NonNegative
+    """Of the rod's mass, from the platform joint towards the base joint."""
+    tube_first_moment_kg_m: NonNegative
+    """Of the tube's mass, from the base joint towards the platform joint."""
+    inertia_kg_m2: NonNegative
+    """Of the rod about the platform joint and of the tube about the base joint together."""
+    viscous_friction_Nms: tuple[NonNegative, NonNegative] | None = None
+    """In base and platform joints; part of the model where it is given."""
+    coulomb_friction_Nm: tuple[NonNegative, NonNegative] | None = None
+    """The same, independent of the speed."""
+
+
 class SensorFrame(Part):
-    """Where the forces are measured: a frame of bars or a force/torque sensor; exactly one of the two."""
+    """Where the forces are measured: a frame of bars, a force/torque sensor, or the struts; exactly one of them."""
 
     bars: Bars | None = None
     """Six bars with one force sensor each."""
     transducer: Transducer | None = None
     """A six-axis force/torque sensor."""
+    struts: StrutSensors | None = None
+    """Six force sensors in the struts."""
 
     @model_validator(mode="after")
     def _one_form(self) -> "SensorFrame":
-        if (self.bars is None) == (self.transducer is None):
-            raise ValueError("give either bars or transducer, not both or neither")
+        if sum(form is not None for form in (self.bars, self.transducer, self.struts)) != 1:
+            raise ValueError("give one of bars, transducer and struts, not several or none")
         return self
+
+    @property
+    def has_moments(self) -> bool:
+        """Whether the last three channels are moments; else all six are forces."""
+        return self.transducer is not None
 
     @property
     def channels(self) -> tuple[str, ...]:
         """Names of the columns of what it measures."""
-        return BAR_FORCES if self.bars is not None else WRENCH
+        return WRENCH if self.has_moments else BAR_FORCES
 
 
 class Sensors(Part):
@@ -125,6 +153,8 @@ class Sensors(Part):
 
     range_N: Positive | None = None
     """Largest force that a sensor measures; plans use 80 % of it at most."""
+    range_Nm: Positive | None = None
+    """Of the moments of a force/torque sensor; the number of `range_N` unless given."""
     weights: Literal["equal", "per_channel", "per_unit", "stated"]
     """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel; `per_unit`: from
     that of all forces and that of all moments (a force/torque sensor whose residuals are more than its noise);
@@ -147,6 +177,13 @@ class Sensors(Part):
     together with their length."""
     pose_error_length_mm: Annotated[float, Field(strict=True, ge=LEAST_LENGTH_MM, le=MOST_LENGTH_MM)] | None = None
     """Distance in the space of the six strut lengths, the root of the sum of squares, at which they are half alike."""
+
+    @property
+    def range(self) -> Array | None:
+        """Largest force or moment of each channel, shape (6,) [N, or N and N m]; None where the case does not say."""
+        if self.range_N is None:
+            return None
+        return frozen([self.range_N] * 3 + [self.range_Nm or self.range_N] * 3)
 
     @property
     def force_noise(self) -> Array | None:
@@ -247,7 +284,7 @@ class Truth(Part):
     """Mass, centre of gravity and inertia of what moves."""
     offsets_N: Six
     """What the six sensors read without a load."""
-    compensation: Compensation
+    compensation: Compensation = Compensation(k0_N_m=0.0, k1_Nm_m=0.0, k2_N=0.0, k3_Nm=0.0)
     """Factors of the elastic deformation."""
 
 
@@ -259,9 +296,13 @@ class Simulation(Part):
     parameters: Truth
     """The true parameters."""
     encoder_resolution_um: NonNegative
-    """Step of the strut encoders."""
+    """Step of the encoders of struts, and of joints that slide."""
+    encoder_resolution_mdeg: NonNegative = 0.0
+    """Step of the encoders of joints that turn."""
     force_noise_N: NonNegative
     """Standard deviation of white noise on a force sample."""
+    moment_noise_Nm: NonNegative | None = None
+    """Of the moments of a force/torque sensor; the number of `force_noise_N` unless given."""
     force_delay_ms: NonNegative
     """How much later than the motion the forces are recorded."""
     force_sampling_offset_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
@@ -277,8 +318,19 @@ class Simulation(Part):
 
     @property
     def encoder_resolution(self) -> float:
-        """Step of the strut encoders [m]."""
+        """Step of the encoders of drives that slide [m]."""
         return self.encoder_resolution_um * UM
+
+    @property
+    def turning_resolution(self) -> float:
+        """Step of the encoders of joints that turn [rad]."""
+        return self.encoder_resolution_mdeg * MM * DEG
+
+    @property
+    def force_noise(self) -> Array:
+        """Standard deviation of each channel, shape (6,) [N, or N and N m]."""
+        moments = self.force_noise_N if self.moment_noise_Nm is None else self.moment_noise_Nm
+        return frozen([self.force_noise_N] * 3 + [moments] * 3)
 
     @property
     def acceleration_noise(self) -> Array:

@@ -84,7 +84,7 @@ def make_retimed(
         found = retimed(given.motion, given.case, wanted, chosen, fastest, told)
         seconds = perf_counter() - began
         if output is not None and table:
-            write_text(output, motion_csv(sample(found.motion, SAMPLE_RATE)))
+            write_text(output, motion_csv(sample(found.motion, SAMPLE_RATE), given.case))
         elif output is not None:
             told("writing")
             made = retimed_plan(found, given.request, given.case, source, seconds, given.stale)

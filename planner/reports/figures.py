@@ -14,7 +14,7 @@ from cases.units import DEG, MM
 from identification.identifiability import Identifiability
 from identification.motion import Motion
 from planner.precision import bounds_text, std_text, value_text
-from planner.reports.charts import AXES, Chart
+from planner.reports.charts import Chart
 from planner.reports.page import Item, Plot, Table, plain, thinned
 
 if TYPE_CHECKING:
@@ -30,28 +30,37 @@ MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 
 def motion_plots(case: Case, motion: Motion) -> list[Plot]:
     """Position, velocity, acceleration and jerk over time, each axis with its own limits."""
-    machine, _, limits = case.need_machine("the report")
-    box = limits.motion
+    home, box = case.need_motion("the report")
     rows = (
-        ("position from home", "mm", "deg", motion.pose - machine.home.vector, box.pose, 1 / MM, 1 / DEG),
+        ("position from home", "mm", "deg", motion.pose - home, box.pose, 1 / MM, 1 / DEG),
         ("velocity", "mm/s", "deg/s", motion.rates, _both(box.rate), 1 / MM, 1 / DEG),
         ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), 1.0, 1.0),
         ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), 1.0, 1.0),
     )
     plots = []
     for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
-        for axes, unit, factor in ((range(3), length_unit, to_length), (range(3, 6), angle_unit, to_angle)):
+        for kind, own, unit, factor in (
+            ("translation", ~box.turns, length_unit, to_length),
+            ("rotation", box.turns, angle_unit, to_angle),
+        ):
+            axes = [int(k) for k in np.flatnonzero(own)]
+            if not axes:
+                continue
             figure = Chart()
             for k in axes:
                 x, y = thinned(motion.t, values[:, k] * factor)
-                figure.add_scatter(x=x, y=y, name=AXES[k], line={"color": COLOURS[k], "width": 1.6})
-            _add_limits(figure, limit[:, list(axes)] * factor, [COLOURS[k] for k in axes])
+                figure.add_scatter(x=x, y=y, name=plain(box.labels[k]), line={"color": colour(k), "width": 1.6})
+            _add_limits(figure, limit[:, axes] * factor, [colour(k) for k in axes])
             figure.update_xaxes(title="time [s]")
             figure.update_yaxes(title=f"{name} [{unit}]")
-            kind = "rotation" if axes.start else "translation"
             note = f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: its limits."
-            plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), note, half=True))
+            plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), note, half=not own.all()))
     return plots
+
+
+def colour(k: int) -> str:
+    """Of a line by its number, from 0."""
+    return COLOURS[k % len(COLOURS)]
 
 
 def _both(limit: Array) -> Array:

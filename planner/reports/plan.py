@@ -6,15 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from cases.units import MM, pose_words
+from cases.units import MM
 from identification.evaluate import over_samples
 from identification.identifiability import analyse
-from identification.limited import rotation_motion, strut_motion
-from identification.model import Model, identification_model
+from identification.limited import strut_motion
+from identification.limits import load_motion
+from identification.model import RIGID, Model, identification_model
 from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
-from identification.overload import SHARE, load_shares, sensor_forces
-from identification.parameters import physical_form
+from identification.overload import SHARE, load_shares
+from identification.parameters import nominal_parameters, physical_form
 from identification.reference import reference_scaling
 from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
@@ -68,10 +69,10 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
                 "What the plan promises",
                 (_headline(plan), _verdicts(plan), *_deviations(plan, model, manual), *_notes(plan)),
             ),
-            Section("The machine along the plan", (moving_machine(case, plan.motion, "Drag to turn, wheel to zoom."),)),
+            *pictured(case, plan.motion),
             Section("How close it comes to each limit", (limits_plot(plan.limits.to_json()), *_bound_by(plan))),
             Section("The motion and its limits", (*motion_plots(case, motion), _dashed())),
-            Section("Struts", _struts(case, motion)),
+            *([Section("Struts", _struts(case, motion))] if case.hexapod is not None else []),
             Section("Predicted sensor forces", _forces(case, motion, request.payload)),
             Section("Information of the motion", (*_information(plan, model), *_identifiability(plan, model))),
             Section("How the plan was found", starts_items(plan.to_json())),
@@ -85,7 +86,7 @@ def _warnings(plan: Plan) -> tuple[str, ...]:
     if worth.search.interrupted:
         words.insert(0, "The search was stopped by Ctrl-C: this is the best of what was found until then.")
     if not worth.bound.certified:
-        words.append("The bound behind the D-efficiency is an estimate: time ran out before its proof.")
+        words.append(f"The bound behind the D-efficiency is an estimate: {worth.bound.method}.")
     return tuple(words)
 
 
@@ -98,7 +99,7 @@ def _dashed() -> Note:
 
 
 def _ends(plan: Plan) -> str:
-    first, last = (pose_words(pose) for pose in plan.motion.at([0.0, plan.motion.duration]).pose)
+    first, last = map(plan.case.words, plan.motion.at([0.0, plan.motion.duration]).pose)
     return f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
 
 
@@ -193,6 +194,14 @@ def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[f
     return figure.update_layout(height=height)
 
 
+def pictured(case: Case, motion: Trajectory) -> tuple[Section, ...]:
+    """The machine along a motion; of a chain there is no picture yet."""
+    if case.hexapod is None:
+        return ()
+    picture = moving_machine(case, motion, "Drag to turn, wheel to zoom.")
+    return (Section("The machine along the plan", (picture,)),)
+
+
 def _struts(case: Case, motion: Motion) -> tuple[Item, ...]:
     machine, workspace, limits = case.need_machine("the page of a plan")
     box = limits.motion
@@ -218,18 +227,21 @@ def _struts(case: Case, motion: Motion) -> tuple[Item, ...]:
 
 def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
     """Forces with what is mounted, and how much of the range each number of payloads would use."""
-    forces = sensor_forces(*rotation_motion(motion), motion.accelerations[:, :3], case.body(payload), case)
+    model = identification_model(case, RIGID)
+    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
+    forces = matrices @ nominal_parameters(model, case.body(payload))
     of = case.sensors.range_N
     limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
     columns = case.sensor_frame.channels
     unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
     words = f"With {payload} payloads, offsets and compensation apart."
     plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
-    shares = load_shares(motion, case)
+    shares = load_shares(*load_motion(motion, case), case)
     if of is None or not len(shares):
         return (plot, Note("The case names no range of its sensors: nothing limits these forces."))
     rows = tuple((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))
-    table = Table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {of:g} N"), rows, left=0)
+    ends = f"{of:g} N" if (moments := case.sensors.range_Nm) is None else f"{of:g} N and {moments:g} N m"
+    table = Table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {ends}"), rows, left=0)
     return (plot, table)
 
 

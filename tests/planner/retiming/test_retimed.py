@@ -146,7 +146,7 @@ def replace_controller():
 
 def written(folder: Path) -> Path:
     file = folder / "motion.csv"
-    file.write_text(motion_csv(sample(slowed_moves(), 100.0)))
+    file.write_text(motion_csv(sample(slowed_moves(), 100.0), CASE))
     return file
 
 
