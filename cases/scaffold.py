@@ -78,7 +78,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
         raise CaseError(name, "", "is the name of a built-in case; choose another one")
     file = folder / CASE_FILE
     if file.exists():
-        raise FileProblem(f"{file}: exists; choose another folder with -o, or edit that file")
+        raise FileProblem(file, "exists", "choose another folder with -o, or edit that file")
     load_case(like)
     lines: list[str] = [
         f"# {name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units.",

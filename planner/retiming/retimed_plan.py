@@ -125,23 +125,25 @@ def read_motion(file: Path) -> TimedPoints:
             missing = [name for name in ("t_s", *POSE) if name not in header]
             if missing:
                 raise FileProblem(
-                    f"{file}, line 1: column {missing[0]} is missing; head the columns as motion.csv does"
+                    f"{file}, line 1", f"column {missing[0]} is missing", "head the columns as motion.csv does"
                 )
             places = [header.index(name) for name in ("t_s", *POSE)]
             values = [_numbers(file, line, row, places, header) for line, row in enumerate(rows, start=2) if row]
     except FileProblem:
         raise
     except OSError as error:
-        raise FileProblem(f"{file}: cannot be read ({error.strerror or error}); give a plan folder or a CSV") from error
+        raise FileProblem(file, f"cannot be read ({error.strerror or error})", "give a plan folder or a CSV") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise FileProblem(f"{file}: is no table in UTF-8 ({error}); give a plan folder or a CSV") from error
+        raise FileProblem(file, f"is no table in UTF-8 ({error})", "give a plan folder or a CSV") from error
     if not 4 <= len(values) <= MOST_POINTS:
-        raise FileProblem(f"{file}: holds {len(values)} poses; a motion has 4 to {MOST_POINTS}")
+        raise FileProblem(file, f"holds {len(values)} poses", f"a motion has 4 to {MOST_POINTS}")
     table = np.array(values)
     steps = np.diff(table[:, 0])
     if not np.all(steps > 0.0):
         line = int(np.argmax(steps <= 0.0)) + 3
-        raise FileProblem(f"{file}, pose of line {line}: t_s does not increase; sort the rows and drop repeated times")
+        raise FileProblem(
+            f"{file}, pose of line {line}", "t_s does not increase", "sort the rows and drop repeated times"
+        )
     return TimedPoints.through(table[:, 0] - table[0, 0], table[:, 1:] * np.repeat([MM, DEG], 3))
 
 
@@ -154,6 +156,6 @@ def _numbers(file: Path, line: int, row: list[str], places: list[int], header: l
         except ValueError:
             value = float("nan")
         if not np.isfinite(value):
-            raise FileProblem(f"{file}, line {line}: {header[place]} is {text!r}, not a number; correct it")
+            raise FileProblem(f"{file}, line {line}", f"{header[place]} is {text!r}, not a number", "correct it")
         values.append(value)
     return values
