@@ -5,7 +5,9 @@ line prints it and exits with 1.
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Self, TypeVar
+
+Kind = TypeVar("Kind", bound="HexciteError")
 
 
 class HexciteError(Exception):
@@ -26,6 +28,13 @@ class HexciteError(Exception):
         told = f"{self.problem}; {remedy}" if remedy else self.problem
         super().__init__(f"{self.place}: {told}" if self.place else told)
 
+    def at(self, source: str) -> Self:
+        """The same error with its file in front, which the mathematics does not know."""
+        if source in str(self):
+            return _rebuilt(type(self), self.args, vars(self))
+        place = f"{source}: {self.place}" if self.place else source
+        return _rebuilt(type(self), (f"{source}: {self.args[0]}",), vars(self) | {"place": place})
+
     def __str__(self) -> str:
         """One printable line, whatever names and values it quotes."""
         return "".join(c if c.isprintable() else repr(c)[1:-1] for c in super().__str__())
@@ -35,7 +44,7 @@ class HexciteError(Exception):
         return _rebuilt, (type(self), self.args, self.__dict__)
 
 
-def _rebuilt(kind: type[HexciteError], args: tuple[Any, ...], parts: dict[str, Any]) -> HexciteError:
+def _rebuilt(kind: type[Kind], args: tuple[Any, ...], parts: dict[str, Any]) -> Kind:
     error = kind.__new__(kind, *args)
     error.args = args
     error.__dict__.update(parts)
