@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 CONSTRAINTS := .ci/constraints.txt
 
-.PHONY: demo test check lint bench clean
+.PHONY: demo test check lint docs bench clean
 
 demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo/report.html
 	$(BIN)/hexcite demo --overwrite
@@ -18,6 +18,10 @@ lint: .venv/.dev
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
+
+docs: .venv/.dev ## the site docs/_build/index.html; tutorial and notebooks are run: what they show must be true
+	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs docs/_build
+	$(BIN)/pytest -q -m slow tests/docs
 
 bench: .venv/.dev ## the figures that matter, measured; minutes, not seconds
 	$(BIN)/python -m pytest -m slow -q
@@ -37,4 +41,4 @@ bench: .venv/.dev ## the figures that matter, measured; minutes, not seconds
 	touch $@
 
 clean:
-	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache dist hexcite-demo
+	rm -rf .venv .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache dist docs/_build hexcite-demo

@@ -22,9 +22,11 @@ if TYPE_CHECKING:
     from cases import HexciteError as HexciteError
     from cases import load_case as load_case
     from identification import Finding as Finding
+    from identification import Look as Look
     from identification import Recording as Recording
     from identification import Result as Result
     from identification import force as force
+    from identification import look as look
     from identification import method as method
     from identification import read as read
     from identification import tare as tare
@@ -52,7 +54,7 @@ __getattr__, __dir__ = door(
     __name__,
     {
         "cases": "Case HexciteError load_case",
-        "identification": "Finding Recording Result force method read tare",
+        "identification": "Finding Look Recording Result force look method read tare",
         "planner": "Fourier Manual Plan PointToPoint Spline bound compare demo identify plan plan_poses report retime "
         "run validate write",
         "postprocessors": "Program read_program",

@@ -30,11 +30,23 @@ class PointToPointDrives(Part):
     """
 
     strut_velocity_m_s: Positive
+    """Largest velocity of a drive in such moves."""
     strut_acceleration_m_s2: Positive
+    """Largest acceleration of a drive in such moves."""
     strut_jerk_m_s3: Positive
+    """Largest jerk of a drive in such moves."""
     feed: Literal["time", "rapid"]
     """What moves them: G1 with the block's time (G93), if the control takes F for a time there too, which no manual
     states: try it with `--speed 0.1`; or G0, as fast as the drives can, which cannot be slowed."""
+
+
+class UrScript(Part):
+    """Settings of programs for robots of Universal Robots."""
+
+    program_name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,30}$")]
+    """Of the function that the program is: letters, digits and underscores."""
+    trigger_output: Annotated[int, Field(strict=True, ge=0, le=7)]
+    """Standard digital output that is on while the excitation runs; RTDE records it with the robot's clock."""
 
 
 class Setpoints(Part):
@@ -137,11 +149,13 @@ class Sinumerik(Part):
     poly_block_ms: Positive
     """Longest POLY block. Shorter blocks leave the controller less to decide, and cost it more of them a second."""
     poly_tolerance_mm: Positive
+    """How far POLY blocks may be from a motion that no polynomial of their degree describes: positions."""
     poly_tolerance_deg: Positive
-    """How far POLY blocks may be from a motion that is no polynomial of their degree."""
+    """The same for angles."""
     contour_tolerance_mm: Positive
+    """CTOL of the compressor."""
     orientation_tolerance_deg: Positive
-    """CTOL and OTOL of the compressor."""
+    """OTOL of the compressor."""
     trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
     """Number of the digital output $A_OUT that a synchronised action switches."""
     shortest_block_ms: Positive
@@ -210,13 +224,15 @@ class TwinCat(Part):
     """Dense paths: `#SPLINE TYPE AKIMA` through the points, `#HSC ON [BSPLINE ..]` or `#CONTOUR MODE [DEV ..]` near
     them."""
     path_deviation_mm: Positive
+    """PATH_DEV of `#HSC` and `#CONTOUR MODE`."""
     track_deviation_deg: Positive
-    """PATH_DEV and TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
+    """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
     slope: Literal["STEP", "TRAPEZ"]
     """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""
     trigger_on_m: MFunction
+    """M function that the PLC makes the trigger's beginning of; it needs a synchronisation type (P-CHAN-00041)."""
     trigger_off_m: MFunction
-    """M functions that the PLC makes the trigger of; each needs a synchronisation type (P-CHAN-00041)."""
+    """The same for the trigger's end."""
     shortest_block_ms: Positive
     """The controller's cycle: shorter blocks starve it."""
     most_blocks: Annotated[int, Field(strict=True, ge=10)]
@@ -238,7 +254,7 @@ class TwinCat(Part):
         return self.shortest_block_ms * MS
 
 
-Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints)
+Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints, UrScript)
 
 
 class LinuxCnc(Part):
@@ -255,8 +271,10 @@ class Controller(Part):
 
     block_ms: Positive
     """Duration of the blocks that a dense path is written in."""
-    safe_feed_mm_min: Positive
-    """Feed of the first move, from wherever the machine stands to home."""
+    safe_feed_mm_min: Positive | None = None
+    """Feed of the first move of a hexapod, from wherever the machine stands to home."""
+    safe_speed_percent: Annotated[Positive, Field(le=100.0)] = 10.0
+    """Of the speeds and accelerations of `[limits.motion]`: the first move of a chain, from wherever it stands."""
     settle_s: Positive
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
@@ -265,15 +283,20 @@ class Controller(Part):
     """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
     at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
     turn, under the limits of `[limits.motion]`)."""
-    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints"] | None = None
+    plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2"] | None = None
     """The controller whose time law point-to-point plans are made for (`hexcite plan --for`). Without it all limits of
     `[limits.motion]` count, those of jerk too."""
     linuxcnc: LinuxCnc | None = None
     """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
     1 they keep their time, and nobody but the program keeps the limits."""
     sinumerik: Sinumerik | None = None
+    """Settings of SINUMERIK programs."""
     twincat: TwinCat | None = None
+    """Settings of TwinCAT CNC (TF5200) and ISG programs."""
     setpoints: Setpoints | None = None
+    """Settings of tables of set points."""
+    urscript: UrScript | None = None
+    """Settings of URScript programs."""
 
     @property
     def cycle(self) -> float:
@@ -287,8 +310,14 @@ class Controller(Part):
 
     @property
     def safe_feed(self) -> float:
-        """Feed of the first move to home [m/s]."""
+        """Feed of the first move of a hexapod to home [m/s]; its case states one."""
+        assert self.safe_feed_mm_min is not None
         return self.safe_feed_mm_min * MM / MINUTE
+
+    @property
+    def safe_share(self) -> float:
+        """Share of the limits of motion that the first move of a chain may use."""
+        return self.safe_speed_percent / 100.0
 
     def need_linuxcnc(self, case: str) -> LinuxCnc:
         """Settings of LinuxCNC's programs; raises CaseError where the case has none."""
@@ -305,6 +334,10 @@ class Controller(Part):
     def need_setpoints(self, case: str) -> Setpoints:
         """Settings of setpoint tables; raises CaseError where the case has none."""
         return _needed(self.setpoints, case, "setpoints")
+
+    def need_urscript(self, case: str) -> UrScript:
+        """Settings of URScript programs; raises CaseError where the case has none."""
+        return _needed(self.urscript, case, "urscript")
 
 
 def _needed(settings: Settings | None, case: str, name: str) -> Settings:

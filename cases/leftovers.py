@@ -6,6 +6,7 @@ import numpy as np
 
 from cases.basis import values
 from cases.loading import built_in_cases, load_case
+from cases.machine import Limits
 from cases.schema import Case
 
 _OTHER_BODY = 2.0  # ratio of simulated and nominal mass from which they are two bodies
@@ -83,16 +84,16 @@ def _of_units(case: Case) -> Iterator[str]:
         for key in ("base_joint_angle_deg", "platform_joint_angle_deg"):
             angles[f"workspace.{key}"] = (getattr(case.workspace, key), _RADIANS)
         lengths["workspace.strut_length_mm"] = max(case.workspace.strut_length_mm)
-    if case.limits is not None:
+    if isinstance(case.limits, Limits):
         motion = case.limits.motion
         largest = max(abs(v) for key in ("a_deg", "b_deg", "c_deg") for v in getattr(motion, key))
         angles["limits.motion.a_deg, b_deg and c_deg"] = (largest, _SMALL_BOX)
         angles["limits.motion.angular_velocity_deg_s"] = (max(motion.angular_velocity_deg_s), _RADIANS)
         lengths["limits.motion.strut_length_mm"] = max(motion.strut_length_mm)
-    if case.machine is not None:
-        lengths["machine.home.z_mm"] = abs(case.machine.home.z_mm) or np.inf
+    if case.hexapod is not None:
+        lengths["machine.home.z_mm"] = abs(case.hexapod.home.z_mm) or np.inf
         for name in ("base", "platform"):
-            joints = getattr(case.machine, name)
+            joints = getattr(case.hexapod, name)
             shown = "ring.radius_mm" if joints.ring is not None else "points_mm"
             lengths[f"machine.{name}.{shown}"] = float(np.abs(joints.points).max()) * 1e3
     for key, (value, most) in angles.items():

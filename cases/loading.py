@@ -4,7 +4,7 @@ import difflib
 import os
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -109,7 +109,13 @@ def _explained(path: Path, error: ValidationError) -> CaseError:
 
 def _key(problem: ErrorDetails) -> str:
     """Where a problem is, counted as people count."""
-    return ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in problem["loc"]).replace(".[", "[")
+    parts = [part for part in problem["loc"] if not _tag(part)]
+    return ".".join(str(part) if isinstance(part, str) else f"[{part}]" for part in parts).replace(".[", "[")
+
+
+def _tag(part: int | str) -> str:
+    """The class that a table was read as, which a location holds in angle brackets; empty for a key."""
+    return part[1:-1] if isinstance(part, str) and part.startswith("<") else ""
 
 
 def _words(problem: ErrorDetails) -> str:
@@ -159,15 +165,23 @@ def _without_unit(key: str) -> str:
 def _siblings(location: tuple[int | str, ...]) -> Iterable[str]:
     """Names of the fields beside the one at `location`."""
     model: type[BaseModel] = Case
+    tags = {_tag(part) for part in location}
     for part in location[:-1]:
         if not isinstance(part, str) or part not in model.model_fields:
             continue
-        inner = _model_of(model.model_fields[part].annotation)
+        inner = _model_of(model.model_fields[part].annotation, tags)
         if inner is not None:
             model = inner
     return model.model_fields
 
 
-def _model_of(annotation: Any) -> type[BaseModel] | None:
-    candidates = [annotation, *getattr(annotation, "__args__", ())]
-    return next((c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)), None)
+def _model_of(annotation: Any, tags: set[str]) -> type[BaseModel] | None:
+    """The class of a table; of several the one that a tag names."""
+    found = [c for c in _within(annotation) if isinstance(c, type) and issubclass(c, BaseModel)]
+    return next((c for c in found if c.__name__ in tags), found[0] if found else None)
+
+
+def _within(annotation: Any) -> Iterator[Any]:
+    yield annotation
+    for inner in getattr(annotation, "__args__", ()):
+        yield from _within(inner)

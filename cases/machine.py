@@ -4,6 +4,7 @@ import math
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import model_validator
 
 from cases.parts import (
@@ -28,9 +29,13 @@ class Ring(Part):
     """Six joints on a circle, in three pairs; joint order: pair by pair, minus side before plus side."""
 
     radius_mm: Positive
+    """Radius of the circle."""
     half_angle_deg: Positive
+    """Angle between the centre of a pair and each of its two joints."""
     pair_centres_deg: Vector
+    """Directions of the centres of the three pairs, from x towards y."""
     z_mm: Number
+    """Height of the circle in its frame."""
 
     @property
     def points(self) -> Array:
@@ -43,7 +48,9 @@ class Joints(Part):
     """Six points, listed one by one or as a ring; exactly one of the two."""
 
     points_mm: SixPoints | None = None
+    """[x, y, z] of each joint, in strut order."""
     ring: Ring | None = None
+    """Joints on a circle, in three pairs."""
 
     @model_validator(mode="after")
     def _one_form(self) -> "Joints":
@@ -61,11 +68,17 @@ class Pose(Part):
     """A pose of {P} in {B}: position and roll, pitch, yaw about the fixed axes x, y, z."""
 
     x_mm: Number
+    """Position of the origin of {P} in {B}."""
     y_mm: Number
+    """As `x_mm`."""
     z_mm: Number
+    """As `x_mm`."""
     a_deg: Number
+    """Roll, about the fixed axis x; applied first."""
     b_deg: Number
+    """Pitch, about the fixed axis y; applied second."""
     c_deg: Number
+    """Yaw, about the fixed axis z; applied last."""
 
     @cached_property
     def vector(self) -> Array:
@@ -87,8 +100,11 @@ class Machine(Part):
     """A hexapod: strut k joins base joint k to platform joint k."""
 
     base: Joints
+    """Base joints in {B}, in strut order."""
     platform: Joints
+    """Platform joints in {P}, in strut order."""
     home: Pose
+    """Pose in which programs begin and end."""
 
     @model_validator(mode="after")
     def _stands_firmly(self) -> "Machine":
@@ -108,9 +124,13 @@ class KeepOut(Part):
     """A box in {B} that neither platform nor struts nor tools may enter: a table, a clamped workpiece, a neighbour."""
 
     name: str
+    """What stands there; messages use it."""
     x_mm: Range
+    """Lower and upper limit in {B}."""
     y_mm: Range
+    """As `x_mm`."""
     z_mm: Range
+    """As `x_mm`."""
 
     @cached_property
     def corners(self) -> Array:
@@ -122,10 +142,13 @@ class Tool(Part):
     """A round body on the platform, a tool or a workpiece, which must not enter the boxes of `keep_out` either."""
 
     name: str
+    """What it is; messages use it."""
     from_mm: Vector = (0.0, 0.0, 0.0)
     """In {P}, one end of its axis, like `to_mm`."""
     to_mm: Vector
+    """The other end of its axis in {P}."""
     radius_mm: NonNegative = 0.0
+    """Radius about that axis."""
 
     @cached_property
     def axis(self) -> Array:
@@ -139,11 +162,17 @@ class Workspace(Part):
     x_mm: Range
     """Relative to home, like `y_mm`."""
     y_mm: Range
+    """Lower and upper limit relative to home."""
     strut_length_mm: Range
+    """Shortest and longest strut, from joint centre to joint centre."""
     base_joint_angle_deg: Positive
+    """Largest angle between a strut and the normal of its base joint."""
     platform_joint_angle_deg: Positive
+    """Largest angle between a strut and the normal of its platform joint."""
     keep_out: tuple[KeepOut, ...] = ()
+    """Boxes that nothing may enter."""
     tool: tuple[Tool, ...] = ()
+    """Bodies that the platform carries."""
     strut_radius_mm: NonNegative = 0.0
     """Of the struts where they pass the boxes of `keep_out`; 0 takes them for lines from joint to joint."""
 
@@ -162,20 +191,35 @@ class MotionLimits(Part):
     """The box that moving excitations keep: pose relative to home, and its time derivatives, each coordinate."""
 
     x_mm: Range
+    """Lower and upper limit relative to home."""
     y_mm: Range
+    """As `x_mm`."""
     z_mm: Range
+    """As `x_mm`."""
     a_deg: Range
+    """Lower and upper limit of roll relative to home."""
     b_deg: Range
+    """The same of pitch."""
     c_deg: Range
+    """The same of yaw."""
     velocity_mm_s: PositiveVector
+    """Largest velocity in x, y and z."""
     angular_velocity_deg_s: PositiveVector
+    """Largest rate of roll, pitch and yaw."""
     acceleration_m_s2: PositiveVector
+    """Largest acceleration in x, y and z."""
     angular_acceleration_rad_s2: PositiveVector
+    """Largest second derivative of roll, pitch and yaw."""
     jerk_m_s3: PositiveVector
+    """Largest jerk in x, y and z."""
     angular_jerk_rad_s3: PositiveVector
+    """Largest third derivative of roll, pitch and yaw."""
     strut_length_mm: Range
+    """Shortest and longest strut in an excitation; inside that of `[workspace]`."""
     strut_velocity_m_s: Positive
+    """Largest velocity of a strut."""
     strut_acceleration_m_s2: Positive
+    """Largest acceleration of a strut."""
 
     @model_validator(mode="after")
     def _home_inside(self) -> "MotionLimits":
@@ -186,6 +230,21 @@ class MotionLimits(Part):
                     f"{name} = [{low:g}, {high:g}] does not contain 0; pose limits are relative to home, widen them"
                 )
         return self
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return ("x", "y", "z", "a", "b", "c")
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The same of columns, with their units."""
+        return POSE
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which coordinates are angles, shape (6,)."""
+        return np.arange(6) >= 3
 
     @cached_property
     def pose(self) -> Array:
@@ -230,3 +289,4 @@ class Limits(Part):
     """The limits of the case by kind of excitation."""
 
     motion: MotionLimits
+    """Limits of moving excitations."""

@@ -25,15 +25,19 @@ class Poses(Part):
     """Poses in tilt-and-torsion angles, R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth); positions relative to home."""
 
     x_mm: Steps
-    y_mm: Steps
-    z_mm: Steps
     """Grid of positions relative to home: [first, last, step]."""
+    y_mm: Steps
+    """As `x_mm`."""
+    z_mm: Steps
+    """As `x_mm`."""
     radius_mm: Range
     """Distance from home in the XY plane: grid points outside are left out."""
     tilt_deg: Steps
+    """Grid of tilts: [first, last, step]."""
     azimuth_deg: Steps
+    """Grid of the tilts' directions: [first, last, step]."""
     torsion_deg: Steps
-    """Grid of orientations: [first, last, step]."""
+    """Grid of turns about the tilted z axis: [first, last, step]."""
     singularity_distance: Annotated[float, Field(strict=True, gt=0, lt=1)]
     """Smallest determinant of the machine's inverse Jacobian, as a share of that at home."""
     settle_s: Positive

@@ -17,6 +17,8 @@ CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
 STRUT_VELOCITIES = tuple(f"ld{k}_mm_s" for k in range(1, 7))
 DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
+JOINT_ANGLES = tuple(f"q{k}_deg" for k in range(1, 13))
+JOINT_WAYS = tuple(f"q{k}_mm" for k in range(7, 13))  # of a chain; those before are the names of drives too
 DRIVE_VELOCITIES = tuple(f"qd{k}_mm_s" for k in range(1, 7))
 POSE = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
 ROTATION = tuple(f"r{i}{j}" for i in range(1, 4) for j in range(1, 4))
@@ -24,12 +26,16 @@ ACCELEROMETER = ("ax", "ay", "az")
 BAR_FORCES = tuple(f"f{k}_N" for k in range(1, 7))
 WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
 COLUMNS = (
-    CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
+    CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS,
+    *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
     *WRENCH, TRIGGER, OVERRIDE,
 )  # fmt: skip
 
-MOTION = (CLOCK, *POSE, *(f"v_{c}_s" for c in POSE), *(f"acc_{c}_s2" for c in POSE))
-"""Columns of `motion.csv` and of tables of set points: poses, rates and accelerations over time."""
+
+def motion_columns(coordinates: tuple[str, ...]) -> tuple[str, ...]:
+    """Columns of `motion.csv` and of tables of set points: coordinates, rates and accelerations over time."""
+    return (CLOCK, *coordinates, *(f"v_{c}_s" for c in coordinates), *(f"acc_{c}_s2" for c in coordinates))
+
 
 _LENGTH = {"mm": MM, "m": 1.0, "um": UM, "nm": 1e-9, "cm": 10.0 * MM, "in": 25.4 * MM}
 _VELOCITY = {"mm/s": MM, "m/s": 1.0, "mm/min": MM / 60.0, "m/min": 1.0 / 60.0}
@@ -41,7 +47,8 @@ _MOMENT = {"Nm": 1.0, "Nmm": 1e-3, "kNm": 1e3}
 _GROUPS: tuple[tuple[str, Iterable[str], Mapping[str, float]], ...] = (
     ("struts", STRUTS, _LENGTH),
     ("strut_velocities", STRUT_VELOCITIES, _VELOCITY),
-    ("drives", DRIVES, _LENGTH),
+    ("drives", (*DRIVES, *JOINT_WAYS), _LENGTH),
+    ("joints", JOINT_ANGLES, _ANGLE),
     ("drive_velocities", DRIVE_VELOCITIES, _VELOCITY),
     ("positions", POSE[:3], _LENGTH),
     ("angles", POSE[3:], _ANGLE),
@@ -51,6 +58,11 @@ _GROUPS: tuple[tuple[str, Iterable[str], Mapping[str, float]], ...] = (
 )
 GROUP_UNITS = {name: units for name, _, units in _GROUPS}
 _GROUP_OF = {column: name for name, columns, _ in _GROUPS for column in columns}
+
+
+def group_of(column: str) -> str | None:
+    """The group of `units` that covers a column; None where it has no unit."""
+    return _GROUP_OF.get(column)
 
 
 def units_of(name: str) -> Mapping[str, float]:
@@ -105,7 +117,9 @@ class Drives(Part):
     order: tuple[Count, Count, Count, Count, Count, Count] = (1, 2, 3, 4, 5, 6)
     """Number of the drive that moves each strut."""
     sign: tuple[Number, Number, Number, Number, Number, Number]
+    """1 where a strut grows with its drive's position, -1 where it shrinks."""
     offset_mm: Six
+    """Length of each strut at drive position 0."""
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
@@ -159,8 +173,11 @@ class RecordingFormat(Part):
     rate_Hz: Positive = 1000.0
     """Rows per second of the recordings, or averages of so many: what predicted standard deviations count on."""
     format: Literal["csv", "halsampler", "twincat-scope", "sinumerik-trace"] = "csv"
+    """What wrote the file; `csv` is any table of text."""
     delimiter: Separator | None = None
+    """Character between two fields; by default a comma; of `halsampler` a blank, of Scope what the file has."""
     decimal: Literal[".", ","] | None = None
+    """Decimal sign; by default a point."""
     header_rows: Count | None = None
     """Lines above the first row of numbers."""
     names_row: Annotated[int, Field(strict=True, ge=1)] | None = None
@@ -170,13 +187,17 @@ class RecordingFormat(Part):
     column_names: tuple[str, ...] | None = None
     """Names of the file's columns in their order, for files that have none."""
     encoding: Literal["utf-8", "cp1252"] = "utf-8"
+    """Encoding of the text."""
     columns: dict[str, str] = Field(default_factory=dict)
     """Our column name -> the file's, for files that use other names."""
     units: dict[str, str] = Field(default_factory=dict)
     """Our column name, or `struts`, `forces` and the like -> the file's unit."""
     clock: Clock = Clock()
+    """The time stamps."""
     drives: Drives | None = None
+    """Where the file holds drive positions instead of strut lengths."""
     accelerometer: Accelerometer | None = None
+    """Where the file holds readings of an accelerometer."""
 
     @model_validator(mode="after")
     def _known_names(self) -> Self:

@@ -2,11 +2,15 @@
 
 import ast
 import inspect
+import json
 import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
 
 from cases.controller import Controller, Setpoints, Sinumerik, TwinCat
 from cases.errors import CaseError, FileProblem
@@ -15,6 +19,8 @@ from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.parts import Part
 from cases.poses import Poses
 from cases.schema import Case
+from cases.units import DEG, MM
+from cases.urdf import UrdfJoint, read_urdf
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -33,7 +39,16 @@ _ADVICE = {
     "# encoder_resolution_um, strut_noise_um, and of vibration acceleration_noise_m_s2 and\n"
     "# angular_acceleration_noise_rad_s2: hexcite identify tells what the residuals look like. So it does of errors\n"
     "# that depend on the pose: pose_error_N and pose_error_length_mm, which plans then count on.",
-    "recording": "Names, units and clock of the recorded columns, where they differ from hexcite's (CONVENTIONS.md).",
+    "recording": "How recordings are written: `hexcite look RECORDING --case CASE` proposes this table. By example:\n"
+    "# delimiter = ';', decimal = ',', header_rows = 2, names_row = 1      # text that is not plain CSV\n"
+    '# clock = { unit = "ms" }            # of the stamps; { period_ms = 1.0 } where a file has none\n'
+    '# units = { struts = "m", forces = "kN" }\n'
+    "# and below all keys of this table, our name of a column = the file's:\n"
+    "# [recording.columns]\n"
+    '# t_s = "time"\n'
+    '# l1_mm = "Strut1.ActPos"\n'
+    '# f1_N = "Force1"\n'
+    '# trigger = "Trigger"',
     "controller": "How the controller is set up. Nothing here is guessed: check each with its machine's parameters.",
     "controller.sinumerik": "SINUMERIK programs; without one delete this table, and the next ones likewise. The\n"
     "# transformation of a hexapod is the machine builder's: ask for these words.",
@@ -52,6 +67,7 @@ _EXPLAINED: Mapping[str, type[Part]] = {
 }
 """Tables whose keys are explained one by one, in the words of their classes."""
 
+FILL_IN = "TO BE FILLED IN"  # what stands beside a key that no URDF has
 _WIDTH = 110  # characters of a comment
 
 
@@ -70,15 +86,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
         CaseError: a name that a case cannot have, or no such built-in case.
         FileProblem: the folder holds a case, or cannot be written.
     """
-    if not _NAME.fullmatch(name):
-        raise CaseError(
-            name or "''", "", "is no name of a case; use small letters, digits and underscores, a letter first"
-        )
-    if name in built_in_cases():
-        raise CaseError(name, "", "is the name of a built-in case; choose another one")
-    file = folder / CASE_FILE
-    if file.exists():
-        raise FileProblem(file, "exists", "choose another folder with -o, or edit that file")
+    file = _place(name, folder)
     load_case(like)
     lines: list[str] = [
         f"# {name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units.",
@@ -94,7 +102,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
             if table[1] in _ADVICE:
                 lines.append(f"# {_ADVICE[table[1]]}")
             line = table[0]  # what follows it is about the built-in case's source
-            told = _explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
+            told = explanations(_EXPLAINED[table[1]]) if table[1] in _EXPLAINED else {}
         elif key := re.match(r"(\w+) = ", line):
             lines += textwrap.wrap(told.get(key[1], ""), _WIDTH, initial_indent="# ", subsequent_indent="# ")
             line = re.sub(r"\] # .*", "]", line)
@@ -106,18 +114,128 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     return file
 
 
-def _explanations(part: type[Part]) -> Mapping[str, str]:
-    """Field -> the string that stands below it; of several fields with one string it is above the first."""
+def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
+    """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
+
+    Args:
+        name: of the new case.
+        urdf: file that describes the robot.
+        flange: link that carries the sensor.
+        folder: to make; it must not hold a case yet.
+
+    Returns:
+        The case file.
+
+    Raises:
+        CaseError: a name that a case cannot have; the URDF file is not sound or has no such link.
+        FileProblem: the folder holds a case, or cannot be written.
+    """
+    file = _place(name, folder)
+    arm = read_urdf(urdf, flange)
+    lines = [
+        f"# {name}: geometry, ends, speeds and efforts of the joints are those of {urdf.name},",
+        f"# from {arm.base}, the frame {{B}}, to {arm.flange}. Keys carry units. What the file does not say is marked",
+        f"# {FILL_IN}: take the # away and put the number in. `hexcite case check` tells what is missing.",
+        "",
+        "schema_version = 1",
+        f'name = "{name}"',
+        'title = "what it is, in a line"',
+        'setup = "R" # a force/torque sensor that moves',
+        "gravity_m_s2 = [0.0, 0.0, -9.81] # in {B}: your place's, and as the robot is mounted",
+        "",
+        "[machine.chain.sensor] # the sensor frame {P} in the last joint's moved frame; now it is the flange",
+        f"origin_mm = {_numbers(arm.mount.origin / MM)}",
+        f"rpy_deg = {_numbers(arm.mount.rpy / DEG)}",
+    ]
+    for joint in arm.joints:
+        lines += ["", "[[machine.chain.joints]]", *_joint_lines(joint)]
+    lines += ["", f"# {_ADVICE['limits.motion']}"]
+    for joint in arm.joints:
+        lines += ["[[limits.motion.joints]]", *_limit_lines(joint), ""]
+    lines += [
+        f"[sensor_frame.transducer] # {_ADVICE['sensor_frame']}",
+        f'# sense = "load_on_sensor" # {FILL_IN}',
+        "",
+        "[sensors] # its data sheet may state more: range_N, force_noise_N and moment_noise_Nm",
+        'weights = "per_unit" # N and N m have no common unit',
+        "",
+        f"# {_ADVICE['recording']}",
+        "[recording]",
+        "filter_cutoff_Hz = 20.0 # of moving runs; above the frequencies of the motion, below those of the structure",
+    ]
+    write_text(file, "\n".join(lines) + "\n")
+    return file
+
+
+def _joint_lines(joint: UrdfJoint) -> list[str]:
+    """The keys of a joint's geometry."""
+    turns = joint.kind != "prismatic"
+    unit, size, effort = ("deg", DEG, "torque_Nm") if turns else ("mm", MM, "force_N")
+    lines = [
+        f"name = {json.dumps(joint.name)}",
+        f'kind = "{joint.kind}"',
+        f"origin_mm = {_numbers(joint.place.origin / MM)}",
+        f"rpy_deg = {_numbers(joint.place.rpy / DEG)}",
+        f"axis = {_numbers(joint.axis)}",
+    ]
+    if joint.position is not None:
+        lines.append(f"position_{unit} = {_numbers(np.array(joint.position) / size)}")
+    lines.append(f"# home_{unit} = 0.0 # {FILL_IN}: where programs begin and end")
+    if joint.effort is not None:
+        lines.append(f"{effort} = {_numbers([joint.effort])[1:-1]}")
+    if joint.link is not None:
+        body = joint.link
+        lines.append(
+            f"link = {{ mass_kg = {body.mass_kg!r}, centre_of_gravity_mm = {_numbers(body.centre_of_gravity_mm)}, "
+            f"inertia_kg_m2 = {_numbers(body.inertia_kg_m2)} }}"
+        )
+    return lines
+
+
+def _limit_lines(joint: UrdfJoint) -> list[str]:
+    """The keys of a joint's limits of motion."""
+    turns = joint.kind != "prismatic"
+    unit, size, si = ("deg", DEG, "rad") if turns else ("mm", MM, "m")
+    speed = f"# velocity_{unit}_s = 0.0 # {FILL_IN}"
+    if joint.velocity is not None:
+        speed = f"velocity_{unit}_s = {_numbers([joint.velocity / size])[1:-1]}"
+    return [
+        f"name = {json.dumps(joint.name)}",
+        f"# position_{unit} = [-10.0, 10.0] # {FILL_IN}: relative to home",
+        speed,
+        f"# acceleration_{si}_s2 = 0.0 # {FILL_IN}",
+        f"# jerk_{si}_s3 = 0.0 # {FILL_IN}",
+    ]
+
+
+def _numbers(values: Iterable[float]) -> str:
+    """A list of TOML; rounded to 12 decimals, so that right angles and tenths of millimetres read as such."""
+    return str([round(float(v), 12) + 0.0 for v in values])
+
+
+def _place(name: str, folder: Path) -> Path:
+    """The case file to write; raises CaseError for a name that no case can have, FileProblem where it exists."""
+    if not _NAME.fullmatch(name):
+        raise CaseError(
+            name or "''", "", "is no name of a case; use small letters, digits and underscores, a letter first"
+        )
+    if name in built_in_cases():
+        raise CaseError(name, "", "is the name of a built-in case; choose another one")
+    file = folder / CASE_FILE
+    if file.exists():
+        raise FileProblem(file, "exists", "choose another folder with -o, or edit that file")
+    return file
+
+
+def explanations(part: type[Part]) -> Mapping[str, str]:
+    """What each key of a table means: the string that stands below its field in the class."""
     (body,) = (node.body for node in ast.parse(inspect.getsource(part)).body if isinstance(node, ast.ClassDef))
-    told: dict[str, str] = {}
-    waiting: str | None = None
-    for node in body:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            waiting = waiting or node.target.id
-        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and waiting is not None:
-            told[waiting] = " ".join(str(node.value.value).split())
-            waiting = None
-    return told
+    return {
+        field.target.id: " ".join(str(text.value.value).split())
+        for field, text in pairwise(body)
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
+        if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant)
+    }
 
 
 _MACHINE = ("machine", "workspace", "limits.motion")
@@ -134,6 +252,8 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "post --dialect sinumerik": (*_PROGRAM, "controller.sinumerik"),
     "post --dialect twincat": (*_PROGRAM, "controller.twincat"),
     "post --dialect setpoints": (*_PROGRAM, "controller.setpoints"),
+    "post --dialect urscript": (*_PROGRAM, "controller.urscript"),
+    "post --dialect ros2": _PROGRAM,
     "run": _RUN,
     "identify a motion": ("recording.filter_cutoff_Hz",),
     "identify standstills, force, tare": (),
@@ -141,6 +261,9 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "demo": (*_RUN, "nominal"),
 }
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
+_OF_A_HEXAPOD = frozenset({"poses", "retime", "post --dialect sinumerik", "post --dialect twincat", "validate"})
+_OF_A_CHAIN = frozenset({"post --dialect urscript", "post --dialect ros2"})
+_NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains do not need
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
 
 
@@ -163,7 +286,17 @@ def readiness(case: Case) -> tuple[Readiness, ...]:
             Readiness(command, ("a sensor frame that moves (setup is 1a)",) if command in _OF_A_MOVING_FRAME else ())
             for command in NEEDS
         )
-    return tuple(Readiness(name, tuple(_missing(case, keys))) for name, keys in NEEDS.items())
+    return tuple(Readiness(name, tuple(_lacks(case, name, keys))) for name, keys in NEEDS.items())
+
+
+def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
+    """Keys that a command misses, or the machine that it is for."""
+    if case.chain is not None and command in _OF_A_HEXAPOD:
+        yield "a hexapod (the machine is a chain)"
+    elif case.hexapod is not None and command in _OF_A_CHAIN:
+        yield "a chain of joints (the machine is a hexapod)"
+    else:
+        yield from _missing(case, tuple(key for key in keys if case.chain is None or key not in _NOT_OF_A_CHAIN))
 
 
 def _missing(case: Case, keys: tuple[str, ...]) -> Iterator[str]:

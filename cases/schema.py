@@ -6,21 +6,22 @@ Keys of the file carry their unit; properties without a unit in their name are S
 import hashlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import accumulate
-from typing import Literal, NoReturn
+from typing import Annotated, Any, Literal, NoReturn
 
-from pydantic import Field, PrivateAttr, field_validator, model_validator
+from pydantic import Discriminator, Field, PrivateAttr, Tag, field_validator, model_validator
 
+from cases.chain import Chain, JointLimits, JointMotionLimits, SerialMachine, joint_problems
 from cases.controller import Controller
 from cases.errors import CaseError
-from cases.machine import Limits, Machine, Workspace
+from cases.machine import Limits, Machine, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
 from cases.poses import Poses
-from cases.recording_format import RecordingFormat
+from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
-from cases.units import MINUTE, MM, as_html
+from cases.units import MINUTE, MM, as_html, coordinate_words, pose_words
 
 # 9.76 on the highest mountain of the tropics to 9.83 at the poles; what is off by more is a typing error or a unit.
 ALSO = "; also: "  # between problems that one rule of the case as a whole finds
@@ -32,26 +33,65 @@ def fingerprint(content: object) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 
+def _kind_of_machine(table: Any) -> str:
+    return "<SerialMachine>" if isinstance(table, SerialMachine) or _has(table, "chain") else "<Machine>"
+
+
+def _kind_of_limits(table: Any) -> str:
+    motion = table.get("motion") if isinstance(table, dict) else None
+    return "<JointLimits>" if isinstance(table, JointLimits) or _has(motion, "joints") else "<Limits>"
+
+
+def _has(table: Any, key: str) -> bool:
+    return isinstance(table, dict) and key in table
+
+
+# Tags in angle brackets name the class that a table was read as; messages leave them out.
+AnyMachine = Annotated[
+    Annotated[Machine, Tag("<Machine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
+    Discriminator(_kind_of_machine),
+]
+AnyLimits = Annotated[
+    Annotated[Limits, Tag("<Limits>")] | Annotated[JointLimits, Tag("<JointLimits>")], Discriminator(_kind_of_limits)
+]
+
+
 class Case(Part):
     """One machine. Parts that a setup lacks (a wrist sensor has no hexapod) are None."""
 
     schema_version: Literal[1]
+    """Version of this description."""
     name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")
+    """Small letters, digits and underscores."""
     title: str
-    setup: Literal["1a", "1b", "R"]
-    """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, R a force/torque sensor."""
+    """What it is, in a line."""
+    setup: Literal["1a", "1b", "2x", "R"]
+    """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, 2x sensors in struts, R a force/torque
+    sensor."""
     gravity_m_s2: Vector
+    """Gravitational acceleration in {B}."""
     sensor_frame: SensorFrame
+    """Where forces are measured."""
     sensors: Sensors
+    """What the sensors measure, and how well."""
     recording: RecordingFormat
-    machine: Machine | None = None
+    """How recordings are written down."""
+    machine: AnyMachine | None = None
+    """A hexapod's joints and home, or a chain of joints."""
     workspace: Workspace | None = None
-    limits: Limits | None = None
+    """What a hexapod can reach."""
+    limits: AnyLimits | None = None
+    """What an excitation may use."""
     poses: Poses | None = None
+    """Candidates for measuring at standstills."""
     controller: Controller | None = None
+    """How the controller is set up."""
     nominal: RigidBody | None = None
+    """Expected values of the moving body: mass, centre of gravity, inertia."""
     simulation: Simulation | None = None
+    """A simulated machine for rehearsals."""
     payloads: Payloads | None = None
+    """Known weights, for a validation."""
 
     _origin: str = PrivateAttr("")
 
@@ -80,7 +120,7 @@ class Case(Part):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
-        rules = (self._feed, self._drives, self._noise, self._pose_error, self._box)
+        rules = (self._kind, self._feed, self._drives, self._noise, self._pose_error, self._box)
         problems = [problem for rule in rules for problem in rule()]
         if problems:
             raise ValueError(ALSO.join(problems))
@@ -97,17 +137,46 @@ class Case(Part):
             )
         return value
 
+    def _kind(self) -> Iterator[str]:
+        """What a hexapod has and a chain lacks, and the other way round."""
+        if (self.setup == "2x") != (self.sensor_frame.struts is not None):
+            yield 'setup "2x" and [sensor_frame.struts] belong together: sensors in the struts; change one of the two'
+        if self.sensor_frame.struts is not None and self.hexapod is None:
+            yield "sensor_frame.struts are those of a hexapod; add [machine] with base, platform and home"
+        if self.sensor_frame.struts is not None and self.sensors.range_N is not None:
+            yield "sensors.range_N is a limit that plans do not hold yet where sensors sit in struts; remove it"
+        if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:
+            yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
+        if not isinstance(self.machine, SerialMachine):
+            if isinstance(self.limits, JointLimits):
+                yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
+            return
+        if self.setup != "R" or self.sensor_frame.transducer is None:
+            yield (
+                'machine.chain carries a force/torque sensor: write setup = "R" and [sensor_frame.transducer]; bars '
+                "with sensors are those of a hexapod"
+            )
+        for name in ("workspace", "poses"):
+            if getattr(self, name) is not None:
+                yield f"{name} is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
+        if isinstance(self.limits, Limits):
+            yield "limits.motion is that of a hexapod; of a chain it lists joints = [{ name = .., .. }, ..]"
+        elif self.limits is not None:
+            yield from joint_problems(self.machine.chain, self.limits.motion)
+
     def _feed(self) -> Iterator[str]:
-        if self.controller is not None and self.limits is not None:
+        if self.controller is not None and isinstance(self.limits, Limits):
             fastest = float(self.limits.motion.rate[:3].min())
-            if self.controller.safe_feed > fastest:
+            if self.controller.safe_feed_mm_min is None:
+                yield "controller.safe_feed_mm_min is missing; add the feed of the first move, from anywhere to home"
+            elif self.controller.safe_feed > fastest:
                 yield (
                     f"controller.safe_feed_mm_min = {self.controller.safe_feed_mm_min:g} is faster than "
                     f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"
                 )
 
     def _drives(self) -> Iterator[str]:
-        if self.controller is None or self.limits is None:
+        if self.controller is None or not isinstance(self.limits, Limits):
             return
         for name in ("sinumerik", "twincat"):
             settings = getattr(self.controller, name)
@@ -121,9 +190,9 @@ class Case(Part):
 
     def _noise(self) -> Iterator[str]:
         force, moment = self.sensors.force_noise_N, self.sensors.moment_noise_Nm
-        if self.sensor_frame.bars is not None and moment is not None:
-            yield (f"sensors.moment_noise_Nm = {moment:g}, but the bars of sensor_frame measure forces only; remove it")
-        if self.sensor_frame.transducer is not None and (force is None) != (moment is None):
+        if not self.sensor_frame.has_moments and moment is not None:
+            yield (f"sensors.moment_noise_Nm = {moment:g}, but its sensors measure forces only; remove it")
+        if self.sensor_frame.has_moments and (force is None) != (moment is None):
             missing = "force_noise_N" if force is None else "moment_noise_Nm"
             yield (f"sensors.{missing} is missing; a transducer has noise of forces and of moments, give both")
         if force is None and (self.sensors.weights == "stated" or self.sensors.acceleration_noise is not None):
@@ -149,7 +218,7 @@ class Case(Part):
             )
 
     def _box(self) -> Iterator[str]:
-        if self.workspace is None or self.limits is None:
+        if self.workspace is None or not isinstance(self.limits, Limits):
             return
         for name in ("x_mm", "y_mm"):
             inner, outer = getattr(self.limits.motion, name), getattr(self.workspace, name)
@@ -188,8 +257,23 @@ class Case(Part):
         """Raises CaseError: `part` of the case is needed for `purpose`."""
         raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
 
-    def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
-        """Machine, workspace and limits.
+    @property
+    def hexapod(self) -> Machine | None:
+        """The hexapod, where the machine is one."""
+        return self.machine if isinstance(self.machine, Machine) else None
+
+    @property
+    def chain(self) -> Chain | None:
+        """The chain of joints, where the machine is one."""
+        return self.machine.chain if isinstance(self.machine, SerialMachine) else None
+
+    @property
+    def drive_columns(self) -> tuple[str, ...]:
+        """Columns of recorded drives: struts of a hexapod, joints of a chain."""
+        return STRUTS if self.chain is None else self.chain.columns
+
+    def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
+        """Chain and limits of motion.
 
         Args:
             purpose: what they are needed for, for the message.
@@ -197,6 +281,52 @@ class Case(Part):
         Raises:
             CaseError: the case lacks one of them.
         """
+        if self.chain is None:
+            self.missing("machine.chain", purpose)
+        if not isinstance(self.limits, JointLimits):
+            self.missing("limits.motion", purpose)
+        return self.chain, self.limits.motion
+
+    def need_motion(self, purpose: str) -> tuple[Array, MotionLimits | JointMotionLimits]:
+        """Coordinates at home, shape (n,) [m or rad], and limits of motion, whatever the machine is.
+
+        Args:
+            purpose: what they are needed for, for the message.
+
+        Raises:
+            CaseError: the case lacks one of them.
+        """
+        if self.chain is not None:
+            chain, limits = self.need_chain(purpose)
+            return chain.home, limits
+        machine, _, of_pose = self.need_machine(purpose)
+        return machine.home.vector, of_pose.motion
+
+    def words(self, coordinates: Iterable[float]) -> str:
+        """Coordinates of the machine, shape (n,) [m or rad], in words."""
+        if self.chain is None:
+            return pose_words(coordinates)
+        return coordinate_words(coordinates, self.chain.names, [joint.turns for joint in self.chain.joints])
+
+    def without_jerk(self) -> "Case":
+        """The same where jerks are not limited, as for a controller whose accelerations step."""
+        assert self.limits is not None  # asked of cases that plan
+        freed = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
+        return self.model_copy(update={"limits": freed})
+
+    def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
+        """Hexapod, workspace and limits.
+
+        Args:
+            purpose: what they are needed for, for the message.
+
+        Raises:
+            CaseError: the case lacks one of them, or has a chain.
+        """
+        if self.chain is not None:
+            raise CaseError(
+                f"case {self.name}", "machine.chain", f"{purpose} is for hexapods only; a chain has none yet"
+            )
         if self.setup == "1a":
             raise CaseError(
                 f"case {self.name}",
@@ -204,13 +334,13 @@ class Case(Part):
                 f"is 1a, a sensor frame that does not move: {purpose} needs one that does; use hexcite tare, "
                 "force, and identify with payload for what is put on it",
             )
-        if self.machine is None:
+        if self.hexapod is None:
             self.missing("machine", purpose)
         if self.workspace is None:
             self.missing("workspace", purpose)
-        if self.limits is None:
+        if not isinstance(self.limits, Limits):
             self.missing("limits.motion", purpose)
-        return self.machine, self.workspace, self.limits
+        return self.hexapod, self.workspace, self.limits
 
     @cached_property
     def bodies(self) -> tuple[RigidBody, ...]:

@@ -31,6 +31,7 @@ class Disturbances(Part):
     """
 
     source: str
+    """Where the values come from."""
     mode_Hz: Positive
     """Structural mode between drives and platform, without payload; it falls with the root of the moved mass."""
     mode_damping: Annotated[float, Field(strict=True, gt=0, lt=1)]
@@ -73,7 +74,9 @@ class Bars(Part):
     """Six single-axis force sensors, each in a bar that carries the platform from a lower to an upper point."""
 
     lower: Joints
+    """Lower end of each bar in {P}, in the order of the channels."""
     upper: Joints
+    """Upper end of each bar in {P}, in the same order."""
 
     @model_validator(mode="after")
     def _spans_space(self) -> "Bars":
@@ -94,30 +97,64 @@ class Transducer(Part):
     """A six-axis force/torque sensor at the origin of {P}."""
 
     sense: Literal["load_on_sensor", "sensor_on_load"]
+    """Which force a positive reading means: that of the load on the sensor, or its reaction."""
+
+
+class StrutSensors(Part):
+    """Six single-axis force sensors, one in each strut of the hexapod; struts are slender, of a tube and a rod."""
+
+    at: Literal["drive", "platform"]
+    """The end of the rod where its sensor sits: between drive and rod, or between rod and platform joint."""
+    each: bool = False
+    """Whether every strut has parameters of its own; else all struts are alike."""
+    rod_mass_kg: NonNegative
+    """Of one rod, nominal like all that follows: predictions and simulated runs go by these values."""
+    rod_first_moment_kg_m: NonNegative
+    """Of the rod's mass, from the platform joint towards the base joint."""
+    tube_first_moment_kg_m: NonNegative
+    """Of the tube's mass, from the base joint towards the platform joint."""
+    inertia_kg_m2: NonNegative
+    """Of the rod about the platform joint and of the tube about the base joint together."""
+    viscous_friction_Nms: tuple[NonNegative, NonNegative] | None = None
+    """In base and platform joints; part of the model where it is given."""
+    coulomb_friction_Nm: tuple[NonNegative, NonNegative] | None = None
+    """The same, independent of the speed."""
 
 
 class SensorFrame(Part):
-    """Where the forces are measured: a frame of bars or a force/torque sensor; exactly one of the two."""
+    """Where the forces are measured: a frame of bars, a force/torque sensor, or the struts; exactly one of them."""
 
     bars: Bars | None = None
+    """Six bars with one force sensor each."""
     transducer: Transducer | None = None
+    """A six-axis force/torque sensor."""
+    struts: StrutSensors | None = None
+    """Six force sensors in the struts."""
 
     @model_validator(mode="after")
     def _one_form(self) -> "SensorFrame":
-        if (self.bars is None) == (self.transducer is None):
-            raise ValueError("give either bars or transducer, not both or neither")
+        if sum(form is not None for form in (self.bars, self.transducer, self.struts)) != 1:
+            raise ValueError("give one of bars, transducer and struts, not several or none")
         return self
+
+    @property
+    def has_moments(self) -> bool:
+        """Whether the last three channels are moments; else all six are forces."""
+        return self.transducer is not None
 
     @property
     def channels(self) -> tuple[str, ...]:
         """Names of the columns of what it measures."""
-        return BAR_FORCES if self.bars is not None else WRENCH
+        return WRENCH if self.has_moments else BAR_FORCES
 
 
 class Sensors(Part):
     """Properties of the six channels."""
 
     range_N: Positive | None = None
+    """Largest force that a sensor measures; plans use 80 % of it at most."""
+    range_Nm: Positive | None = None
+    """Of the moments of a force/torque sensor; the number of `range_N` unless given."""
     weights: Literal["equal", "per_channel", "per_unit", "stated"]
     """`equal`: W = 1 (identical sensors); `per_channel`: W from the residual variance of each channel; `per_unit`: from
     that of all forces and that of all moments (a force/torque sensor whose residuals are more than its noise);
@@ -140,6 +177,13 @@ class Sensors(Part):
     together with their length."""
     pose_error_length_mm: Annotated[float, Field(strict=True, ge=LEAST_LENGTH_MM, le=MOST_LENGTH_MM)] | None = None
     """Distance in the space of the six strut lengths, the root of the sum of squares, at which they are half alike."""
+
+    @property
+    def range(self) -> Array | None:
+        """Largest force or moment of each channel, shape (6,) [N, or N and N m]; None where the case does not say."""
+        if self.range_N is None:
+            return None
+        return frozen([self.range_N] * 3 + [self.range_Nm or self.range_N] * 3)
 
     @property
     def force_noise(self) -> Array | None:
@@ -178,7 +222,9 @@ class RigidBody(Part):
     """Mass, centre of gravity in {P} and inertia about the centre of gravity, axes of {P}."""
 
     mass_kg: Positive
+    """Mass."""
     centre_of_gravity_mm: Vector
+    """Centre of gravity in {P}."""
     inertia_kg_m2: Six
     """I11, I12, I13, I22, I23, I33 as in (17)."""
 
@@ -222,29 +268,47 @@ class Compensation(Part):
     """Factors k0..k3 of the platform's elastic deformation, (13) and (15) with the units of CONVENTIONS."""
 
     k0_N_m: Number
+    """Force for each metre of displacement in x and y."""
     k1_Nm_m: Number
+    """Moment for each metre of displacement in x and y."""
     k2_N: Number
+    """Force for each radian of tilt."""
     k3_Nm: Number
+    """Moment for each radian of tilt."""
 
 
 class Truth(Part):
     """All parameters that the simulated machine has."""
 
     body: RigidBody
+    """Mass, centre of gravity and inertia of what moves."""
     offsets_N: Six
-    compensation: Compensation
+    """What the six sensors read without a load."""
+    compensation: Compensation = Compensation(k0_N_m=0.0, k1_Nm_m=0.0, k2_N=0.0, k3_Nm=0.0)
+    """Factors of the elastic deformation."""
 
 
 class Simulation(Part):
     """The simulated machine: its parameters and how imperfectly it measures."""
 
     source: str
+    """Where the values come from."""
     parameters: Truth
+    """The true parameters."""
     encoder_resolution_um: NonNegative
+    """Step of the encoders of struts, and of joints that slide."""
+    encoder_resolution_mdeg: NonNegative = 0.0
+    """Step of the encoders of joints that turn."""
     force_noise_N: NonNegative
+    """Standard deviation of white noise on a force sample."""
+    moment_noise_Nm: NonNegative | None = None
+    """Of the moments of a force/torque sensor; the number of `force_noise_N` unless given."""
     force_delay_ms: NonNegative
+    """How much later than the motion the forces are recorded."""
     force_sampling_offset_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
+    """Where between two samples of the struts the forces are sampled, as a share of the time between them."""
     encoder_rate_Hz: Positive
+    """Samples of the struts per second."""
     acceleration_noise_m_s2: NonNegative = 0.0
     """White accelerations of the platform beside those of the struts, as in `Sensors`."""
     angular_acceleration_noise_rad_s2: NonNegative = 0.0
@@ -254,8 +318,19 @@ class Simulation(Part):
 
     @property
     def encoder_resolution(self) -> float:
-        """Step of the strut encoders [m]."""
+        """Step of the encoders of drives that slide [m]."""
         return self.encoder_resolution_um * UM
+
+    @property
+    def turning_resolution(self) -> float:
+        """Step of the encoders of joints that turn [rad]."""
+        return self.encoder_resolution_mdeg * MM * DEG
+
+    @property
+    def force_noise(self) -> Array:
+        """Standard deviation of each channel, shape (6,) [N, or N and N m]."""
+        moments = self.force_noise_N if self.moment_noise_Nm is None else self.moment_noise_Nm
+        return frozen([self.force_noise_N] * 3 + [moments] * 3)
 
     @property
     def acceleration_noise(self) -> Array:
@@ -272,5 +347,6 @@ class Payloads(Part):
     """Known weights that are mounted one after the other to validate an identification."""
 
     source: str
+    """Where the values come from."""
     weights: Annotated[tuple[RigidBody, ...], Field(min_length=1)]
     """In order of mounting; centres of gravity in {P}."""

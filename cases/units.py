@@ -20,6 +20,14 @@ def pose_words(pose: Iterable[float]) -> str:
     return f"x {x:.1f} y {y:.1f} z {z:.1f} mm, a {a:.2f} b {b:.2f} c {c:.2f} deg"
 
 
+def coordinate_words(coordinates: Iterable[float], labels: Iterable[str], turns: Iterable[bool]) -> str:
+    """Coordinates of a machine [m or rad] in words."""
+    return ", ".join(
+        f"{label} {value / (DEG if turning else MM):.{2 if turning else 1}f} {'deg' if turning else 'mm'}"
+        for value, label, turning in zip(coordinates, labels, turns, strict=True)
+    )
+
+
 def as_html(text: str) -> str:
     """Text as it stands, for `_repr_html_`."""
     return f"<pre>{escape(text)}</pre>"

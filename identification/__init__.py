@@ -7,6 +7,8 @@ from cases.door import door
 if TYPE_CHECKING:
     from identification.estimation.estimators import method as method
     from identification.finding import Finding as Finding
+    from identification.formats.look import look as look
+    from identification.formats.looked import Look as Look
     from identification.outcome import Result as Result
     from identification.outcome import force as force
     from identification.outcome import tare as tare
@@ -18,6 +20,8 @@ __getattr__, __dir__ = door(
     {
         "identification.estimation.estimators": "method",
         "identification.finding": "Finding",
+        "identification.formats.look": "look",
+        "identification.formats.looked": "Look",
         "identification.outcome": "Result force tare",
         "identification.recording": "Recording read",
     },

@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
-from identification.pose import rotation, rpy, skew, twist
+from identification.hexapod_limits import hexapod_shares
+from identification.machine import Frame, Share
+from identification.pose import rotation, rpy, skew, twist, twist_rate
 
 Array = NDArray[np.float64]
 
@@ -76,6 +78,46 @@ class Hexapod:
         """The hexapod of a case; raises CaseError where the case has no machine."""
         machine, _, _ = case.need_machine("the kinematics")
         return cls(machine.base.points, machine.platform.points, machine.home.vector)
+
+    @property
+    def count(self) -> int:
+        """Coordinates of a pose."""
+        return 6
+
+    @property
+    def of_pose(self) -> bool:
+        """They are."""
+        return True
+
+    @property
+    def elastic(self) -> bool:
+        """A platform's deformation makes forces."""
+        return True
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Struts slide."""
+        return np.zeros(6, dtype=bool)
+
+    def frame(self, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
+        """Motion of {P} in {B} from the pose and its derivatives, (37) and (38)."""
+        return Frame(pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations))
+
+    def shares(self, case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
+        """Limits of struts, joints, singularities and boxes."""
+        return hexapod_shares(self, case, pose, rates, accelerations)
+
+    def positions(self, coordinates: Array) -> Array:
+        """Of poses, shape (n, 3) [m]."""
+        return coordinates[:, :3]
+
+    def drives(self, coordinates: ArrayLike) -> Array:
+        """Strut lengths of poses, shape (n, 6) [m]."""
+        return self.strut_lengths(coordinates)
+
+    def coordinates(self, drives: ArrayLike) -> Array:
+        """Poses of strut lengths, shape (n, 6) [m, rad]; errors as `poses`."""
+        return self.poses(drives)
 
     def _struts(self, pose: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Strut vectors, shape (3, 6), and arms R p_k from the origin of {P} to the platform joints, shape (3, 6)."""

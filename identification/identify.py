@@ -23,7 +23,7 @@ from identification.findings.residual_checks import CHECKS, other_mass, require_
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
 from identification.identifiability import Identifiability, analyse
-from identification.model import Model, identification_model
+from identification.model import RIGID, Model, full_model, identification_model
 from identification.noise.sources import NoiseSources, noise_sources
 from identification.periodic.averaging import PeriodicRun, periodic_run
 from identification.recording import Recording
@@ -38,11 +38,12 @@ from identification.samples import USUAL, Conditioning, Samples
 Array = NDArray[np.float64]
 
 
-def default_model(recording: Recording) -> int:
-    """The model that a recording can carry: 9 moving, 5 standing with struts, 0 with orientations only."""
+def default_model(recording: Recording, case: Case) -> int:
+    """The model that a recording can carry: 9 moving, 5 standing with struts, 6 and 0 of joints, 0 of orientations."""
     if recording.struts is None:
         return 0
-    return 5 if recording.t is None else 9
+    most = full_model(case)
+    return most if recording.t is not None else 5 if most > RIGID else 0
 
 
 def identify(
@@ -71,7 +72,7 @@ def identify(
         RecordingError: the run cannot be evaluated.
         CaseError: the case lacks what the evaluation needs.
     """
-    model = identification_model(case, default_model(recording) if number is None else number, terms)
+    model = identification_model(case, default_model(recording, case) if number is None else number, terms)
     try:
         with threadpool_limits(limits=1, user_api="blas"):
             try:

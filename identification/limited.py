@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,6 @@ from identification.motion import Motion
 
 Array = NDArray[np.float64]
 
-_COORDINATES: tuple[str, ...] = ("x", "y", "z", "a", "b", "c")
 STEP = 10.0  # times the limit of jerk: a change of the acceleration that is a step, not the rounding of two pieces
 SHORTEST_GAP = 1e-6  # [s] between instants, below which a change of the acceleration is not looked at more closely
 _STRUTS = tuple(f"strut {k}" for k in range(1, 7))
@@ -71,34 +71,75 @@ class Quantity:
         return float(high if self.values[row, column] >= (low + high) / 2 else low)
 
 
+class Box(Protocol):
+    """Limits of the coordinates of a machine: of a case, from home, all in SI."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which of them are angles, shape (k,)."""
+
+    @property
+    def pose(self) -> Array:
+        """Lower and upper limit relative to home, shape (2, k)."""
+
+    @property
+    def rate(self) -> Array:
+        """Largest rate of each, shape (k,)."""
+
+    @property
+    def acceleration(self) -> Array:
+        """Largest second derivative of each, shape (k,)."""
+
+    @property
+    def jerk(self) -> Array:
+        """Largest third derivative of each, shape (k,)."""
+
+    @property
+    def limits_jerk(self) -> bool:
+        """Whether jerks are limited."""
+
+
 def limited_coordinates(
-    motion: Motion, machine: Machine, workspace: Workspace, limits: MotionLimits, in_box: bool
+    motion: Motion, home: Array, limits: Box, reach: Iterable[Quantity], in_box: bool
 ) -> Iterable[Quantity]:
     """What a case limits of the coordinates and their derivatives, at each instant of a motion.
 
     Args:
         motion: sampled.
-        machine: its home.
-        workspace: what it can reach.
+        home: coordinates there, shape (k,).
         limits: of moving excitations.
-        in_box: whether the pose box of `limits` holds; else only the workspace limits the pose.
+        reach: where the machine gets at all.
+        in_box: whether the box of `limits` holds; else only the reach limits the coordinates.
     """
-    scale = np.array([1 / MM] * 3 + [1 / DEG] * 3)  # to mm and degrees for the report
-    offset = motion.pose - machine.home.vector
+    scale = np.where(limits.turns, 1 / DEG, 1 / MM)  # to mm and degrees for the report
     if in_box:
-        yield from _by_kind("position", "mm", "angle", "deg", offset, limits.pose[0], limits.pose[1], scale)
-    low, high = workspace.plane[0], workspace.plane[1]
-    yield Quantity.between("workspace position", "mm", ("x", "y"), offset[:, :2], low, high, 1 / MM)
-    v, a, j = limits.rate, limits.acceleration, limits.jerk
-    one = np.ones(6)
-    yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -v, v, scale)
-    yield from _by_kind("acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one)
+        offset = motion.pose - home
+        yield from _by_kind("position", "mm", "angle", "deg", offset, limits.pose[0], limits.pose[1], scale, limits)
+    yield from reach
+    a, j = limits.acceleration, limits.jerk
+    one = np.ones(len(home))
+    yield from limited_rates(motion, limits)
+    yield from _by_kind(
+        "acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one, limits
+    )
     if limits.limits_jerk:
-        yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", _with_steps(motion, j), -j, j, one)
+        jerks = _with_steps(motion, j)
+        yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", jerks, -j, j, one, limits)
+
+
+def plane(motion: Motion, machine: Machine, workspace: Workspace) -> Quantity:
+    """How far the platform of a hexapod is from home, in the plane that it can reach."""
+    low, high = workspace.plane[0], workspace.plane[1]
+    offset = motion.pose[:, :2] - machine.home.vector[:2]
+    return Quantity.between("workspace position", "mm", ("x", "y"), offset, low, high, 1 / MM)
 
 
 def _with_steps(motion: Motion, limit: Array) -> Array:
-    """Jerks, shape (n, 6); where accelerations step between two instants, their change over the time between these."""
+    """Jerks, shape (n, k); where accelerations step between two instants, their change over the time between these."""
     if len(motion.t) < 2:
         return motion.jerks
     gaps = np.diff(motion.t)[:, None]
@@ -108,12 +149,16 @@ def _with_steps(motion: Motion, limit: Array) -> Array:
     return jerks
 
 
-def velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Iterable[Quantity]:
-    """Rates of the coordinates and velocities of the struts alone."""
-    scale = np.array([1 / MM] * 3 + [1 / DEG] * 3)
-    yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -limits.rate, limits.rate, scale)
+def strut_velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Quantity:
+    """Velocities of the struts alone."""
     most = np.full(6, limits.strut_velocity_m_s)
-    yield Quantity.between("strut velocity", "m/s", _STRUTS, strut_motion(motion, machine)[1], -most, most, 1.0)
+    return Quantity.between("strut velocity", "m/s", _STRUTS, strut_motion(motion, machine)[1], -most, most, 1.0)
+
+
+def limited_rates(motion: Motion, limits: Box) -> Iterable[Quantity]:
+    """Rates of the coordinates alone."""
+    scale, v = np.where(limits.turns, 1 / DEG, 1 / MM), limits.rate
+    yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -v, v, scale, limits)
 
 
 def _by_kind(
@@ -125,15 +170,16 @@ def _by_kind(
     low: Array,
     high: Array,
     scale: Array,
+    limits: Box,
 ) -> Iterable[Quantity]:
     """Translations and rotations of a derivative of the coordinates."""
-    for name, unit, axes in ((length_name, length_unit, slice(0, 3)), (angle_name, angle_unit, slice(3, 6))):
-        yield Quantity.between(
-            name, unit, _COORDINATES[axes], values[:, axes], low[axes], high[axes], float(scale[axes][0])
-        )
+    for name, unit, axes in ((length_name, length_unit, ~limits.turns), (angle_name, angle_unit, limits.turns)):
+        if axes.any():
+            labels = tuple(label for label, own in zip(limits.labels, axes, strict=True) if own)
+            yield Quantity.between(name, unit, labels, values[:, axes], low[axes], high[axes], float(scale[axes][0]))
 
 
-def _axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+def axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) -> tuple[Array, Array, Array]:
     """A rotation about one axis and its first and second time derivative, shapes (n, 3, 3)."""
     i, j = (axis + 1) % 3, (axis + 2) % 3
     c, s = np.cos(angle), np.sin(angle)
@@ -152,9 +198,9 @@ def _axis_rotation(axis: int, angle: Array, rate: Array, acceleration: Array) ->
 def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
     """R and its first and second time derivative, shapes (n, 3, 3)."""
     angles, rates, accelerations = motion.pose[:, 3:], motion.rates[:, 3:], motion.accelerations[:, 3:]
-    x0, x1, x2 = _axis_rotation(0, angles[:, 0], rates[:, 0], accelerations[:, 0])
-    y0, y1, y2 = _axis_rotation(1, angles[:, 1], rates[:, 1], accelerations[:, 1])
-    z0, z1, z2 = _axis_rotation(2, angles[:, 2], rates[:, 2], accelerations[:, 2])
+    x0, x1, x2 = axis_rotation(0, angles[:, 0], rates[:, 0], accelerations[:, 0])
+    y0, y1, y2 = axis_rotation(1, angles[:, 1], rates[:, 1], accelerations[:, 1])
+    z0, z1, z2 = axis_rotation(2, angles[:, 2], rates[:, 2], accelerations[:, 2])
     yx = y0 @ x0
     yx1 = y1 @ x0 + y0 @ x1
     yx2 = y2 @ x0 + 2 * (y1 @ x1) + y0 @ x2

@@ -14,7 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.limited import Quantity, limited_coordinates, limited_struts, rotation_motion
+from identification.limited import (
+    Quantity,
+    limited_coordinates,
+    limited_rates,
+    limited_struts,
+    plane,
+    rotation_motion,
+    strut_velocities,
+)
+from identification.limited_chain import frame_motion, joint_ranges
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, sensor_loads
 
@@ -156,16 +165,42 @@ Limited = Callable[[Motion, Case, bool], Iterable[Quantity]]
 
 def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
     """Coordinates and their derivatives."""
-    machine, workspace, limits = case.need_machine("the proof of limits")
-    return limited_coordinates(motion, machine, workspace, limits.motion, in_box)
+    home, limits = case.need_motion("the proof of limits")
+    reach: Iterable[Quantity]
+    if case.chain is not None:
+        reach = joint_ranges(motion, case.chain)
+    else:
+        machine, workspace, _ = case.need_machine("the proof of limits")
+        reach = [plane(motion, machine, workspace)]
+    return limited_coordinates(motion, home, limits, reach, in_box)
 
 
 def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
-    """Struts, joints, boxes, singularities and sensors: what takes the rotation of the platform to compute."""
-    machine, workspace, limits = case.need_machine("the proof of limits")
-    rotation = rotation_motion(motion)
-    yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
-    yield from sensor_loads(rotation, motion.accelerations[:, :3], Loads.of(case))
+    """Struts, joints, boxes, singularities and sensors: what takes the rotation of the load to compute."""
+    rotation, acceleration = load_motion(motion, case)
+    if case.hexapod is not None:
+        machine, workspace, limits = case.need_machine("the proof of limits")
+        yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
+    yield from sensor_loads(rotation, acceleration, Loads.of(case))
+
+
+def load_motion(motion: Motion, case: Case) -> tuple[tuple[Array, Array, Array], Array]:
+    """Rotation of the load's frame with its first and second time derivative, and the acceleration of its origin.
+
+    Returns:
+        R, R', R'', shapes (n, 3, 3), and the acceleration, shape (n, 3) [m/s^2], in {B}.
+    """
+    if case.chain is not None:
+        return frame_motion(motion, case.chain)
+    return rotation_motion(motion), motion.accelerations[:, :3]
+
+
+def of_velocities(motion: Motion, case: Case) -> Iterable[Quantity]:
+    """Rates of the coordinates, and velocities of struts."""
+    yield from limited_rates(motion, case.need_motion("the proof of limits")[1])
+    if case.hexapod is not None:
+        machine, _, limits = case.need_machine("the proof of limits")
+        yield strut_velocities(motion, machine, limits.motion)
 
 
 def everything(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cases.errors import CaseError
 from cases.schema import Case
 from cases.sensors import Disturbances, RigidBody, Truth, together
-from identification.trajectories.executed import Execution, StrutExecution
+from identification.trajectories.executed import DriveExecution, Execution
 
 Array = NDArray[np.float64]
 
@@ -109,7 +109,7 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
     sections = butter(3, band, btype="bandpass", fs=1.0 / RIPPLE_STEP, output="sos")
     velocity = sosfiltfilt(sections, draw.normal(size=lengths.shape), axis=0)
     velocity *= disturbances.ripple * speeds / np.sqrt(np.mean(velocity**2, axis=0))
-    return StrutExecution.of_log(execution.hexapod, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
+    return DriveExecution.of_log(execution.machine, RIPPLE_STEP, lengths + np.cumsum(velocity, axis=0) * RIPPLE_STEP)
 
 
 class PoseFields(NamedTuple):

@@ -1,4 +1,4 @@
-"""Motion of the platform: sampled (`Motion`), continuous in time (`Trajectory`), and through timed points."""
+"""Motion in the coordinates of a machine: sampled (`Motion`), continuous (`Trajectory`), through timed points."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
@@ -14,14 +14,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Coordinates of the platform and their time derivatives, one row a sample.
+    """Coordinates of a machine and their time derivatives, one row a sample.
+
+    Those of a hexapod are (x, y, z, roll, pitch, yaw) of its platform, those of a chain the positions of its joints.
 
     Args:
         t: time, shape (n,) [s].
-        pose: (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad].
-        rates: first derivatives, shape (n, 6) [m/s, rad/s].
-        accelerations: second derivatives, shape (n, 6) [m/s^2, rad/s^2].
-        jerks: third derivatives, shape (n, 6) [m/s^3, rad/s^3].
+        pose: coordinates, shape (n, k) [m or rad].
+        rates: first derivatives, shape (n, k) [m/s or rad/s].
+        accelerations: second derivatives, shape (n, k) [m/s^2 or rad/s^2].
+        jerks: third derivatives, shape (n, k) [m/s^3 or rad/s^3].
 
     Raises:
         ValueError: shapes that do not belong together.
@@ -34,7 +36,7 @@ class Motion:
     jerks: Array
 
     def __post_init__(self) -> None:
-        shape = (len(self.t), 6)
+        shape = (len(self.t), *self.pose.shape[1:2])
         for name in ("pose", "rates", "accelerations", "jerks"):
             value = getattr(self, name)
             if value.shape != shape:
@@ -66,7 +68,7 @@ class TimedPoints:
 
     Args:
         times: shape (k,), strictly increasing from 0 [s].
-        poses: shape (k, 6) [m, rad].
+        poses: shape (k, c) [m or rad].
         spline: through them.
     """
 
@@ -76,7 +78,7 @@ class TimedPoints:
 
     @classmethod
     def through(cls, times: ArrayLike, poses: ArrayLike) -> "TimedPoints":
-        """Interpolates between times, shape (k,) [s], and poses, shape (k, 6) [m, rad].
+        """Interpolates between times, shape (k,) [s], and coordinates, shape (k, c) [m or rad].
 
         Raises:
             ValueError: fewer than two points, or times that do not increase from 0.
@@ -84,11 +86,11 @@ class TimedPoints:
         from scipy.interpolate import make_interp_spline  # half a second that programs of moves can do without
 
         t, p = np.asarray(times, dtype=float), np.asarray(poses, dtype=float)
-        if len(t) < 2 or np.any(np.diff(t) <= 0.0) or t[0] != 0.0 or p.shape != (len(t), 6):
+        if len(t) < 2 or np.any(np.diff(t) <= 0.0) or t[0] != 0.0 or p.ndim != 2 or len(p) != len(t):
             raise ValueError("timed points need at least two poses at times that increase from 0")
         if _piecewise_cubic(t, p) and (cubic := _cubic_at_rest(t, p)) is not None:
             return cls(t, p, cubic)
-        at_rest = [(1, np.zeros(6)), (2, np.zeros(6))]
+        at_rest = [(1, np.zeros(p.shape[1])), (2, np.zeros(p.shape[1]))]
         return cls(t, p, make_interp_spline(t, p, k=5, bc_type=(at_rest, at_rest)))
 
     @property
@@ -127,7 +129,8 @@ def _cubic_at_rest(times: Array, poses: Array) -> "BSpline | None":
     """The cubic spline with rates zero at both ends; None where it has accelerations there."""
     from scipy.interpolate import make_interp_spline
 
-    spline = make_interp_spline(times, poses, k=3, bc_type=([(1, np.zeros(6))], [(1, np.zeros(6))]))
+    still = np.zeros(poses.shape[1])
+    spline = make_interp_spline(times, poses, k=3, bc_type=([(1, still)], [(1, still)]))
     accelerations = np.abs(spline(times, nu=2))
     rounding = 4.0 * RESOLUTION / np.diff(times).min() ** 2
     at_ends = accelerations[[0, -1]] <= NO_ACCELERATION * accelerations.max(axis=0) + rounding
@@ -139,7 +142,7 @@ class Standstill:
     """No motion at all.
 
     Args:
-        pose: shape (6,) [m, rad].
+        pose: coordinates, shape (n,) [m or rad].
         duration: [s].
     """
 
@@ -149,7 +152,7 @@ class Standstill:
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
         time = np.asarray(t, dtype=float)
-        still = [np.zeros((len(time), 6)) for _ in range(3)]
+        still = [np.zeros((len(time), len(self.pose))) for _ in range(3)]
         return Motion(time, np.tile(self.pose, (len(time), 1)), *still)
 
 
@@ -158,7 +161,7 @@ class StandingPoses:
     """Poses one after the other, one a second, each at rest: only limits of poses mean anything.
 
     Args:
-        poses: shape (n, 6) [m, rad].
+        poses: coordinates, shape (n, k) [m or rad].
     """
 
     poses: Array
@@ -171,7 +174,7 @@ class StandingPoses:
     def at(self, t: ArrayLike) -> Motion:
         """The poses whose turn it is at times t, shape (n,) [s], at rest."""
         time = np.asarray(t, dtype=float)
-        still = [np.zeros((len(time), 6)) for _ in range(3)]
+        still = [np.zeros((len(time), self.poses.shape[1])) for _ in range(3)]
         return Motion(time, self.poses[np.round(time).astype(int)], *still)
 
 
@@ -180,7 +183,7 @@ class Measurement:
     """Standing still to be measured: settling first, then what is averaged.
 
     Args:
-        pose: shape (6,) [m, rad].
+        pose: coordinates, shape (n,) [m or rad].
         settle: waited before [s].
         average: measured, with the trigger on [s].
     """
@@ -224,7 +227,7 @@ class Joined:
         time = np.asarray(t, dtype=float)
         starts = self.starts
         which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.parts) - 1)
-        values = np.zeros((4, len(time), 6))
+        values = np.zeros((4, len(time), self.parts[0].at(np.zeros(1)).pose.shape[1]))
         for k in np.unique(which):
             part, rows = self.parts[k], which == k
             here = part.at(np.clip(time[rows] - starts[k], 0.0, part.duration))

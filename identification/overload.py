@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.sensors import Payloads, RigidBody, SensorFrame
 from identification.frame import structure_matrix
-from identification.limited import Quantity, rotation_motion
-from identification.motion import Motion
+from identification.limited import Quantity
 
 Array = NDArray[np.float64]
 
@@ -58,7 +57,8 @@ class Loads:
         angular: d, shape (channels, 3).
         spin: Q as coefficients of wx^2, wy^2, wz^2, wx wy, wx wz, wy wz, shape (channels, 6).
         gravity: shape (3,) [m/s^2].
-        limit: of each force [N].
+        limit: of each channel, shape (channels,) [N or N m].
+        moments: which of them are moments with a range of their own, shape (channels,).
         labels: of the channels.
     """
 
@@ -66,15 +66,16 @@ class Loads:
     angular: Array
     spin: Array
     gravity: Array
-    limit: float
+    limit: Array
+    moments: NDArray[np.bool_]
     labels: tuple[str, ...]
 
     @classmethod
     def of(cls, case: Case) -> "Loads | None":
         """The constants of a case; None where it names no range or no nominal body."""
-        if case.sensors.range_N is None or case.nominal is None:
+        if (most := case.sensors.range) is None or case.nominal is None:
             return None
-        asked = _Asked(case.sensor_frame, case.nominal, case.payloads, tuple(case.gravity), case.sensors.range_N, case)
+        asked = _Asked(case.sensor_frame, case.nominal, case.payloads, tuple(case.gravity), tuple(most), case)
         return _loads(asked)
 
     def forces(self, rotation: tuple[Array, Array, Array], acceleration: Array) -> Array:
@@ -105,7 +106,7 @@ class _Asked:
     nominal: RigidBody
     payloads: Payloads | None
     gravity: tuple[float, ...]
-    range: float
+    range: tuple[float, ...]
     case: Case = field(compare=False)
 
 
@@ -130,8 +131,9 @@ def _loads(asked: _Asked) -> Loads:
         if i != j:
             quadratic[:, column] -= found[:, 6 + i] + found[:, 6 + j]
     labels = tuple(f"sensor {k}, {count} payloads" for count in range(len(case.bodies)) for k in range(1, 7))
-    limit = SHARE * asked.range
-    return Loads(found[:, :3], found[:, 3:6], quadratic, np.asarray(case.gravity), limit, labels)
+    limit = SHARE * np.tile(asked.range, len(case.bodies))
+    moments = np.tile(np.arange(6) >= (3 if case.sensors.range_Nm is not None else 6), len(case.bodies))
+    return Loads(found[:, :3], found[:, 3:6], quadratic, np.asarray(case.gravity), limit, moments, labels)
 
 
 def _cross_matrices(vectors: Array) -> Array:
@@ -154,11 +156,14 @@ def sensor_loads(rotation: tuple[Array, Array, Array], acceleration: Array, load
     if loads is None:
         return
     values = loads.forces(rotation, acceleration)
-    limit = np.full(values.shape[1], loads.limit)
-    yield Quantity.between("sensor force", "N", loads.labels, values, -limit, limit, 1.0)
+    for name, unit, channels in (("sensor force", "N", ~loads.moments), ("sensor moment", "N m", loads.moments)):
+        if channels.any():
+            labels = tuple(label for label, own in zip(loads.labels, channels, strict=True) if own)
+            limit = loads.limit[channels]
+            yield Quantity.between(name, unit, labels, values[:, channels], -limit, limit, 1.0)
 
 
-def load_shares(motion: Motion, case: Case) -> Array:
+def load_shares(rotation: tuple[Array, Array, Array], acceleration: Array, case: Case) -> Array:
     """Largest share of that limit which a motion uses with each number of payloads, shape (bodies,).
 
     Empty where nothing is limited.
@@ -166,5 +171,5 @@ def load_shares(motion: Motion, case: Case) -> Array:
     loads = Loads.of(case)
     if loads is None:
         return np.zeros(0)
-    forces = loads.forces(rotation_motion(motion), motion.accelerations[:, :3])
-    return np.asarray(np.abs(forces).max(axis=0).reshape(-1, 6).max(axis=1) / loads.limit)
+    forces = loads.forces(rotation, acceleration)
+    return np.asarray((np.abs(forces).max(axis=0) / loads.limit).reshape(-1, 6).max(axis=1))

@@ -1,10 +1,10 @@
 """Recorded runs: read with every damage explained, written whole or not at all.
 
-Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` (or drive positions
-`q1_mm`.., a pose `x_mm`..`c_deg`, a rotation matrix `r11`..`r33` sensor to world), forces `f1_N`..`f6_N` or
-`fx_N`..`mz_Nm`, optionally strut velocities `ld1_mm_s`.., an accelerometer `ax`..`az`, `trigger` 0/1,
-`override_percent` of the feed. The case's
-`[recording]` maps file formats, other names, units and clocks. A run may come as several files with their own clocks.
+Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` (of a chain its
+joints `q1_deg`.. or `q1_mm`..; or drive positions `q1_mm`.., a pose `x_mm`..`c_deg`, a rotation matrix `r11`..`r33`
+sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally strut velocities `ld1_mm_s`.., an accelerometer
+`ax`..`az`, `trigger` 0/1, `override_percent` of the feed. The case's `[recording]` maps file formats, other names,
+units and clocks. A run may come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,6 +22,9 @@ from cases.recording_format import (
     ACCELEROMETER,
     BAR_FORCES,
     CLOCK,
+    DRIVES,
+    JOINT_ANGLES,
+    JOINT_WAYS,
     OVERRIDE,
     ROTATION,
     STRUT_VELOCITIES,
@@ -41,7 +44,11 @@ __all__ = [
 
 SCHEMA_VERSION = 1
 # 1e-8 mm and 1e-6 N: below every encoder and converter, and short to read
-_DECIMALS = {CLOCK: 9} | dict.fromkeys(STRUTS, 8) | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
+_DECIMALS = (
+    {CLOCK: 9}
+    | dict.fromkeys((*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS), 8)
+    | dict.fromkeys((*BAR_FORCES, *WRENCH), 6)
+)
 FINE = 12  # decimals of all else
 
 
@@ -141,7 +148,7 @@ def _columns(recording: Recording, case: Case) -> dict[str, NDArray[np.float64]]
     """Numbers by the names of their columns, in the units that the names say."""
     table = {} if recording.t is None else {CLOCK: recording.t}
     groups = (
-        (STRUTS, recording.struts, MM),
+        (case.drive_columns, recording.struts, MM if case.chain is None else case.chain.units),
         (ROTATION, None if recording.rotations is None else recording.rotations.reshape(-1, 9), 1.0),
         (STRUT_VELOCITIES, recording.strut_velocities, MM),
         (case.sensor_frame.channels, recording.forces, 1.0),
@@ -150,5 +157,5 @@ def _columns(recording: Recording, case: Case) -> dict[str, NDArray[np.float64]]
     )
     for names, values, unit in groups:
         if values is not None:
-            table |= {name: values[:, k] / unit for k, name in enumerate(names)}
+            table |= dict(zip(names, (values / unit).T, strict=True))
     return table

@@ -19,7 +19,7 @@ SEED = 0
 
 
 class BoxStates(NamedTuple):
-    """States of the motion box, one row each: pose, rates and accelerations, shapes (n, 6)."""
+    """States of the motion box, one row each: coordinates, rates and accelerations, shapes (n, k)."""
 
     pose: Array
     rates: Array
@@ -32,12 +32,12 @@ def uniform_states(case: Case, count: int, seed: int) -> BoxStates:
     Raises:
         CaseError: the case has no machine or no limits.
     """
-    machine, _, limits = case.need_machine("the reference scaling")
-    box = limits.motion
+    home, box = case.need_motion("the reference scaling")
+    shape = (count, len(home))
     draw = np.random.default_rng(seed)
-    pose = machine.home.vector + draw.uniform(box.pose[0], box.pose[1], (count, 6))
-    rates = draw.uniform(-box.rate, box.rate, (count, 6))
-    return BoxStates(pose, rates, draw.uniform(-box.acceleration, box.acceleration, (count, 6)))
+    pose = home + draw.uniform(box.pose[0], box.pose[1], shape)
+    rates = draw.uniform(-box.rate, box.rate, shape)
+    return BoxStates(pose, rates, draw.uniform(-box.acceleration, box.acceleration, shape))
 
 
 def reference_scaling(case: Case, model: Model) -> Array:

@@ -23,7 +23,8 @@ from identification.loaded import (
     rippled,
     vibrating,
 )
-from identification.model import expected_forces, identification_model
+from identification.machine import machine_of
+from identification.model import expected_forces, full_model, identification_model
 from identification.noise.stated import acceleration_to_force
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
@@ -31,8 +32,6 @@ from identification.result import Estimate
 from identification.trajectories.executed import Execution
 
 Array = NDArray[np.float64]
-
-TRUE_MODEL = 9  # rigid body with inertia, offsets and the elastic error terms K2 and K5
 
 
 class ForceParts(NamedTuple):
@@ -86,7 +85,7 @@ def force_parts(
         CaseError: the case describes no simulated machine.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
-    model = identification_model(case, TRUE_MODEL)
+    model = identification_model(case, full_model(case))
     u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
     rigid = expected_forces(model, motion, u)
     found = around.disturbances
@@ -99,9 +98,12 @@ def force_parts(
     return ForceParts(rigid, expected_forces(model, shaken, u) - rigid, fields.of(weight))
 
 
-def _quantised(struts: Array, simulation: Simulation) -> Array:
-    step = simulation.encoder_resolution
-    return np.asarray(np.round(struts / step) * step) if step > 0.0 else struts
+def _quantised(drives: Array, case: Case, simulation: Simulation) -> Array:
+    steps = np.where(machine_of(case).turns, simulation.turning_resolution, simulation.encoder_resolution)
+    found = drives.copy()
+    for k in np.flatnonzero(steps):
+        found[:, k] = np.round(drives[:, k] / steps[k]) * steps[k]
+    return found
 
 
 def simulate_recording(
@@ -171,15 +173,15 @@ def sensed(
     parts = force_parts(case, run.felt, 1.0 / simulation.encoder_rate_Hz, around, run.fields)
     forces = parts.total
     draw = np.random.default_rng(seed)
-    forces += draw.normal(0.0, simulation.force_noise_N, forces.shape)
+    forces += draw.normal(size=forces.shape) * simulation.force_noise
     if simulation.acceleration_noise.any():
-        model = identification_model(case, TRUE_MODEL)
+        model = identification_model(case, full_model(case))
         u = linear_parameters(model, loaded_truth(simulation.parameters, around.weights))
         forces += simulation.acceleration_noise * draw.normal(size=forces.shape) @ acceleration_to_force(model, u).T
     trigger = np.zeros(len(run.t), dtype=bool)
     for start, end in trigger_times:
         trigger |= (run.t >= start) & (run.t < end)
-    return Recording(source, run.t, _quantised(run.struts, simulation), None, forces, trigger), parts
+    return Recording(source, run.t, _quantised(run.struts, case, simulation), None, forces, trigger), parts
 
 
 def truth_rows(case: Case, estimate: Estimate) -> list[dict[str, Any]]:

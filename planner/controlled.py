@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.errors import HexciteError
-from cases.machine import MotionLimits
 from cases.schema import Case
+from identification.limited import Box
 from identification.limits import PROOF_RATE, LimitReport, Status
 from identification.motion import Trajectory
 from identification.trajectories.profile import has_steps
@@ -16,7 +16,7 @@ from postprocessors.dialects import DIALECTS, dialect
 from postprocessors.proving.guarantees import family, limits_jerk
 from postprocessors.reading.words import Reading
 
-CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints")
+CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
 
 
 class Controlled(NamedTuple):
@@ -62,25 +62,27 @@ def controlled(case: Case, controller: str | None) -> Controlled:
     guarantees = dialect(controller).load().guarantees(Reading(controller, (), 0), case)
     if limits_jerk(guarantees.law):
         return Controlled(case, controller)
-    limits = case.need_machine("planning")[2]
-    freed = limits.model_copy(update={"motion": limits.motion.without_jerk()})
-    return Controlled(case.model_copy(update={"limits": freed}), controller, guarantees.jerk_time)
+    return Controlled(case.without_jerk(), controller, guarantees.jerk_time)
 
 
-def moves_in(box: MotionLimits, duration: float) -> float | None:
-    """How many moves a duration has room for where accelerations step; None where jerk is limited.
+MOVES_A_SECOND = 10.0 / 3.0  # at most where jerk is limited
 
-    A good move then is one that just reaches its limit of velocity, or crosses the box before that.
+
+def moves_in(box: Box, duration: float) -> float:
+    """How many moves a duration has room for.
+
+    A good move just reaches its limit of velocity, or crosses the box before that: where accelerations step in all
+    coordinates; where jerk is limited in the quickest, and in 0.3 s at least.
 
     Args:
         box: limits that count, see `Controlled`.
         duration: of all moves [s].
     """
-    if box.limits_jerk:
-        return None
     width = box.pose[1] - box.pose[0]
-    one = float(np.max(2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))))
-    return duration / one
+    each = 2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))
+    if box.limits_jerk:
+        return duration * min(MOVES_A_SECOND, 1.0 / float(np.min(each)))
+    return duration / float(np.max(each))
 
 
 def usual_dialect(settings: Mapping[str, Any]) -> str:

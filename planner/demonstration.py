@@ -7,6 +7,8 @@ from typing import Any
 
 from cases.files import DEMO, check_folder
 from cases.schema import Case
+from identification.machine import machine_of
+from identification.model import full_model
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.simulate import truth_rows
@@ -17,11 +19,10 @@ from planner.request import Request
 from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, best_controller, execute
 from planner.runs.written import write
+from postprocessors.dialects import Dialect, dialect
 from postprocessors.program_file import Program
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
-MODEL = 9
-
 Done = Callable[[Plan | Program | RunOutcome | Result], None]
 """Called with what a step made."""
 
@@ -32,7 +33,7 @@ class Demo:
 
     Args:
         plan: the motion.
-        program: for LinuxCNC, proven.
+        program: for LinuxCNC, or as a table of set points, proven.
         outcome: of the run.
         result: of its identification.
         truth: each parameter beside that of the simulated machine, as `truth_rows` has them.
@@ -52,6 +53,11 @@ class Demo:
         return float(max(abs(row["error"]) / row["std"] for row in self.truth))
 
 
+def language_of(case: Case) -> Dialect:
+    """The language of a demo: LinuxCNC's where it has the machine's moves, else a table of set points."""
+    return dialect("linuxcnc" if machine_of(case).of_pose else "setpoints")
+
+
 def demo(
     case: Case,
     folder: Path | str,
@@ -66,7 +72,7 @@ def demo(
     Args:
         case: with a simulated machine.
         folder: to make: plan, program, recording and result are written there, one after the other.
-        on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed.
+        on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed and the program is for it.
         seed: of the starts and of the sensors' noise.
         starts: number of random starts; one is enough for a demo.
         done: called with the value of each step: plan, program, outcome of the run, result.
@@ -77,21 +83,21 @@ def demo(
     place = Path(folder)
     case.need_simulation("the demo")
     check_folder(place, DEMO, overwrite=True)
-    controller, why = best_controller() if on is None else (on, "as asked")
-    planned(Request(PointToPoint(controller="linuxcnc"), starts=starts, seed=seed), case).save(
-        place / "plan", overwrite=True
-    )
+    language = language_of(case)
+    controller, why = best_controller(language.name) if on is None else (on, "as asked")
+    request = Request(PointToPoint(controller=language.name), model=full_model(case), starts=starts, seed=seed)
+    planned(request, case).save(place / "plan", overwrite=True)
     plan = Plan.load(place / "plan", case)
     done(plan)
-    file = place / "excitation.ngc"
-    write(plan, "linuxcnc", accept=ACCEPTED, file=file).save(file, overwrite=True)
+    file = place / f"excitation{language.suffix}"
+    write(plan, language.name, accept=ACCEPTED, file=file).save(file, overwrite=True)
     program = Program.load(file, case)
     program.proof.require()
     done(program)
     outcome = execute(program, case, controller, seed)
     outcome.recording.save(place / "recording", overwrite=True)
     done(outcome)
-    result = identify(Recording.load(place / "recording"), case, MODEL)
+    result = identify(Recording.load(place / "recording"), case, full_model(case))
     result.save(place / "result", overwrite=True)
     done(result)
     assert result.estimate is not None

@@ -3,6 +3,7 @@
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.limits import LimitCheck, prove
+from identification.machine import machine_of
 from identification.motion import Standstill
 from planner.families.family import box_middle
 
@@ -25,16 +26,31 @@ _KEYS = {
 }
 
 
-def remedy(check: LimitCheck) -> str:
-    """What to change where a limit lets nothing move."""
+_JOINTS = f"{_BOX}.joints"
+_OF_JOINTS = {
+    "position": f"position_mm of {_JOINTS}",
+    "angle": f"position_deg of {_JOINTS}",
+    "joint position": "position_mm of machine.chain.joints",
+    "joint angle": "position_deg of machine.chain.joints",
+    "velocity": f"velocity_mm_s of {_JOINTS}",
+    "angular velocity": f"velocity_deg_s of {_JOINTS}",
+    "acceleration": f"acceleration_m_s2 of {_JOINTS}",
+    "angular acceleration": f"acceleration_rad_s2 of {_JOINTS}",
+    "jerk": f"jerk_m_s3 of {_JOINTS}",
+    "angular jerk": f"jerk_rad_s3 of {_JOINTS}",
+}
+
+
+def remedy(check: LimitCheck, case: Case) -> str:
+    """What to change where a limit of a case lets nothing move."""
     kind = check.name.split(" (")[0]
     if kind.startswith("distance from"):
         return "make that box of workspace.keep_out smaller"
-    if kind == "sensor force":
-        return "take weights out of [payloads], correct sensors.range_N"
+    if kind in ("sensor force", "sensor moment"):
+        return "take weights out of [payloads], correct sensors.range_N or range_Nm"
     if kind == "singularity":
         return f"narrow the poses of {_BOX}"
-    return f"widen {_KEYS[kind]}"
+    return f"widen {(_KEYS if machine_of(case).of_pose else _OF_JOINTS)[kind]}"
 
 
 def require_rest(case: Case) -> None:
@@ -46,4 +62,4 @@ def require_rest(case: Case) -> None:
     report = prove(Standstill(box_middle(case)[0], 0.01), case, 100.0)
     if not report.kept:
         worst = report.violations[0]
-        raise InfeasiblePlan(f"no feasible motion: {worst.sentence(timed=False)}; {remedy(worst)} or move home")
+        raise InfeasiblePlan(f"no feasible motion: {worst.sentence(timed=False)}; {remedy(worst, case)} or move home")

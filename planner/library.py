@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.model import identification_model
+from identification.model import full_model, identification_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.interruption import Interrupted
@@ -35,7 +35,7 @@ class Settings(TypedDict, total=False):
 
     Attributes:
         criterion: letter of Table 4.
-        model: number in Table 2.
+        model: number in Table 2; the one with all that the machine can tell unless given.
         payload: number of the case's payloads that are mounted, at most.
         payload_from: at least, where that is another number.
         targets: standard deviations to be met, such as `("m=0.05kg",)`; the duration is then the longest allowed.
@@ -99,7 +99,9 @@ def plan(
     Raises:
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
-    return planned(Request(PointToPoint() if family is None else family, duration, **settings), case, progress)
+    settings.setdefault("model", full_model(case))
+    request = Request(PointToPoint() if family is None else family, duration, **settings)
+    return planned(request, case, progress)
 
 
 def planned(request: Request, case: Case, progress: Told | None = None) -> Plan:

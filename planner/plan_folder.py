@@ -46,7 +46,7 @@ def write_plan(plan: Plan, folder: Path) -> None:
         rows = [f"{k}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(poses_in_units(plan.poses), 1)]
         name, table = "poses.csv", "\n".join([",".join(("pose", *POSE)), *rows]) + "\n"
     else:
-        name, table = "motion.csv", motion_csv(sample(plan.motion, SAMPLE_RATE))
+        name, table = "motion.csv", motion_csv(sample(plan.motion, SAMPLE_RATE), plan.case)
     (folder / "plan.json").write_text(plan_text(plan), encoding="utf-8")
     (folder / name).write_text(table, encoding="utf-8")
 
@@ -94,6 +94,9 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         raise FileProblem(file, f"a motion of {motion.duration:g} s is no excitation", "plan again")
     named = Artefact(file, data, "plan again")
     own = named.case() if case is None else case
+    count = len(own.need_motion("a plan")[0])
+    if motion.at([0.0]).pose.shape[1] != count:
+        raise FileProblem(f"{file}: its motion does not have the {count} coordinates of case {own.name}; plan again")
     payload = data.get("payload", 0)
     now = plan_basis(own, payload if isinstance(payload, int) else 0, of_poses)
     remarks = named.require_unchanged(now, own, stale) if case is None else ()

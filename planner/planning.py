@@ -56,7 +56,9 @@ def _rival(request: Request, case: Case) -> Task | None:
     except HexciteError:  # too short for it, or too fast for the filter
         return None
     (family,) = rival.families(case, request.duration)
-    return Task(case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, shipped_start(family))
+    return Task(
+        case, request.model, family, "D", request.seed, request.payload, Step.GLANCE, shipped_start(family, case)
+    )
 
 
 def search(request: Request, case: Case, listener: Listener, run: Runner) -> Found:
@@ -88,7 +90,7 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
         fresh, best_family = request.family.families(own.case, request.duration)[0], starts[0].family
         fresh = fresh if fresh.settings == best_family.settings else best_family
         one = Task(without_pose_errors(own.case), request.model, fresh, "D", starts[0].seed, request.payload,
-                   begin=shipped_start(fresh))  # fmt: skip
+                   begin=shipped_start(fresh, case))  # fmt: skip
         last = run([one], Listener(lambda start: None, listener.news), patience)
         white, interrupted = next((r for r in last.results if isinstance(r, Start)), None), last.interrupted
     winner = starts[0].family
@@ -116,7 +118,7 @@ def _explored(
 
     first = max(len(families), min(FEWEST, patience.most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
-    tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family))
+    tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     rival = _rival(request, case)
     results: list[Start | Failed] = []
     rivals: list[Start] = []
@@ -166,7 +168,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     seconds = perf_counter() - began
     if not found.limits.kept:
         worst = found.limits.violations[0]
-        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)}")
+        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)}")
     try:
         return rated(request, case, found, seconds)
     except IdentificationError as error:

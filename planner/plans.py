@@ -232,12 +232,13 @@ def poses_in_units(poses: Array) -> Array:
     return np.asarray(np.round(poses / np.r_[np.full(3, MM), np.full(3, DEG)], 9))
 
 
-def motion_csv(motion: Motion) -> str:
+def motion_csv(motion: Motion, case: Case) -> str:
     """The motion as a table in mm and degrees; header as in CONVENTIONS."""
-    from cases.recording_format import MOTION
+    from cases.recording_format import motion_columns
 
-    unit = np.r_[np.full(3, 1 / MM), np.full(3, 1 / DEG)]
+    limits = case.need_motion("a plan")[1]
+    unit = np.where(limits.turns, 1 / DEG, 1 / MM)
     table = np.column_stack([motion.t, motion.pose * unit, motion.rates * unit, motion.accelerations * unit])
     form = ",".join(["%.9g"] * table.shape[1])
     lines = [form % tuple(row) for row in table.tolist()]
-    return "\n".join([",".join(MOTION), *lines]) + "\n"
+    return "\n".join([",".join(motion_columns(limits.columns)), *lines]) + "\n"

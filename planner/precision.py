@@ -1,9 +1,17 @@
-"""Numbers as people read them, to the second digit of their standard deviation."""
+"""Numbers as people read them, to the second digit of their standard deviation, and parameters by their words."""
 
+import re
 from collections.abc import Mapping
 from math import floor, isfinite, log10
 from typing import Any
 
+_WORDS = {
+    "m": "mass",
+    "k0": "deformation: force by displacement",
+    "k1": "deformation: moment by displacement",
+    "k2": "deformation: force by tilt",
+    "k3": "deformation: moment by tilt",
+} | {f"{axis}C": f"centre of gravity {axis}" for axis in "xyz"}
 MOST_TIMES = 10.0  # a limit, up to which a share is told
 MOST_PLACES = 9  # beyond these a fixed notation is longer than it is legible
 
@@ -43,3 +51,15 @@ def bounds_text(limit: Mapping[str, Any]) -> str:
     if (bounds := limit.get("bounds")) is not None:
         return f"{bounds[0]:.4g} to {bounds[1]:.4g}"
     return f"{limit['limit']:.4g}"
+
+
+def parameter_words(name: str) -> str:
+    """A parameter in words with its letter in brackets, such as `mass (m)`; letters that have no words stay alone."""
+    words = _WORDS.get(name)
+    if words is None and (inertia := re.fullmatch(r"IC([123])([123])", name)):
+        words = f"inertia {'xyz'[int(inertia[1]) - 1]}{'xyz'[int(inertia[2]) - 1]}"
+    elif words is None and (offset := re.fullmatch(r"f_q0_([1-6])", name)):
+        words = f"offset of channel {offset[1]}"
+    elif words is None and (factor := re.fullmatch(r"K[134]_([1-6])([xyz])", name)):
+        words = f"deformation: channel {factor[1]} by {factor[2]}"
+    return name if words is None else f"{words} ({name})"

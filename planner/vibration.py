@@ -16,9 +16,9 @@ from identification.hexapod import Hexapod
 from identification.loaded import circumstances, mode_frequency, vibrating
 from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
-from identification.parameters import body_parameters, physical_form
+from identification.parameters import nominal_parameters, physical_form
 from identification.reference import reference_scaling
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 from identification.trajectories.profile import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.noise import expected_noise
@@ -61,7 +61,7 @@ def _mean_ratio(one: dict[str, float], other: dict[str, float]) -> float:
 def with_other_law(motion: Joined, case: Case) -> Joined:
     """The same moves as fast as the limits of the coordinates allow: with the limits of jerk where they had none, and
     without where they had them."""
-    box = case.need_machine("planning")[2].motion
+    box = case.need_motion("planning")[1]
     limits = (box.rate, box.acceleration, *((box.jerk,) if has_steps(motion) else ()))
     parts = [
         StraightMove.fastest(part.start, part.end, *limits) if isinstance(part, StraightMove) else part
@@ -92,8 +92,7 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     frequency = mode_frequency(case.simulation.parameters, around)
     cycle = case.need_controller("the vibration of a machine").cycle
     noise = expected_noise(case, model, payload)
-    body = body_parameters(case.body(payload))
-    u = np.array([body.get(name, 0.0) for name in model.names])
+    u = nominal_parameters(model, case.body(payload))
     still = [Standstill(pose, REST) for pose in motion.at([0.0, motion.duration]).pose]
     run = Joined((still[0], motion, still[1]))
     from identification.signals import Filter  # SciPy, which plans without a mode do without
@@ -145,7 +144,7 @@ def _evaluated(
     step = low_pass.step
     t = np.arange(int(np.ceil(run.duration / step)) + 1) * step
     lengths = hexapod.strut_lengths(run.at(np.minimum(t, run.duration)).pose)
-    execution = StrutExecution.of_set_points(hexapod, step, lengths)
+    execution = DriveExecution.of_set_points(hexapod, step, lengths)
     t = t[t <= execution.duration]
     struts, moved = execution.struts(t), execution.kinematics(t)
     shaken = replace(moved, twist_rate=vibrating(moved.twist_rate, step, frequency, damping))

@@ -128,18 +128,17 @@ def excitation_program(
     Raises:
         CaseError: the case has no machine or no controller.
     """
-    machine, _, limits = case.need_machine("a program")
+    home, box = case.need_motion("a program")
     controller = case.need_controller("a program")
-    home = machine.home.vector
+    safe = controller.safe_share if case.chain is not None else controller.safe_feed
     first, last = trajectory.at([0.0, trajectory.duration]).pose
-    blocks: list[Block] = [ToHome(home, controller.safe_feed * min(1.0, speed))]
+    blocks: list[Block] = [ToHome(home, safe * min(1.0, speed))]
     excitation = motion_blocks("excitation", trajectory, controller.block, speed)
     own_time = not any(isinstance(b, TimedPath | SplinePath) for b in excitation)
 
     def straight(name: str, start: Array, end: Array) -> None:
         if np.max(np.abs(end - start)) < SAME:
             return
-        box = limits.motion
         share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]
         move = StraightMove.fastest(start, end, *share)
         if own_time:

@@ -39,7 +39,7 @@ class Language:
     write: Callable[[NeutralProgram, Case], bytes]
     read: Callable[[bytes, str, Case], Reading]
     guarantees: Callable[[Reading, Case], Guarantees]
-    tolerance: Callable[[Case], Array] = lambda case: np.zeros(6)
+    tolerance: Callable[[Case], Array] = lambda case: np.zeros(1)
     same: Callable[[NeutralProgram, Reading, Case], None] | None = None
     forecast: Callable[[Reading, Case], Forecast] = _in_time
     prepare: Callable[[NeutralProgram, Case], NeutralProgram] = _as_it_is
@@ -117,6 +117,22 @@ def _setpoints(suffix: str = ".csv") -> Language:
     return Language(write, read_setpoints, setpoint_guarantees, same=require_same)
 
 
+def _urscript(suffix: str = "") -> Language:
+    from postprocessors.proving.promises import urscript_guarantees
+    from postprocessors.reading.urscript import read_urscript
+    from postprocessors.urscript import write_urscript
+
+    return Language(write_urscript, read_urscript, urscript_guarantees)
+
+
+def _ros2(suffix: str = "") -> Language:
+    from postprocessors.joint_trajectory import require_same, write_joint_trajectory
+    from postprocessors.proving.promises import joint_trajectory_guarantees
+    from postprocessors.reading.joint_trajectory import read_joint_trajectory
+
+    return Language(write_joint_trajectory, read_joint_trajectory, joint_trajectory_guarantees, same=require_same)
+
+
 DIALECTS = {
     d.name: d
     for d in (
@@ -146,6 +162,19 @@ DIALECTS = {
             (".csv", ".parquet"),
             _setpoints,
             "the machine must stand at home when the table starts",
+        ),
+        Dialect(
+            "urscript",
+            "Universal Robots: movej from rest to rest with acceleration and speed, never with a time",
+            (".script",),
+            _urscript,
+        ),
+        Dialect(
+            "ros2",
+            "ROS 2 joint_trajectory_controller: one JointTrajectory message, quintic between its points",
+            (".yaml", ".yml"),
+            _ros2,
+            "the machine must stand at home when the trajectory starts",
         ),
     )
 }

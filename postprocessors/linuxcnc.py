@@ -1,14 +1,17 @@
-"""Writes programs for LinuxCNC: XYZABC in mm and degrees.
+"""Writes programs for LinuxCNC: axes in mm and degrees, the pose of a platform or the joints of a chain.
 
 Point-to-point moves are G1 with exact stop (G61), arcs G2 and G3, timed paths and splines dense G1 in inverse time
-(G93).
+(G93). Of a chain there are moves only: paths would be cut where rotary axes turn round.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from cases.units import MINUTE
+from cases.units import DEG, MINUTE, MM
+from identification.limited import Box
 from identification.trajectories.profile import limits_along
 from postprocessors.composing import timed_path
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG
@@ -32,6 +35,7 @@ from postprocessors.wording import (
     arc_words,
     comment_lines,
     coordinates,
+    digits,
     feed,
     number,
 )
@@ -41,10 +45,6 @@ FULL = 1e-9  # [rad] that a full circle may miss: rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
 
 
-def _axes(pose: Array) -> str:
-    return " ".join(letter + value for letter, value in zip("XYZABC", coordinates(pose), strict=True))
-
-
 def _comments(text: str) -> list[str]:
     """LinuxCNC knows no nesting, and reads (MSG, ..) as a command, hence the leading dash."""
     lines = comment_lines(text.replace("(", "[").replace(")", "]"))
@@ -52,22 +52,45 @@ def _comments(text: str) -> list[str]:
 
 
 class _LinuxCncWriter:
-    """Words for the axis accelerations that the controller is set up with, and the points of its timed paths."""
+    """Words for the axis accelerations that the controller is set up with, and the points of its timed paths.
 
-    def __init__(self, acceleration: Array, block: float) -> None:
-        self.acceleration = acceleration  # limits that the controller gets, shape (6,)
+    Args:
+        axes: letters of the coordinates.
+        limits: of the coordinates.
+        headroom: acceleration limits that the controller gets, as a multiple of these.
+        block: duration of a block of a timed path [s].
+        chain: whether the axes are the joints of a chain.
+    """
+
+    def __init__(self, axes: Sequence[str], limits: Box, headroom: float, block: float, chain: bool) -> None:
+        self.axes, self.limits, self.chain = axes, limits, chain
+        self.acceleration = headroom * limits.acceleration
         self.block = block
+
+    def words(self, pose: Array) -> str:
+        """Coordinates as axis words."""
+        return " ".join(a + v for a, v in zip(self.axes, coordinates(pose, self.limits.turns), strict=True))
+
+    def home_feed(self, block: ToHome) -> str:
+        """F of the first move, of a chain one that is safe in mm and in degrees: which of them counts is not known."""
+        if not self.chain:
+            return feed(block.feed, linear=True)
+        return digits(block.feed * float((self.limits.rate / np.where(self.limits.turns, DEG, MM)).min()) * MINUTE)
 
     def lines(self, block: Block, following: Block | None) -> list[str]:
         match block:
             case Comment():
                 return _comments(block.text)
             case ToHome():
-                return [*_comments("to home"), "G61", f"G94 G1 {_axes(block.pose)} F{feed(block.feed, linear=True)}"]
+                return [*_comments("to home"), "G61", f"G94 G1 {self.words(block.pose)} F{self.home_feed(block)}"]
             case PointToPoint():
-                return [f"G1 {_axes(block.move.end)} F{self.feed_of(block)}"]
+                return [f"G1 {self.words(block.move.end)} F{self.feed_of(block)}"]
             case StrutPointToPoint():
                 raise HexciteError("LinuxCNC has no moves straight in the struts; leave out --ptp-struts")
+            case Arc() | TimedPath() | SplinePath() if self.chain:
+                raise HexciteError(
+                    "LinuxCNC cuts corners of paths by degrees where rotary axes turn round; plan with --family ptp"
+                )
             case Arc():
                 return [f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():
@@ -79,16 +102,18 @@ class _LinuxCncWriter:
                     return ["M62 P0" if isinstance(following, MOTION) else "M64 P0"]
                 return ["M65 P0"]
             case TimedPath():
-                return _timed(block)
+                return self.timed(block)
             case SplinePath():
-                return _timed(timed_path(block.name, block.motion, self.block, 1.0))
+                return self.timed(timed_path(block.name, block.motion, self.block, 1.0))
 
     def feed_of(self, block: PointToPoint) -> str:
         """The feed that makes a trapezoid under the axis limits take as long as the planned move."""
         way = np.abs(block.move.end - block.move.start)
         (acceleration,) = limits_along(way, self.acceleration)
         share = _trapezoid_speed(block.move.duration, acceleration)
-        return feed(share * block.length, linear=bool(way[:3].any()))
+        linear = bool(way[~self.limits.turns].any())
+        length = float(np.linalg.norm(way[~self.limits.turns if linear else self.limits.turns]))
+        return feed(share * length, linear)
 
     def arc(self, block: Arc) -> str:
         """A full circle has no end words, or it would be none at all."""
@@ -100,23 +125,23 @@ class _LinuxCncWriter:
         turning = float(np.sqrt(ARC_ACROSS * acceleration / abs(move.angle)))
         share = min(_trapezoid_speed(move.duration, ARC_ALONG * acceleration), turning)
         full = abs(abs(move.angle) - 2 * np.pi) < FULL
-        words = arc_words(move, "XYZABC", coordinates(move.end), full)
+        words = arc_words(move, self.axes, coordinates(move.end, self.limits.turns), full)
         return f"{'G3' if move.angle > 0.0 else 'G2'} {words} F{feed(share * move.length, linear=True)}"
+
+    def timed(self, path: TimedPath) -> list[str]:
+        """Dense blocks in inverse time."""
+        lines = [*_comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64 P1 Q0", "G93"]
+        feeds = MINUTE / np.diff(path.times)
+        for pose, value in zip(path.poses[1:], feeds, strict=True):
+            lines.append(f"G1 {self.words(pose)} F{number(value, FEED_DECIMALS)}")  # G93 wants F on every line
+        # Back to feed per minute; G61 makes whatever follows wait until the path has come to rest.
+        return [*lines, "G94", "G61"]
 
 
 def _trapezoid_speed(duration: float, acceleration: float) -> float:
     """Speed v of the trapezoid over the way 1 with 1 / v + v / a = T; without cruise where T is as short as can be."""
     root = max(0.0, (acceleration * duration) ** 2 - 4 * acceleration)
     return float((acceleration * duration - np.sqrt(root)) / 2)
-
-
-def _timed(path: TimedPath) -> list[str]:
-    lines = [*_comments(f"{path.name}: {len(path.times) - 1} blocks, {path.times[-1]:.6f} s"), "G64 P1 Q0", "G93"]
-    feeds = MINUTE / np.diff(path.times)
-    for pose, value in zip(path.poses[1:], feeds, strict=True):
-        lines.append(f"G1 {_axes(pose)} F{number(value, FEED_DECIMALS)}")  # G93 wants F on every line
-    # Back to feed per minute; G61 makes whatever follows wait until the path has come to rest.
-    return [*lines, "G94", "G61"]
 
 
 def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
@@ -129,10 +154,11 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
     Raises:
         CaseError: the case has no machine or no controller.
     """
-    limits, controller = case.need_machine("a program")[2].motion, case.need_controller("a program")
-    timed = any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
+    limits, controller = case.need_motion("a program")[1], case.need_controller("a program")
+    timed = case.chain is None and any(isinstance(block, TimedPath | SplinePath) for block in program.blocks)
     headroom = controller.need_linuxcnc(case.name).acceleration_headroom if timed else 1.0
-    writer = _LinuxCncWriter(headroom * limits.acceleration, controller.block)
+    axes = tuple("XYZABC") if case.chain is None else case.chain.names
+    writer = _LinuxCncWriter(axes, limits, headroom, controller.block, case.chain is not None)
     lines = [c for line in (*program.header, OFFSETS) for c in _comments(line)]
     # G92.1 takes back offsets that an operator may have left; G54 itself must be zero, a program cannot know.
     lines += ["G17 G21 G40 G49 G54 G80 G90 G91.1 G94", "G92.1"]

@@ -29,8 +29,8 @@ class ToHome:
     """A straight move to home at a safe feed from wherever the machine stands.
 
     Args:
-        pose: home, shape (6,) [m, rad].
-        feed: along the path of the origin [m/s].
+        pose: coordinates at home, shape (k,) [m or rad].
+        feed: along the path of the origin [m/s]; of a chain the share of the limits of its joints.
     """
 
     pose: Array
@@ -99,7 +99,7 @@ class TimedPath:
     Args:
         name: what it is for.
         times: shape (k,), increasing, the first 0 [s].
-        poses: shape (k, 6), the first is where the machine stands [m, rad].
+        poses: coordinates, one row a time, the first is where the machine stands [m, rad].
         source: the motion that was sampled, on the clock of `times`, for dialects that can carry more than points.
     """
 

@@ -1,8 +1,8 @@
 """Writes tables of setpoints, one row a control cycle: the one form of a program that carries time exactly.
 
 The machine must stand at home when the table starts. Motions last a whole number of cycles: each is slowed by less than
-one. Rates and accelerations are those of the motion, not differences; strut lengths and their derivatives are (7), (8)
-and the derivative of (8).
+one. Rates and accelerations are those of the motion, not differences; strut lengths of a hexapod and their derivatives
+are (7), (8) and the derivative of (8).
 """
 
 import io
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases.errors import HexciteError, ProgramError
-from cases.recording_format import MOTION, STRUT_VELOCITIES, STRUTS, TRIGGER
+from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
@@ -35,9 +35,9 @@ from postprocessors.reading.words import Reading
 
 FORMAT = "hexcite setpoints 1"
 METADATA = b"hexcite"
-COLUMNS = (*MOTION, *STRUTS, *STRUT_VELOCITIES, *(f"ldd{k}_mm_s2" for k in range(1, 7)), TRIGGER)
-# Poses, rates, accelerations: so fine that jerks, the differences of accelerations, keep seven digits.
-DECIMALS = [6] + [12] * 6 + [9] * 6 + [6] * 6 + [9] * 6 + [7] * 6 + [5] * 6 + [0]
+STRUT_COLUMNS = (*STRUTS, *STRUT_VELOCITIES, *(f"ldd{k}_mm_s2" for k in range(1, 7)))
+# Coordinates, rates, accelerations: so fine that jerks, the differences of accelerations, keep seven digits.
+DECIMALS, STRUT_DECIMALS = (12, 9, 6), [9] * 6 + [7] * 6 + [5] * 6
 SAME = 1e-9  # [m, rad] that a table may be off the plan: rounding
 
 
@@ -103,7 +103,7 @@ def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
     """All rows, and whether the trigger is on in the cycle that each begins."""
     cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle
     home = next(b.pose for b in program.blocks if isinstance(b, ToHome))
-    rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, 6))], [np.zeros((1, 6))]]
+    rows: list[list[Array]] = [[home[None, :]], [np.zeros((1, len(home)))], [np.zeros((1, len(home)))]]
     trigger: list[Array] = []
     for part in _parts(program, cycle):
         if part.motion is None:
@@ -124,21 +124,44 @@ def _motion(program: NeutralProgram, case: Case) -> tuple[Motion, Array]:
 def _values(program: NeutralProgram, case: Case) -> Array:
     """The table in the units of its columns."""
     motion, trigger = _motion(program, case)
-    function = Hexapod.of(case).strut_motion.map(len(motion.t))
-    struts = [np.array(v.full()).T / MM for v in function(motion.pose.T, motion.rates.T, motion.accelerations.T)]
-    units = np.r_[np.full(3, MM), np.full(3, DEG)]
-    poses = [v / units for v in (motion.pose, motion.rates, motion.accelerations)]
-    return np.column_stack([motion.t, *poses, *struts, trigger])
+    units = np.where(case.need_motion("a setpoint table")[1].turns, DEG, MM)
+    coordinates = [v / units for v in (motion.pose, motion.rates, motion.accelerations)]
+    struts: list[Array] = []
+    if case.hexapod is not None:
+        function = Hexapod.of(case).strut_motion.map(len(motion.t))
+        found = function(motion.pose.T, motion.rates.T, motion.accelerations.T)
+        struts = [np.array(v.full()).T / MM for v in found]
+    return np.column_stack([motion.t, *coordinates, *struts, trigger])
+
+
+def _columns(case: Case) -> tuple[str, ...]:
+    """Time, coordinates with their derivatives, of a hexapod the struts, the trigger."""
+    struts = STRUT_COLUMNS if case.hexapod is not None else ()
+    return (*motion_columns(case.need_motion("a setpoint table")[1].columns), *struts, TRIGGER)
+
+
+def decimals_of(case: Case) -> list[int]:
+    """Decimals of each column of a CSV table."""
+    count = len(case.need_motion("a setpoint table")[0])
+    struts = STRUT_DECIMALS if case.hexapod is not None else []
+    return [6, *(places for places in DECIMALS for _ in range(count)), *struts, 0]
 
 
 def _header(program: NeutralProgram, case: Case) -> list[str]:
     cycle = case.need_controller("a setpoint table").need_setpoints(case.name).cycle_ms
+    if case.hexapod is not None:
+        words = [
+            "pose: origin of the platform in the base frame; R = Rz(c) Ry(b) Rx(a), angles not wrapped",
+            "struts: l1 to l6 with first (ld) and second (ldd) derivatives",
+        ]
+    else:
+        labels = case.need_motion("a setpoint table")[1].labels
+        words = [f"joints: from the base, {', '.join(labels)}; angles not wrapped"]
     lines = [
         f"format: {FORMAT}",
         f"cycle_ms: {cycle:g}",
         "units: as the columns say; t_s from the start",
-        "pose: origin of the platform in the base frame; R = Rz(c) Ry(b) Rx(a), angles not wrapped",
-        "struts: l1 to l6 with first (ld) and second (ldd) derivatives",
+        *words,
         "start: the machine must stand in the first row's pose",
         *(f"note: {line}" for line in program.header),
     ]
@@ -155,10 +178,10 @@ def write_csv(program: NeutralProgram, case: Case) -> bytes:
     Raises:
         CaseError: the case has no machine or no settings of this dialect.
     """
-    values = _values(program, case)
-    rounded = np.column_stack([np.round(v, d) for v, d in zip(values.T, DECIMALS, strict=True)]) + 0.0  # no -0
-    row = ",".join(f"%.{d}f" for d in DECIMALS)
-    lines = [*_header(program, case), ",".join(COLUMNS), *(row % tuple(v) for v in rounded)]
+    values, decimals = _values(program, case), decimals_of(case)
+    rounded = np.column_stack([np.round(v, d) for v, d in zip(values.T, decimals, strict=True)]) + 0.0  # no -0
+    row = ",".join(f"%.{d}f" for d in decimals)
+    lines = [*_header(program, case), ",".join(_columns(case)), *(row % tuple(v) for v in rounded)]
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
@@ -169,7 +192,7 @@ def write_parquet(program: NeutralProgram, case: Case) -> bytes:
 
     values = _values(program, case)
     columns = [pa.array(np.ascontiguousarray(column)) for column in values.T]
-    table = pa.table(columns, names=list(COLUMNS))
+    table = pa.table(columns, names=list(_columns(case)))
     table = table.replace_schema_metadata({METADATA: "\n".join(_header(program, case)).encode("ascii")})
     sink = io.BytesIO()
     parquet.write_table(table, sink)

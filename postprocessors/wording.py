@@ -2,7 +2,7 @@
 
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from math import floor, log10
 
@@ -32,10 +32,15 @@ def number(value: float, decimals: int) -> str:
     return "0" if text in ("-0", "", "-") else text
 
 
-def coordinates(pose: Array) -> list[str]:
-    """The six numbers of a pose, shape (6,) [m, rad], in mm and degrees."""
-    lengths = [number(v / MM, LENGTH_DECIMALS) for v in pose[:3]]
-    return lengths + [number(v / DEG, ANGLE_DECIMALS) for v in pose[3:]]
+POSE_TURNS = (False, False, False, True, True, True)
+
+
+def coordinates(pose: Array, turns: Iterable[bool] = POSE_TURNS) -> list[str]:
+    """Coordinates [m, rad] in mm and degrees; those of a pose, or whatever `turns` says are angles."""
+    return [
+        number(v / DEG, ANGLE_DECIMALS) if angle else number(v / MM, LENGTH_DECIMALS)
+        for v, angle in zip(pose, turns, strict=True)
+    ]
 
 
 def arc_words(move: CircularMove, names: Sequence[str], values: Sequence[str], full: bool = False) -> str:

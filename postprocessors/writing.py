@@ -18,8 +18,8 @@ from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.words import Event, Reading
 
-# The last decimal of the words, doubled: what is read back must be what was planned, up to rounding.
-ROUNDING = np.r_[np.full(3, 1e-5 * MM), np.full(3, 1e-6 * DEG)]
+# The last decimal of the words, doubled: what is read back must be what was planned, up to rounding [m or rad].
+ROUNDING = max(1e-5 * MM, 1e-6 * DEG)
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ FINE = 2000.0  # [1/s]
 class PoseExecution:
     """A controller that follows a trajectory of the platform exactly."""
 
-    hexapod: Hexapod
+    machine: Hexapod
     trajectory: Trajectory
 
     @property
@@ -40,8 +40,8 @@ class PoseExecution:
     def struts(self, t: ArrayLike, order: int = 0) -> Array:
         motion = self.trajectory.at(t)
         if order == 0:
-            return self.hexapod.strut_lengths(motion.pose)
-        return over_samples(self.hexapod.strut_motion, motion.pose, motion.rates, motion.accelerations)[order]
+            return self.machine.strut_lengths(motion.pose)
+        return over_samples(self.machine.strut_motion, motion.pose, motion.rates, motion.accelerations)[order]
 
     def kinematics(self, t: ArrayLike) -> Kinematics:
         motion = self.trajectory.at(t)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import RecordingError
+from cases.machine import Limits
 from cases.schema import Case
 from cases.units import MM
 from identification.finding import Finding, Kind, Severity, sentences, warning
@@ -174,7 +175,7 @@ def _clipped(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     most = case.sensors.range_N
     if most is None:
         return []
-    newtons = range(6 if case.sensor_frame.bars is not None else 3)
+    newtons = range(3 if case.sensor_frame.has_moments else 6)
     found = [(k, np.abs(recording.forces[:, k]) >= 0.999 * most) for k in newtons]
     return [(f"channel {k + 1} is at the end of its range of {most:g} N", rows) for k, rows in found if rows.any()]
 
@@ -223,7 +224,7 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
         leaps = leaps[away[leaps] > LONELY * _around(away, leaps)]
         if usual > 0.0 and len(leaps):
             found.append((f"channel {k + 1} jumps by up to {away.max():.4g} for single samples", _at(leaps + 1, count)))
-    if recording.struts is None or case.limits is None:
+    if recording.struts is None or not isinstance(case.limits, Limits):
         return found
     step = float(np.median(np.diff(recording.t)))
     limits = case.limits.motion
@@ -282,7 +283,7 @@ def _shaken(recording: Recording, rows: NDArray[np.int64]) -> Rows:
         return np.zeros(len(rows), dtype=bool)
     near = np.clip(rows[:, None] + np.arange(-TOGETHER, TOGETHER + 1), 2, len(recording.struts) - 3)
     shaken = np.zeros(near.shape, dtype=bool)
-    for k in range(6):
+    for k in range(recording.struts.shape[1]):
         away = np.abs(_from_neighbours(np.diff(recording.struts[:, k], 2)))
         usual = 1.4826 * _median(away)
         if usual > 0.0:

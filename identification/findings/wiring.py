@@ -196,7 +196,7 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
     if recording.t is None or case.setup == "1a":
         used = np.flatnonzero(~found.bad)
         forces = recording.forces[used]
-        if recording.struts is None:
+        if recording.struts is None or case.chain is not None:
             matrices = standstills(recording, case, model, found).matrices
         else:
             struts = (recording.struts[used], np.zeros_like(forces), np.zeros_like(forces))
@@ -210,12 +210,15 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
         lengths, velocities, accelerations = decimated(
             run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)]
         )
-        struts = (lengths, velocities, accelerations)
+        if case.chain is None:  # the order of a chain's joints is not looked at
+            struts = (lengths, velocities, accelerations)
+        else:
+            matrices = regressors(model, run.machine.kinematics(lengths, velocities, accelerations))
         forces, slopes = decimated(run.filter, run.recording.forces, rows, [(0, 0.0), (1, 0.0)])
     spread = forces.var(axis=0)
-    if case.sensor_frame.bars is None:  # newtons beside newton metres
+    if case.sensor_frame.has_moments:  # newtons beside newton metres
         spread = np.repeat([spread[:3].mean(), spread[3:].mean()], 3)
-    weights = np.ones(6) if case.sensor_frame.bars is not None else 1.0 / np.maximum(spread, np.finfo(float).tiny)
+    weights = np.ones(6) if not case.sensor_frame.has_moments else 1.0 / np.maximum(spread, np.finfo(float).tiny)
     data = Data(forces, slopes, weights, struts, matrices)
     if struts is not None:
         data = data._replace(regressors=_regressors_of(data, case, model, STRAIGHT))

@@ -10,6 +10,8 @@ from cases.recording_format import (
     BAR_FORCES,
     DRIVE_VELOCITIES,
     DRIVES,
+    JOINT_ANGLES,
+    JOINT_WAYS,
     OVERRIDE,
     POSE,
     ROTATION,
@@ -38,7 +40,7 @@ from identification.formats.table import Array, ColumnTable, listed
 
 # Columns whose clock `recording.clock.offset_s` may shift, by the names it uses.
 _SHIFTED: dict[StreamName, tuple[str, ...]] = {
-    "struts": (*STRUTS, *DRIVES),
+    "struts": (*STRUTS, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS),
     "pose": POSE,
     "rotation": ROTATION,
     "accelerometer": ACCELEROMETER,
@@ -97,7 +99,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
     stream = Stream(
         source=table.source,
         t=t,
-        struts=_struts(table, form),
+        struts=_struts(table, case, form),
         rotations=None if rotation is None else rotation.reshape(-1, 3, 3),
         forces=forces,
         trigger=None if trigger is None else trigger[:, 0] > 0.5,
@@ -143,7 +145,10 @@ def _group(table: ColumnTable, form: RecordingFormat, wanted: tuple[str, ...]) -
     return group
 
 
-def _struts(table: ColumnTable, form: RecordingFormat) -> Array | None:
+def _struts(table: ColumnTable, case: Case, form: RecordingFormat) -> Array | None:
+    """Strut lengths of a hexapod, positions of the joints of a chain."""
+    if case.chain is not None:
+        return _group(table, form, case.chain.columns)
     struts, drives = _group(table, form, STRUTS), _group(table, form, DRIVES)
     if drives is None:
         return struts

@@ -72,13 +72,18 @@ def require_override(table: ColumnTable, override: Array, form: RecordingFormat)
 
 
 def require_switch(table: ColumnTable, trigger: Array, form: RecordingFormat) -> None:
-    """Raises RecordingError at the first value of the trigger, shape (n,), that is neither 0 nor 1."""
-    wrong = (trigger != 0.0) & (trigger != 1.0)
+    """Raises RecordingError at the first value of the trigger, shape (n,), that is neither 0 nor its usual other one.
+
+    That is 1, or the voltage of a switch.
+    """
+    on = trigger[trigger > 0.0]
+    usual = float(np.median(on)) if len(on) else 1.0
+    wrong = (trigger != 0.0) & (trigger != usual)
     if wrong.any():
         row = int(np.argmax(wrong))
         raise RecordingError(
             f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(TRIGGER))}",
-            f"{trigger[row]:g} is neither 0 nor 1",
+            f"{trigger[row]:g} is neither 0 nor {usual:g}",
             "export the trigger as a switch, or leave the column out",
         )
 

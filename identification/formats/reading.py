@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cases.errors import RecordingError
-from cases.recording_format import POSE, ROTATION, STRUTS, RecordingFormat
+from cases.recording_format import POSE, ROTATION, RecordingFormat
 from cases.schema import Case
 from identification.formats import delimited, scope
 from identification.formats.assembly import start_of, stream_of
@@ -199,7 +199,7 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
         wanted = [form.file_name(c) for c in case.sensor_frame.channels]
         raise RecordingError(sources, f"no forces: {without(wanted, names)}")
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
-        wanted = [form.file_name(c) for c in (STRUTS if case.machine is not None else (*ROTATION, *POSE))]
+        wanted = [form.file_name(c) for c in (case.drive_columns if case.machine is not None else (*ROTATION, *POSE))]
         raise RecordingError(sources, f"no pose: {without(wanted, names)}")
 
 
@@ -248,7 +248,7 @@ def _require_one_time(streams: Sequence[Stream]) -> None:
 
 def _with_kinematics(stream: Stream, poses: np.ndarray, case: Case) -> Stream:
     """The stream with what follows from its poses: strut lengths (7), or, without a machine, rotations."""
-    if case.machine is not None:
+    if case.hexapod is not None:
         from identification.hexapod import Hexapod
 
         return replace(stream, struts=Hexapod.of(case).strut_lengths(poses))

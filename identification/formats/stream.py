@@ -29,7 +29,7 @@ class Stream:
     Args:
         source: the file, for messages.
         t: time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill.
-        struts: strut lengths, shape (n, 6) [m].
+        struts: what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad].
         rotations: R, shape (n, 3, 3).
         forces: of the sensors, shape (n, 6) [N, or N and N m].
         trigger: shape (n,).
@@ -122,7 +122,7 @@ class Recording:
     Args:
         source: the file, for messages.
         t: time, shape (n,) [s]; None: every row is an averaged standstill.
-        struts: strut lengths, shape (n, 6) [m].
+        struts: what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad].
         rotations: R, shape (n, 3, 3).
         forces: of the sensors, shape (n, 6) [N, or N and N m].
         trigger: shape (n,).

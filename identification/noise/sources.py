@@ -28,6 +28,7 @@ from identification.estimation.fit import Filtered, Fit
 from identification.evaluate import over_samples
 from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod, Kinematics
+from identification.machine import Machine
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
 from identification.periodic.averaging import PeriodicRun
@@ -165,7 +166,7 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
             moment, variance = strut_noise_moment(run, run.fine_kinematics(delay), sensors, w)
     elif sensors.strut_variance is not None:
         variance = sensors.strut_variance * run.filter.acceleration_noise_gain
-        for change in acceleration_effects(run.hexapod, run.model, motion):
+        for change in acceleration_effects(run.machine, run.model, motion):
             moment += variance * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
     if sensors.acceleration_noise is not None:
         felt = sensors.acceleration_noise**2 * run.filtered.gain
@@ -227,9 +228,10 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
     }
 
 
-def acceleration_effects(hexapod: Hexapod, model: Model, motion: Kinematics) -> list[Array]:
+def acceleration_effects(machine: Machine, model: Model, motion: Kinematics) -> list[Array]:
     """dA/dq''_s for each strut s, shape (n, 6, u) [per m/s^2]."""
-    to_twist_rate = np.linalg.inv(over_samples(hexapod.inverse_jacobian, motion.pose)[1])
+    assert isinstance(machine, Hexapod)  # only of struts a case states noise
+    to_twist_rate = np.linalg.inv(over_samples(machine.inverse_jacobian, motion.pose)[1])
     return _effects(model, motion, to_twist_rate.astype(np.float64))
 
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from identification.estimation.compressed import joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.finding import Finding
-from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
+from identification.hexapod import Kinematics, StrutsDoNotClose
+from identification.machine import Machine
 from identification.model import Model, expected_forces, regressors
 from identification.noise.coloured import coloured_covariance, turned
 from identification.noise.pose_noise import covariance_by_pose
@@ -38,7 +39,7 @@ class Run:
     Args:
         recording: with struts and a clock.
         model: gives A.
-        hexapod: kinematics.
+        machine: kinematics.
         filter: for both sides.
         rows: samples that are evaluated, counted after the filter's margin, shape (n,).
         samples: recorded samples of the window that they stand for.
@@ -49,7 +50,7 @@ class Run:
 
     recording: Recording
     model: Model
-    hexapod: Hexapod
+    machine: Machine
     filter: Filter
     rows: NDArray[np.int64]
     samples: int
@@ -133,9 +134,9 @@ class Run:
             piece, found = slice(begin, begin + PIECE), list[Kinematics]()
             try:
                 for k, delay in enumerate(delays):
-                    near = self.hexapod.earlier(found[0], delay - delays[0]) if found else None
+                    near = self.machine.earlier(found[0], delay - delays[0]) if found else None
                     lengths, velocities, accelerations = (s[piece] for s in struts[3 * k : 3 * k + 3])
-                    found.append(self.hexapod.kinematics(lengths, velocities, accelerations, near))
+                    found.append(self.machine.kinematics(lengths, velocities, accelerations, near))
             except StrutsDoNotClose as error:  # say where in the file it is
                 row = int(self.filter.margin + self.rows[begin + error.sample])
                 raise StrutsDoNotClose(row, error.lengths, self.recording.lines.place(row)) from error
@@ -176,7 +177,9 @@ class Run:
             residuals = residuals - matrices @ np.linalg.lstsq(top[:, :-1], top[:, -1], rcond=None)[0]
         found = turned(matrices, residuals, weights, self._places_of(part))._replace(share=share)
         assert self.recording.struts is not None
-        placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows[part]])
+        placed = None
+        if self.machine.of_pose:  # the field is one over the lengths of struts
+            placed = covariance_by_pose(found, self.recording.struts[self.filter.margin + self.rows[part]])
         if placed is not None:
             field = placed.field(residuals) if whitening is None else None
             return Robust(placed.covariance, (placed.finding,), field)

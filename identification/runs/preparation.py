@@ -7,10 +7,12 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
+from cases.units import MM
 from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import Scan, bridged
 from identification.formats.checks import MOST_PUT_BACK
-from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
+from identification.hexapod import StrutsDoNotClose
+from identification.machine import machine_of
 from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY, Run
@@ -19,8 +21,8 @@ from identification.signals import Filter
 
 Array = NDArray[np.float64]
 
-LEAST_TRAVEL = 1e-4  # [m] of the struts; below, the pose counts as constant
-MOVING = 1e-3  # [m/s] strut speed from which the machine counts as moving, where there is no trigger
+LEAST_TRAVEL = 1e-4  # [m or rad] of struts or joints; below, the pose counts as constant
+MOVING = 1e-3  # [m/s or rad/s] of struts or joints, from which the machine counts as moving, where there is no trigger
 SMALLER_UNITS = {"ms": 1e-3, "us": 1e-6}  # of clocks [s]
 MOST_RATE = 20e3  # a fifth of the samples a second that a recorder of forces takes at most [1/s]
 MOST_LEFT_OUT = 0.5  # of the motion, by damage and the filter's reach around it
@@ -44,12 +46,13 @@ def standstills(recording: Recording, case: Case, model: Model, found: Scan | No
     used = np.ones(len(recording.forces), dtype=bool) if found is None else ~found.bad
     still = np.zeros((int(used.sum()), 6))
     if recording.struts is not None:
+        none = np.zeros_like(recording.struts[used])
         try:
-            poses = Hexapod.of(case).poses(recording.struts[used])
+            standing = machine_of(case).kinematics(recording.struts[used], none, none)
         except StrutsDoNotClose as error:
             row = int(np.flatnonzero(used)[error.sample])
             raise StrutsDoNotClose(row, error.lengths, recording.lines.place(row)) from error
-        matrices = regressors(model, Kinematics(poses, still, still))
+        matrices = regressors(model, standing)
     else:
         assert recording.rotations is not None  # the reader admits no recording without a pose
         matrices = model.matrices(np.zeros((len(still), 3)), recording.rotations[used], still, still)
@@ -92,7 +95,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         low_pass.require(recording.struts, 0.0)
         window = np.arange(max(count, 0))
     else:
-        window, warnings = _window(recording, low_pass)
+        window, warnings = _window(recording, low_pass, *_words(case))
     together = np.flatnonzero(np.diff(window) == 1)
     lost = int(recording.lost[low_pass.margin + window[together]].sum())
     share = 1.0 - float(np.sum(~spoilt[window])) / (len(window) + lost)
@@ -104,7 +107,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
             f"{recording.source}: {len(window)} samples of motion are {len(rows)} independent ones behind a "
             f"{low_pass.cutoff:g} Hz filter; record longer"
         )
-    return Run(recording, model, Hexapod.of(case), low_pass, rows, len(window), warnings, spoilt=spoilt)
+    return Run(recording, model, machine_of(case), low_pass, rows, len(window), warnings, spoilt=spoilt)
 
 
 def checked_filter(recording: Recording, case: Case) -> Filter:
@@ -195,7 +198,16 @@ def require_position(recording: Recording, model: Model) -> None:
         )
 
 
-def _window(recording: Recording, low_pass: Filter) -> tuple[NDArray[np.int64], tuple[Finding, ...]]:
+def _words(case: Case) -> tuple[str, str]:
+    """What moves the sensors, and a thousandth of its unit."""
+    return (
+        ("struts", "mm") if case.chain is None else ("joints", "mrad" if case.chain.units.min() > MM else "mrad or mm")
+    )
+
+
+def _window(
+    recording: Recording, low_pass: Filter, what: str, unit: str
+) -> tuple[NDArray[np.int64], tuple[Finding, ...]]:
     """Samples with the trigger on; without a trigger from the first movement out of rest to rest again."""
     assert recording.struts is not None
     margin = low_pass.margin
@@ -215,14 +227,14 @@ def _window(recording: Recording, low_pass: Filter) -> tuple[NDArray[np.int64], 
             warnings = (
                 warning(
                     Kind.WINDOW,
-                    f"the struts are never faster than {MOVING * 1e3:g} mm/s, so that all of the recording is "
+                    f"the {what} are never faster than {MOVING * 1e3:g} {unit}/s, so that all of the recording is "
                     "evaluated; record a trigger where only a part is meant",
                 ),
             )
     travel = max(float(np.ptp(strut[margin + rows])) for strut in recording.struts.T)
     if travel < LEAST_TRAVEL:
         raise IdentificationError(
-            f"{recording.source}: the pose is constant (struts move by {travel * 1e3:.3g} mm, at least "
-            f"{LEAST_TRAVEL * 1e3:g} mm are needed); record the excitation, or remove t_s from averaged standstills"
+            f"{recording.source}: the pose is constant ({what} move by {travel * 1e3:.3g} {unit}, at least "
+            f"{LEAST_TRAVEL * 1e3:g} {unit} are needed); record the excitation, or remove t_s from averaged standstills"
         )
     return rows, warnings

@@ -38,7 +38,7 @@ def on_one_clock(recording: Recording, case: Case) -> Recording:
     Raises:
         RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
     """
-    if case.machine is None or recording.t is None:
+    if case.hexapod is None or recording.t is None:
         return recording
     motion = _motion(recording, case)
     if motion is None or motion.t is None or motion.struts is None or len(motion.t) < 2 or len(recording.t) < 2:
@@ -214,7 +214,7 @@ def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: 
     most = case.sensors.range_N
     if most is None:
         return means
-    newtons = 6 if case.sensor_frame.bars is not None else 3
+    newtons = 3 if case.sensor_frame.has_moments else 6
     first, end = np.searchsorted(t, centres - half), np.searchsorted(t, centres + half)
     for k in range(newtons):
         clipped = np.r_[0, np.cumsum(np.abs(forces[:, k]) >= FULL_RANGE * most)]

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cases.machine import MotionLimits
 from cases.schema import Case
-from identification.hexapod import Hexapod, Kinematics
+from identification.hexapod import Kinematics
+from identification.machine import Machine
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -20,8 +22,8 @@ class Execution(Protocol):
     """What the machine did, from time 0 to `duration`."""
 
     @property
-    def hexapod(self) -> Hexapod:
-        """The machine's kinematics."""
+    def machine(self) -> Machine:
+        """Its kinematics."""
         ...
 
     @property
@@ -35,44 +37,44 @@ class Execution(Protocol):
         ...
 
     def struts(self, t: ArrayLike, order: int = 0) -> Array:
-        """Strut lengths at times t, or their first or second derivatives, shape (n, 6) [m, m/s, m/s^2]."""
+        """What drives are at at times t (struts, or joints), or its first or second derivatives, shape (n, k)."""
         ...
 
     def kinematics(self, t: ArrayLike) -> Kinematics:
-        """Motion of the platform at times t, shape (n,) [s]."""
+        """Motion of the load's frame at times t, shape (n,) [s]."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
-class StrutExecution:
-    """A controller that interpolates strut lengths by cubic splines between its cycles, as LinuxCNC does.
+class DriveExecution:
+    """A controller that interpolates drives by cubic splines between its cycles, as LinuxCNC does.
 
-    Its interpolator makes a uniform cubic B-spline of the inverse kinematics, and logs the lengths on it; accelerations
+    Its interpolator makes a uniform cubic B-spline of the inverse kinematics, and logs positions on it; accelerations
     are straight lines between those of the cycles, and known exactly.
 
     Args:
-        hexapod: kinematics.
-        spline: strut lengths over time [m].
+        machine: kinematics.
+        spline: drives over time [m or rad].
     """
 
-    hexapod: Hexapod
+    machine: Machine
     spline: "BSpline"
 
     @classmethod
-    def of_log(cls, hexapod: Hexapod, period: float, lengths: Array) -> "StrutExecution":
-        """Through logged lengths, shape (n, 6) [m], one each `period` [s]."""
+    def of_log(cls, machine: Machine, period: float, drives: Array) -> "DriveExecution":
+        """Through logged drives, shape (n, k) [m or rad], one each `period` [s]."""
         from scipy.interpolate import make_interp_spline
 
-        return cls(hexapod, make_interp_spline(np.arange(len(lengths)) * period, lengths, k=3))
+        return cls(machine, make_interp_spline(np.arange(len(drives)) * period, drives, k=3))
 
     @classmethod
-    def of_set_points(cls, hexapod: Hexapod, period: float, lengths: Array) -> "StrutExecution":
-        """The uniform B-spline whose control points are set points, shape (n, 6) [m], one each `period` [s].
+    def of_set_points(cls, machine: Machine, period: float, drives: Array) -> "DriveExecution":
+        """The uniform B-spline whose control points are set points, shape (n, k) [m or rad], one each `period` [s].
 
         It begins and ends standing still, and accelerates no more than the set points do from cycle to cycle.
         """
-        held = np.vstack([lengths[:1], lengths, lengths[-1:]])
-        return cls.of_log(hexapod, period, (held[:-2] + 4.0 * held[1:-1] + held[2:]) / 6.0)
+        held = np.vstack([drives[:1], drives, drives[-1:]])
+        return cls.of_log(machine, period, (held[:-2] + 4.0 * held[1:-1] + held[2:]) / 6.0)
 
     @property
     def duration(self) -> float:
@@ -81,16 +83,16 @@ class StrutExecution:
 
     @property
     def extremes(self) -> Array:
-        """The spline's knots, shape (n,) [s]: accelerations of the struts are straight lines between them."""
+        """The spline's knots, shape (n,) [s]: accelerations of the drives are straight lines between them."""
         return np.unique(self.spline.t)
 
     def struts(self, t: ArrayLike, order: int = 0) -> Array:
-        """Strut lengths at times t, or their first or second derivatives, shape (n, 6) [m, m/s, m/s^2]."""
+        """Drives at times t, or their first or second derivatives, shape (n, k)."""
         return np.asarray(self.spline(t, nu=order))
 
     def kinematics(self, t: ArrayLike) -> Kinematics:
         """Motion of the platform at times t, shape (n,) [s]."""
-        return self.hexapod.kinematics(self.spline(t), self.spline(t, nu=1), self.spline(t, nu=2))
+        return self.machine.kinematics(self.spline(t), self.spline(t, nu=1), self.spline(t, nu=2))
 
 
 CHUNK = 20_000  # instants at once, bounds memory
@@ -130,21 +132,24 @@ def executed_peaks(execution: Execution, case: Case) -> dict[str, float]:
     Raises:
         CaseError: the case has no machine.
     """
-    limits = case.need_machine("the rating of a run")[2].motion
+    limits = case.need_motion("the rating of a run")[1]
     instants = execution.extremes
     worst: dict[str, float] = {}
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
-        rates, accelerations = coordinate_rates(execution.kinematics(t))
+        drives = execution.struts(t, 1), execution.struts(t, 2)
+        rates, accelerations = coordinate_rates(execution.kinematics(t)) if execution.machine.of_pose else drives
         velocity, acceleration = np.abs(rates) / limits.rate, np.abs(accelerations) / limits.acceleration
         found = {
-            "velocity": velocity[:, :3],
-            "angular velocity": velocity[:, 3:],
-            "acceleration": acceleration[:, :3],
-            "angular acceleration": acceleration[:, 3:],
-            "strut velocity": np.abs(execution.struts(t, 1)) / limits.strut_velocity_m_s,
-            "strut acceleration": np.abs(execution.struts(t, 2)) / limits.strut_acceleration_m_s2,
+            "velocity": velocity[:, ~limits.turns],
+            "angular velocity": velocity[:, limits.turns],
+            "acceleration": acceleration[:, ~limits.turns],
+            "angular acceleration": acceleration[:, limits.turns],
         }
+        if isinstance(limits, MotionLimits):  # the struts of a hexapod have limits of their own
+            found["strut velocity"] = np.abs(drives[0]) / limits.strut_velocity_m_s
+            found["strut acceleration"] = np.abs(drives[1]) / limits.strut_acceleration_m_s2
         for name, shares in found.items():
-            worst[name] = max(worst.get(name, 0.0), float(shares.max()))
+            if shares.size:
+                worst[name] = max(worst.get(name, 0.0), float(shares.max()))
     return worst

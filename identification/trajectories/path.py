@@ -30,7 +30,7 @@ def path_error(planned: Trajectory, execution: Execution, windows: Array) -> flo
         execution: what the controller did.
         windows: when it ran the excitation, shape (k, 2) [s].
     """
-    positions = sample(planned, PLAN_RATE).pose[:, :3]
+    positions = execution.machine.positions(sample(planned, PLAN_RATE).pose)
     # Where the machine stands or only turns, a query would look at thousands of places that are all as near.
     passed = positions[np.r_[True, np.any(np.diff(positions, axis=0) != 0.0, axis=1)]]
     tree = cKDTree(passed)
@@ -59,5 +59,5 @@ def executed_information(model: Model, scaling: Array, execution: Execution, win
     for start, end in windows:
         rows |= (inside >= start) & (inside < end)
     motion = [low_pass.apply(struts, order)[rows] for order in range(3)]
-    matrices = regressors(model, execution.hexapod.kinematics(*motion)).reshape(-1, len(scaling)) * scaling
+    matrices = regressors(model, execution.machine.kinematics(*motion)).reshape(-1, len(scaling)) * scaling
     return np.asarray(matrices.T @ matrices / rows.sum())

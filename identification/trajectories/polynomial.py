@@ -20,7 +20,7 @@ class Piece:
     """sum_i c_i t^i over 0 <= t <= duration in each of the six coordinates.
 
     Args:
-        coefficients: c_0 to c_d, shape (d + 1, 6) [m, rad over powers of seconds].
+        coefficients: c_0 to c_d, shape (d + 1, n) [m or rad over powers of seconds].
         duration: [s].
     """
 
@@ -29,12 +29,12 @@ class Piece:
 
     @property
     def start(self) -> Array:
-        """Pose at its start, shape (6,) [m, rad]."""
+        """Pose at its start, shape (n,) [m or rad]."""
         return np.asarray(self.coefficients[0])
 
     @property
     def end(self) -> Array:
-        """Pose at its end, shape (6,) [m, rad]."""
+        """Pose at its end, shape (n,) [m or rad]."""
         return np.asarray(np.polynomial.polynomial.polyval(self.duration, self.coefficients))
 
 
@@ -51,14 +51,16 @@ class PolynomialMotion:
 
     pieces: tuple[Piece, ...]
     table: Array = field(init=False, repr=False, compare=False)
-    """c_i of all pieces, those of lower degree filled up with zeros, shape (degree + 1, pieces, 6)."""
+    """c_i of all pieces, those of lower degree filled up with zeros, shape (degree + 1, pieces, n)."""
     times: Array = field(init=False, repr=False, compare=False)
     """Start of each piece and end of the last, shape (pieces + 1,) [s]."""
 
     def __post_init__(self) -> None:
         if not self.pieces or any(not p.duration > 0.0 for p in self.pieces):
             raise ValueError("a motion of polynomials needs pieces of positive duration")
-        table = np.zeros((max(len(p.coefficients) for p in self.pieces), len(self.pieces), 6))
+        table = np.zeros(
+            (max(len(p.coefficients) for p in self.pieces), len(self.pieces), self.pieces[0].coefficients.shape[1])
+        )
         for k, piece in enumerate(self.pieces):
             table[: len(piece.coefficients), k] = piece.coefficients
         object.__setattr__(self, "table", table)
@@ -67,11 +69,11 @@ class PolynomialMotion:
             raise ValueError("a polynomial piece does not begin where the one before it ends")
 
     def at_starts(self, order: int) -> Array:
-        """Derivative of an order at the start of each piece, shape (pieces, 6)."""
+        """Derivative of an order at the start of each piece, shape (pieces, n)."""
         return factorial(order) * self.table[order] if order < len(self.table) else np.zeros_like(self.table[0])
 
     def at_ends(self, order: int) -> Array:
-        """Derivative of an order at the end of each piece, shape (pieces, 6)."""
+        """Derivative of an order at the end of each piece, shape (pieces, n)."""
         duration = np.array([p.duration for p in self.pieces])[:, None]
         value = np.zeros_like(self.table[0])
         for power in range(len(self.table) - 1, order - 1, -1):  # Horner's rule
@@ -98,7 +100,7 @@ class PolynomialMotion:
         which = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, len(self.pieces) - 1)
         local = np.clip(time - starts[which], 0.0, np.diff(starts)[which])[:, None]
         table = self.table
-        values = np.zeros((4, len(time), 6))
+        values = np.zeros((4, len(time), self.pieces[0].coefficients.shape[1]))
         for order in range(4):
             for coefficient in table[::-1]:  # Horner's rule
                 values[order] = values[order] * local + coefficient[which]

@@ -11,7 +11,7 @@ from identification.motion import Joined, Motion, Trajectory
 
 Array = NDArray[np.float64]
 
-UNLIMITED = np.full(6, np.inf)  # no limit of jerk in any coordinate
+UNLIMITED = math.inf  # no limit of jerk in any coordinate
 
 
 class TimeLaw(Protocol):
@@ -123,20 +123,20 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
     """What limits of each coordinate leave of share rates on a straight way.
 
     Args:
-        way: how far each coordinate moves, at least one of them, shape (6,) [m, rad].
-        limits: of rates, accelerations or jerks, shapes (6,).
+        way: how far each coordinate moves, at least one of them, shape (n,) [m or rad].
+        limits: of rates, accelerations or jerks, shapes (n,), or one number for all.
     """
     moves = way > 0.0
-    return [float(np.min(np.asarray(limit)[moves] / way[moves])) for limit in limits]
+    return [float(np.min(np.broadcast_to(limit, way.shape)[moves] / way[moves])) for limit in limits]
 
 
 @dataclass(frozen=True, slots=True)
 class StraightMove:
-    """A straight line in the pose coordinates from rest to rest, all coordinates in step.
+    """A straight line in the coordinates from rest to rest, all coordinates in step.
 
     Args:
-        start: shape (6,) [m, rad].
-        end: shape (6,) [m, rad], different from start.
+        start: shape (n,) [m or rad].
+        end: shape (n,) [m or rad], different from start.
         profile: time law of the share of the way covered, from 0 to 1.
     """
 
@@ -148,7 +148,7 @@ class StraightMove:
     def fastest(
         cls, start: ArrayLike, end: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike = UNLIMITED
     ) -> "StraightMove":
-        """The fastest such move within limits on each coordinate, shapes (6,); the jerk may be unlimited.
+        """The fastest such move within limits on each coordinate, shapes (n,); the jerk may be unlimited.
 
         Raises:
             ValueError: start and end are the same.

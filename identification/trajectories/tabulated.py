@@ -19,9 +19,9 @@ class Tabulated:
 
     Args:
         times: shape (k,), equal steps from 0 [s].
-        pose: shape (k, 6) [m, rad].
-        rates: shape (k, 6) [m/s, rad/s].
-        accelerations: shape (k, 6) [m/s^2, rad/s^2].
+        pose: coordinates, shape (k, n) [m or rad].
+        rates: shape (k, n) [m/s or rad/s].
+        accelerations: shape (k, n) [m/s^2 or rad/s^2].
 
     Raises:
         ValueError: fewer than two rows, or shapes that do not belong together.
@@ -33,9 +33,9 @@ class Tabulated:
     accelerations: Array
 
     def __post_init__(self) -> None:
-        shape = (len(self.times), 6)
+        shape = (len(self.times), *self.pose.shape[1:2])
         if len(self.times) < 2 or any(v.shape != shape for v in (self.pose, self.rates, self.accelerations)):
-            raise ValueError("a table needs two rows or more, each with six poses, rates and accelerations")
+            raise ValueError("a table needs two rows or more, each with as many coordinates, rates and accelerations")
 
     @property
     def duration(self) -> float:

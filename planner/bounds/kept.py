@@ -21,14 +21,16 @@ from cases.basis import bound_hash
 from cases.errors import FileProblem, HexciteError
 from cases.files import json_text, read_json, write_text
 from cases.schema import Case
-from identification.model import Model, identification_model
+from identification.model import Model, full_model, identification_model
 from identification.reference import reference_scaling
 from planner.bounds.design import Design, optimal_design
 from planner.bounds.features import box_features
+from planner.bounds.searched import searched_design
 from planner.bounds.tight import tight_design
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
 ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound that ran out of time, an estimate"
+SEARCHED = "multiplicative and exchange steps; dmax by climbing from many states of the box, an estimate"
 TIGHT = (
     "convex optimisation under moment constraints, with exchange; largest Lagrangian proven by branch and bound over "
     "angles, rates and accelerations"
@@ -38,6 +40,7 @@ TIGHT_ESTIMATE = (
     "for its proof, an estimate"
 )
 VERSION = 2  # of the method: a new one does not read old cache files
+SEARCHED_GAP = 5e-3  # the same where dmax is searched for: half a percent of an efficiency
 GAP = 1e-3  # of dmax / u - 1: log det F* is then known to u GAP = 0.02, an efficiency to 0.1 %
 TIGHT_GAP = 0.01  # of the Lagrangian's maximum, within which it counts as proven; the design found lies further below
 TIGHT_AIM = 0.003  # the same, at which the proof ends before its time
@@ -56,7 +59,8 @@ class Bound:
         method: how the design and dmax were found.
         certified: whether the bound is proven; otherwise it is an estimate.
         design_logdet: log det F of the design that was found; the best lies between it and the bound.
-        proven_logdet: what is proven in any case; `logdet` where certified, looser otherwise.
+        proven_logdet: what is proven in any case; `logdet` where certified, looser otherwise. None where nothing is:
+            for machines whose coordinates are not a pose.
     """
 
     logdet: float
@@ -65,7 +69,7 @@ class Bound:
     method: str
     certified: bool
     design_logdet: float
-    proven_logdet: float
+    proven_logdet: float | None
 
     def efficiency(self, logdet: float) -> float:
         """D-efficiency of a motion with this log det of its mean information, between 0 and 1."""
@@ -128,7 +132,7 @@ def require_time(time_limit: float) -> None:
 
 def bound(
     case: Case,
-    model: int = 9,
+    model: int | None = None,
     tight: bool = False,
     *,
     time_limit: float = TIME_LIMIT,
@@ -139,7 +143,7 @@ def bound(
 
     Args:
         case: machine and limits.
-        model: number in Table 2.
+        model: number in Table 2; by default the one with all that a motion can tell.
         tight: count on rest at both ends and limited jerk, which takes minutes; else on the motion box alone.
         time_limit: processor time after which the answer is an estimate [s].
         renew: compute a known bound again.
@@ -149,9 +153,10 @@ def bound(
         HexciteError: no duration, an unknown model, or a case without machine or limits.
     """
     require_time(time_limit)
-    case.need_machine("the information limit")
-    found = identification_model(case, model)
+    case.need_motion("the information limit")
+    found = identification_model(case, full_model(case) if model is None else model)
     if tight:
+        case.need_machine("the tight information limit")
         return tight_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
     return box_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
 
@@ -220,9 +225,10 @@ def _read(file: Path, size: int) -> Bound:
         str(data["method"]),
         bool(data["certified"]),
         float(data["design_logdet"]),
-        float(data["proven_logdet"]),
+        None if data["proven_logdet"] is None else float(data["proven_logdet"]),
     )
-    numbers = (bound.logdet, bound.dmax, bound.design_logdet, bound.proven_logdet)
+    proven = [] if bound.proven_logdet is None else [bound.proven_logdet]
+    numbers = [bound.logdet, bound.dmax, bound.design_logdet, *proven]
     fits = set(data) == set(asdict(bound)) and data["certified"] is bound.certified and bound.parameters == size
     if not (fits and np.isfinite(numbers).all() and bound.dmax > 0.0):
         raise ValueError(f"{file}: holds no bound of {size} parameters")
@@ -236,9 +242,13 @@ def compute_bound(
     progress: Callable[[str], None] = lambda _: None,
 ) -> Bound:
     """Computes the bound; arguments as in `box_bound`."""
-    features = box_features(case, model, reference_scaling(case, model))
+    scaling = reference_scaling(case, model)
+    if model.struts is not None or not (model.machine is None or model.machine.of_pose):
+        design = searched_design(case, model, scaling, SEARCHED_GAP, process_time() + time_limit, progress)
+        return _bound(design, len(scaling), SEARCHED)
+    features = box_features(case, model, scaling)
     design = optimal_design(features, GAP, process_time() + time_limit, progress)
-    return _bound(design, len(model.parameters))
+    return _bound(design, len(model.parameters), ESTIMATE)
 
 
 def compute_tight_bound(
@@ -256,13 +266,15 @@ def compute_tight_bound(
     return Bound(logdet, design.dmax, size, method, design.certified, design.attained, proven)
 
 
-def _bound(design: Design, size: int) -> Bound:
+def _bound(design: Design, size: int, estimate: str) -> Bound:
     certified = design.maximum.upper <= size * (1.0 + GAP) * (1.0 + 1e-9)
     dmax = max(float(size), design.maximum.upper if certified else design.maximum.lower)
-    proven = design.logdet + size * float(np.log(max(size, design.maximum.upper) / size))
-    if not np.isfinite(proven):
+    proven: float | None = design.logdet + size * float(np.log(max(size, design.maximum.upper) / size))
+    if estimate is SEARCHED:
+        proven = None
+    elif not np.isfinite(design.maximum.upper):
         raise HexciteError(
             "the information limit has no proof yet after the time limit; give it more with --time-limit"
         )
     logdet = design.logdet + size * float(np.log(dmax / size))
-    return Bound(logdet, dmax, size, PROVEN if certified else ESTIMATE, certified, design.logdet, proven)
+    return Bound(logdet, dmax, size, PROVEN if certified else estimate, certified, design.logdet, proven)

@@ -24,6 +24,7 @@ from planner.cli import (
     export,
     force,
     identify,
+    look,
     plan,
     poses,
     post,
@@ -49,6 +50,7 @@ app.command("poses")(poses.poses)
 app.command("post")(post.post)
 app.command("check")(post.check)
 app.command("run")(run.run)
+app.command("look")(look.look)
 app.command("identify")(identify.identify)
 app.command("force")(force.force)
 app.command("tare")(force.tare)

@@ -10,7 +10,9 @@ from planner.cli.console import Json, Overwrite, print_json, status_text
 
 def bound(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
+    model: Annotated[
+        int | None, typer.Option(help="Identification model; by default the largest of the machine.")
+    ] = None,
     tight: Annotated[
         bool, typer.Option("--tight", help="Count on rest at both ends and limited jerk; minutes.")
     ] = False,
@@ -30,6 +32,7 @@ def bound(
 
     from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
+    from identification.model import full_model
     from identification.noise.pose_field import PoseField
     from planner.bounds.kept import bound as information_limit
     from planner.bounds.kept import require_time
@@ -39,6 +42,7 @@ def bound(
         check_file(output, [".json"], overwrite=overwrite)
     loaded = load_case(case)
     began = perf_counter()
+    model = full_model(loaded) if model is None else model
     with status_text(f"information limit of {loaded.name}, model {model}", json) as tell:
         found = information_limit(loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=tell)
     answer = {
@@ -65,16 +69,27 @@ def bound(
 
 
 def _show(answer: dict[str, Any]) -> None:
-    certificate = answer["certificate"]
-    kind = "proven" if answer["certified"] else "an ESTIMATE: time ran out before the proof"
+    certificate, parameters = answer["certificate"], answer["certificate"]["p"]
+    gap = answer["logdet_bound"] - answer["logdet_design"]
     print(
-        f"{answer['case']}, model {answer['model']}: log det of the mean information is at most "
-        f"{answer['logdet_bound']:.4f} (reference scaling, W = 1), {kind}"
+        f"{answer['case']}, model {answer['model']}, {parameters} parameters. A motion is worth log det of its mean "
+        "information matrix (reference scaling, W = 1)."
     )
-    print(f"a design over the {answer['over']} reaches {answer['logdet_design']:.4f}")
-    print(f"largest directional derivative {certificate['dmax']:.4f} for p = {certificate['p']} parameters")
-    if not answer["certified"]:
-        print(f"proven so far: at most {answer['logdet_proven']:.4f}; a longer --time-limit closes the gap")
+    print(f"best distribution found over the {answer['over']}: {answer['logdet_design']:.4f}")
+    if answer["logdet_proven"] is None:
+        print(f"of such a machine no limit is proven, the largest derivative is searched for: {certificate['method']}")
+    else:
+        print(f"proven limit for all of them: {answer['logdet_proven']:.4f}, by: {certificate['method']}")
+    if answer["logdet_proven"] is not None and not answer["certified"]:
+        print("time ran out before the proof closed the gap; a longer --time-limit closes it")
     if answer["pose_errors"] is not None:
         print("white noise alone counts here: errors that depend on the pose, which [sensors] states, leave less")
-    print(f"method: {certificate['method']}; {answer['solve_s']:.1f} s")
+    print(
+        f"`hexcite plan` rates motions against {answer['logdet_bound']:.4f}: D-efficiency = exp((log det - "
+        f"{answer['logdet_bound']:.4f}) / {parameters})"
+    )
+    kind = "proven" if answer["certified"] else "an ESTIMATE"
+    print(
+        f"no motion exceeds log det {answer['logdet_bound']:.4f} ({kind}, {100 * gap / parameters:.2g} % of an "
+        f"efficiency above the best that was found; {answer['solve_s']:.1f} s)"
+    )

@@ -28,10 +28,11 @@ def list_cases(json: Json = False) -> None:
     else:
         print_table(
             "Built-in cases",
-            ("case", "setup", "what it is", "file"),
-            [[r["name"], r["setup"], r["title"], r["file"]] for r in rows],
+            ("case", "setup", "what it is"),
+            [[r["name"], r["setup"], r["title"]] for r in rows],
             False,
         )
+        print("hexcite case new NAME --like CASE begins one of your own; hexcite case show CASE draws it")
 
 
 @app.command("check")
@@ -76,8 +77,10 @@ def check(
         print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box", LIMIT_COLUMNS, rows
         )
-    rows = [[r.command, f"misses {', '.join(r.missing)}" if r.missing else "has all that it needs"] for r in lacks]
-    print_table("Commands", ("hexcite ..", "this case"), rows, False)
+    print(f"ready for: {'; '.join(r.command for r in lacks if not r.missing) or 'no command'}")
+    for r in lacks:
+        if r.missing:
+            print(f"not ready for {r.command}: misses {', '.join(r.missing)}")
     for remark in remarks:
         print(f"look at {remark}")
     if reach is not None:
@@ -147,7 +150,9 @@ def show(
 @app.command("new")
 def new(
     name: Annotated[str, typer.Argument(help="Name of the machine: small letters, digits and underscores.")],
-    like: Annotated[str, typer.Option("--like", help="Built-in case to begin from.")] = "hexapod",
+    like: Annotated[str | None, typer.Option("--like", help="Built-in case to begin from; hexapod by default.")] = None,
+    urdf: Annotated[Path | None, typer.Option("--urdf", help="Robot to begin from: a URDF file.")] = None,
+    flange: Annotated[str | None, typer.Option("--flange", help="Link of the URDF that carries the sensor.")] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder to make; NAME by default.")] = None,
     json: Json = False,
 ) -> None:
@@ -155,13 +160,22 @@ def new(
 
     The case file is filled in section by section; it tells how.
     """
-    from cases.scaffold import new_case
+    from cases.scaffold import new_arm, new_case
 
-    file = new_case(name, like, output if output is not None else Path(name))
+    if urdf is not None and like is not None:
+        raise typer.BadParameter("a case begins from a built-in case or from a URDF file; give --like or --urdf")
+    if urdf is None and flange is not None:
+        raise typer.BadParameter("--flange names a link of a URDF file; give --urdf too")
+    folder = output if output is not None else Path(name)
+    file = new_case(name, like or "hexapod", folder) if urdf is None else new_arm(name, urdf, flange, folder)
     if json:
         print_json({"ok": True, "case": str(file)})
         return
     print(f"case written: {file}")
+    if urdf is not None:
+        print(f"Geometry and speeds are those of {urdf.name}; fill in what it does not say, from top to bottom, then")
+        print(f"    hexcite case check {file.parent}    # says what is missing, and what cannot be")
+        return
     print("Its numbers are those of the built-in case: replace each table by your machine's, from top to bottom, then")
     print(f"    hexcite case check {file.parent}    # says what cannot be, with key, value and remedy")
     print(f"    hexcite case show {file.parent}     # draws the machine: compare with the drawing")

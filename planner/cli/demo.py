@@ -31,11 +31,12 @@ def demo(
     """Plan, program, prove, execute, identify and report, end to end."""
     from cases.files import DEMO, check_folder, output_place, write_text
     from cases.loading import load_case
+    from identification.model import full_model
     from planner.cli.plan import answer_of_plan, show_plan
     from planner.cli.post import answer_of_program, answer_of_proof, show_check, show_program
     from planner.cli.run import answer_of_run, show_run
     from planner.cli.shown_result import answer_of_result, show_result
-    from planner.demonstration import ACCEPTED
+    from planner.demonstration import ACCEPTED, language_of
     from planner.demonstration import demo as whole_chain
     from planner.plans import Plan
     from planner.reports.demo import demo_page
@@ -49,6 +50,8 @@ def demo(
     check_folder(place, DEMO, overwrite=overwrite)
     loaded.need_simulation("the demo")  # before anything is said
     answer: dict[str, Any] = {}
+    dialect = language_of(loaded)
+    linuxcnc = dialect.name == "linuxcnc"
 
     def step(text: str) -> None:
         if not json:
@@ -65,24 +68,28 @@ def demo(
             made = answer["plan"] = answer_of_plan(value, place / "plan")
             report(value, place / "plan" / "report.html")
             moves = f"{made['settings']['moves']} moves, {made['duration_s']:.3g} s"
-            line = f"{moves}, D-efficiency {made['d_efficiency']:.3f} against the certified bound, "
+            bound = "certified" if made["bound"]["certified"] else "estimated"
+            line = f"{moves}, D-efficiency {made['d_efficiency']:.3f} against the {bound} bound, "
             line += f"found in {made['solve_s']:.0f} s"
             told(line, lambda: show_plan(made, value))
-            step(f"post: for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name")
+            own = f"for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name"
+            step(f"post: {own if linuxcnc else 'a table of set points, one row a cycle'}")
         elif isinstance(value, Program):
             written = answer["post"] = answer_of_program(value)
-            line = f"{written['blocks']} blocks, {written['duration_s']:.2f} s with the way to the first pose and home"
+            unit = "blocks" if linuxcnc else "rows"
+            line = f"{written['blocks']} {unit}, {written['duration_s']:.2f} s with the way to the first pose and home"
             told(line, lambda: show_program(written))
             step("check: the text read back, independently of its writer")
             checked = answer["check"] = answer_of_proof(value)
             told(checked["verdict"], lambda: show_check(checked))
-            step(f"run: on {on or best_controller()[0]} ({'as asked' if on else best_controller()[1]})")
+            name, why = (on, "as asked") if on else best_controller(dialect.name)
+            step(f"run: on {name} ({why})")
         elif isinstance(value, RunOutcome):
             ran = answer["run"] = answer_of_run(value, place / "recording")
             line = f"{ran['controller']}: {ran['duration_s']:.3f} s of {ran['planned_s']:.3f} s planned, "
             line += f"{ran['path_error_mm']:.3f} mm from the path, D-efficiency {ran['d_efficiency']:.3f} as executed"
             told(line, lambda: show_run(ran, value))
-            step("identify: model 9 from the recording alone")
+            step(f"identify: model {full_model(loaded)} from the recording alone")
         else:
             found = answer["identify"] = answer_of_result(value, place / "result")
             report(value, place / "result" / "report.html")
@@ -91,7 +98,8 @@ def demo(
             )
             told(line, lambda: show_result(found))
 
-    step("plan: the most informative moves inside the limits, with the time law of LinuxCNC")
+    law = " of LinuxCNC" if linuxcnc else " of limited jerk"
+    step(f"plan: the most informative moves inside the limits, with the time law{law}")
     chain = whole_chain(loaded, place, on, seed=seed, starts=starts, done=done)
     step("compare with the truth of the simulated machine")
     answer["truth"] = list(chain.truth)

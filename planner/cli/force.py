@@ -31,6 +31,7 @@ def force(
 ) -> None:
     """Compute external force and moment over a recording."""
     from cases.files import atomic_file, check_file, output_place
+    from cases.recording_format import WRENCH
     from identification.external import external_force
     from identification.recording import read_recording
     from identification.runs.rates import on_one_clock
@@ -69,6 +70,8 @@ def _write(file: Path, found: Any) -> None:
     import numpy as np
     import pyarrow as pa
     import pyarrow.csv as pacsv
+
+    from cases.recording_format import WRENCH
 
     table = {"t_s": found.t} | {name: np.ascontiguousarray(found.wrench[:, k]) for k, name in enumerate(WRENCH)}
     pacsv.write_csv(pa.table(table), file, pacsv.WriteOptions(quoting_style="none"))

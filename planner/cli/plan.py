@@ -19,6 +19,8 @@ from planner.cli.console import (
     status,
 )
 
+MOST_USED = 0.9  # share of a limit from which on it is shown
+
 if TYPE_CHECKING:
     from planner.plans import Plan
 
@@ -72,7 +74,9 @@ def plan(
     sequence: Annotated[
         Path | None, typer.Option(help="manual: TOML file of steps or CSV of poses; by default the case's manual.toml.")
     ] = None,
-    model: Annotated[int, typer.Option(help="Identification model, 0 to 9.")] = 9,
+    model: Annotated[
+        int | None, typer.Option(help="Identification model, 0 to 9; by default the largest of the machine.")
+    ] = None,
     payload: Annotated[
         str, typer.Option(help="How many of the case's payloads are mounted: a number, or a range such as 0-5.")
     ] = "0",
@@ -98,6 +102,7 @@ def plan(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import load_case
+    from identification.model import full_model
     from planner.cli.console import save_with_page
     from planner.families.settings import family_class
     from planner.interruption import first_ctrl_c_calls
@@ -109,11 +114,12 @@ def plan(
     sources = {option: context.get_parameter_source(option) for option in BELONGS}
     refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
+    loaded = load_case(case)
     request = Request(
         kind(**{option: options[option] for option, owners in BELONGS.items() if owners == (family,)}),
         duration=duration,
         criterion=criterion,
-        model=model,
+        model=full_model(loaded) if model is None else model,
         payload=most,
         payload_from=fewest,
         targets=tuple(target or ()),
@@ -121,13 +127,13 @@ def plan(
         seconds=seconds,
         seed=seed,
     )
-    loaded, optimised = load_case(case), request.family.optimised
+    optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
     check_folder(folder, PLAN, overwrite=overwrite)
     require_plannable(request, loaded)
     if not json:
         what = f"{duration:g} s, criterion {criterion}, " if optimised else ""
-        print(f"Planning for {loaded.name}: {family}, {what}model {model}", flush=True)
+        print(f"Planning for {loaded.name}: {family}, {what}model {request.model}", flush=True)
     with remarks("searching" if optimised else "timing", json) as remark:
         found = planned(request, loaded, remark)
     with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
@@ -165,28 +171,17 @@ def answer_of_plan(plan: "Plan", folder: Path) -> dict[str, Any]:
 
 def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     """Prints a plan for people."""
-    from cases.units import pose_words
-    from planner.search.last_words import solver_text
 
     for weakness in answer["weaknesses"]:
         print(f"WEAK: {weakness}")
-    rows = [
-        [str(s["seed"]), "refined" if s["refined"] else "explored",
-         "-" if s["start_logdet"] is None else f"{s['start_logdet']:.3f}",
-         f"{s['logdet']:.3f}", f"{s['criterion_value']:.4g}", str(s["iterations"]), f"{s['seconds']:.1f} s",
-         solver_text(s["solver"])]
-        for s in answer["starts"]
-    ]  # fmt: skip
-    columns = ("seed", "stage", "at start", "at end", answer["criterion"], "iterations", "time", "solver")
-    if rows:
-        print_table(
-            "Starts, best first (log det of the mean information and criterion, reference scaling)", columns, rows
-        )
     for failed in answer["failed_starts"]:
         print(f"start {failed['seed']} led nowhere: {failed['reason']}")
     if answer["interrupted"]:
         print("stopped by Ctrl-C: this is the best of what was found until then")
-    print_table("Limits, proven at 10 kHz in NumPy", LIMIT_COLUMNS, limit_rows(answer["limits"]))
+    shown = {name: v for name, v in answer["limits"].items() if v["ratio"] >= MOST_USED or v["status"] != "proven"}
+    fewer = len(answer["limits"]) - len(shown)
+    title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
+    print_table(title, LIMIT_COLUMNS, limit_rows(shown))
     kind = "certified" if answer["bound"]["certified"] else "an estimate"
     print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
     if any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
@@ -209,9 +204,10 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     print(f"predicted standard deviations ({noise}, weights {answer['weights']}):")
     for line in plan.deviations():
         print(f"  {line}")
-    first, last = (pose_words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
+    first, last = (plan.case.words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
-    print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s")
+    starts = f"; {len(answer['starts'])} starts" if answer["starts"] else ""
+    print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
         f"{answer['report']}"

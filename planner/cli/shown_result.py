@@ -11,7 +11,7 @@ from identification.result import Value
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
 from planner.cli.console import print_table
-from planner.precision import std_text, value_text
+from planner.precision import parameter_words, std_text, value_text
 
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
 
@@ -55,7 +55,7 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
         given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
         shown = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
         value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)
-        rows.append([name, value, *shown, unit])
+        rows.append([parameter_words(name), value, *shown, unit])
     return rows
 
 
@@ -83,8 +83,8 @@ def show_noise(answer: dict[str, Any]) -> None:
         bias, unit = drawn[worst], answer["parameters"][worst]["unit"]
         scale, unit = (1e3, "mm") if unit == "m" else (1.0, unit)
         print(
-            f"noise of the accelerations draws parameters by at most {abs(bias['of_std']):.2g} of their +- "
-            f"(attenuation, not taken out; vibration would draw nothing): {worst} by {bias['bias'] * scale:+.2g} {unit}"
+            f"noise of the accelerations biases parameters by at most {abs(bias['of_std']):.2g} of their +- "
+            f"(attenuation, not taken out; vibration biases none): {worst} by {bias['bias'] * scale:+.2g} {unit}"
         )
 
 

@@ -192,7 +192,7 @@ def _run(path: Path, given: Case | None, stale: bool) -> Entry:
     stale_in = () if given is not None else named.require_unchanged(recording_basis(case), case, stale)
     recorded = replace(on_one_clock(read(path, case), case), record=about)
     recording, _ = standing_of(recorded, case)
-    model = identification_model(case, default_model(recording))
+    model = identification_model(case, default_model(recording, case))
     scaling = reference_scaling(case, model)
     matrices, struts, samples = _matrices(recording, case, model)
     information = _seen(matrices, None, scaling)

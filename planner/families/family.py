@@ -95,7 +95,7 @@ class Family(Protocol):
 
 
 def box_middle(case: Case) -> tuple[Array, Array]:
-    """Middle of the box of poses and half of its width, shapes (6,) [m, rad]."""
-    machine, _, limits = case.need_machine("planning")
-    low, high = limits.motion.pose
-    return machine.home.vector + (low + high) / 2, np.asarray((high - low) / 2)
+    """Middle of the box of coordinates and half of its width, shapes (n,) [m or rad]."""
+    home, limits = case.need_motion("planning")
+    low, high = limits.pose
+    return home + (low + high) / 2, np.asarray((high - low) / 2)

@@ -53,8 +53,8 @@ class FourierFamily:
         order: N, from 1 to 7; order 1 needs a run-in.
         period: [s].
         repeats: number of periods.
-        middle: middle of the box of poses, shape (6,) [m, rad].
-        half: half of its width, shape (6,) [m, rad].
+        middle: middle of the box of coordinates, shape (n,) [m or rad].
+        half: half of its width, shape (n,) [m or rad].
         centred: whether x0 is the middle of the box, as in the paper; else it is free.
         run_in: time from rest into the series and again out of it [s]; 0: the series itself begins at rest.
     """
@@ -97,16 +97,16 @@ class FourierFamily:
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""
-        unknowns = draw.normal(size=self.unknowns * 6)
+        unknowns = draw.normal(size=self.unknowns * len(self.middle))
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
     def table(self, unknowns: Array) -> Array:
         """A row for each unknown of a coordinate."""
-        return unknowns.reshape(-1, 6)
+        return unknowns.reshape(-1, len(self.middle))
 
     def like(self, table: Array) -> Array | None:
         """The same series of the same order."""
-        fits = len(table) == self.unknowns and not (self.run_in or self.centred)
+        fits = table.shape == (self.unknowns, len(self.middle)) and not (self.run_in or self.centred)
         return table.ravel() if fits else None
 
     def refined(self, unknowns: Array) -> Self:
@@ -181,7 +181,7 @@ class FourierFamily:
 
     def slips(self) -> tuple[Array, Array]:
         """Nothing is left free: the final drawing back takes what slips."""
-        return np.zeros(6), np.zeros(6)
+        return np.zeros(len(self.middle)), np.zeros(len(self.middle))
 
     def growth(self) -> float:
         """N w: Bernstein's inequality for trigonometric polynomials of degree N [1/s].
@@ -197,11 +197,11 @@ class FourierFamily:
     def _coefficients(self, unknowns: Array) -> tuple[Array, Array, Array]:
         w = 2 * np.pi / self.period * np.arange(1, self.order + 1)
         # Unknowns of the basis are a_l / w_1 and so on in units of the box: all of order one.
-        values = self._basis @ unknowns.reshape(self.unknowns, 6) * self.half
+        values = self._basis @ unknowns.reshape(self.unknowns, -1) * self.half
         return values[0], values[1 : self.order + 1] * w[0], values[self.order + 1 :] * w[0]
 
     def motion(self, unknowns: Array) -> FourierMotion:
-        """The motion of the unknowns, shape (q * 6,), row by row."""
+        """The motion of the unknowns, shape (q n,), row by row."""
         centre, a, b = self._coefficients(unknowns)
         return FourierMotion(self.middle + centre, a, b, self.period, self.repeats, self.run_in)
 

@@ -16,9 +16,9 @@ class FourierMotion:
     """A Fourier-series motion, repeated a whole number of times.
 
     Args:
-        centre: x0 of (34), shape (6,) [m, rad].
-        a: sine coefficients of (34), shape (N, 6) [m/s, rad/s].
-        b: cosine coefficients of (34), shape (N, 6) [m/s, rad/s].
+        centre: x0 of (34), shape (n,) [m or rad].
+        a: sine coefficients of (34), shape (N, n) [m/s or rad/s].
+        b: cosine coefficients of (34), shape (N, n) [m/s or rad/s].
         period: 2 pi / w [s].
         repeats: number of periods.
         run_in: time from rest at x0 into the series, and again out of it [s]; 0 for a series that is at rest itself.

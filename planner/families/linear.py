@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 class Maps(Protocol):
-    """Linear maps of a family; unknowns of shape (q * 6,), row by row, in half widths of the box around its middle."""
+    """Linear maps of a family; unknowns of shape (q n,), row by row, in half widths of the box around its middle."""
 
     @property
     def unknowns(self) -> int:
@@ -52,7 +52,7 @@ class Maps(Protocol):
         ...
 
     def slips(self) -> tuple[Array, Array]:
-        """What values and rates may pass their rows by between two of them, in half widths, shapes (6,)."""
+        """What values and rates may pass their rows by between two of them, in half widths, shapes (n,)."""
         ...
 
     def growth(self) -> float:
@@ -68,22 +68,22 @@ def linear_layout(case: Case, family: Maps, margin: float) -> Layout:
     from scipy.sparse import csr_array, kron, vstack
 
     middle, half = box_middle(case)
-    box = case.need_machine("planning")[2].motion
+    box = case.need_motion("planning")[1]
     critical = family.critical_maps()
     rows, first, orders = [], [], []
-    reached = np.ones(6)  # what is known to bound the derivative before, in half widths
+    reached = np.ones(len(half))  # what is known to bound the derivative before, in half widths
     for order, (matrix, limit) in enumerate(
         zip(family.limit_maps(), (half, box.rate, box.acceleration, box.jerk), strict=True)
     ):
         own = limit / half if order > 1 else limit / half - family.slips()[order]
-        needed = np.ones(6, dtype=bool) if order == 0 else family.growth() * reached > own
+        needed = np.ones(len(half), dtype=bool) if order == 0 else family.growth() * reached > own
         reached = own if order == 0 else np.minimum(family.growth() * reached, own)
         if needed.any():
             rows.append(kron(csr_array(matrix), csr_array(np.diag(1.0 / own)[needed]), format="csr"))
             first.append(np.repeat(family.first_rows()[order], needed.sum()))
             orders.append(np.full(rows[-1].shape[0], order))
     table, chosen = csr_array(vstack(rows, format="csr")), np.concatenate(first)
-    free = np.full(family.unknowns * 6, np.inf)
+    free = np.full(family.unknowns * len(half), np.inf)
     return Layout(
         states=linear_states(family.maps(), middle, half, family.weights(), family.blocks),
         critical=linear_states(critical, middle, half, np.zeros(len(critical[0])), family.blocks),

@@ -1,9 +1,9 @@
-"""Point-to-point excitation: straight moves in the six coordinates, each from rest to rest under seven segments.
+"""Point-to-point excitation: straight moves in the coordinates, each from rest to rest under seven segments.
 
 Unknowns are the waypoints and three times of each move: of a segment with jerk, of constant acceleration, of constant
 velocity. With D the way of a coordinate and tj, th, tc these times its largest velocity is D / (2 tj + th + tc), its
-largest acceleration that over (tj + th), its largest jerk that over tj: limits hold for all t and are 18 rows a move.
-For a controller that limits no jerk tj is 0, moves are trapezoids, and 12 rows a move are left.
+largest acceleration that over (tj + th), its largest jerk that over tj: limits hold for all t and are 3 n rows a move
+for n coordinates. For a controller that limits no jerk tj is 0, moves are trapezoids, and 2 n rows a move are left.
 The last move need not end where the first begins: a way back would cost moves that tell little.
 """
 
@@ -21,7 +21,7 @@ from identification.trajectories.profile import Profile, StraightMove, fastest_p
 from planner.families.family import Layout, box_middle
 from planner.search.kernel import Kernel
 from planner.search.rows import BlockRows, LinearRows
-from planner.search.states import STATE, KernelStates, LinearStates, Peak
+from planner.search.states import KernelStates, LinearStates, Peak, state_size
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,6 @@ LONGEST_PHASE = 4.0  # mean durations of a move
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # two points integrate what is cubic in time exactly: jerk phases squared
 START_WIDTH = 0.9  # waypoints of random starts lie within this share of the box
 BISECTIONS = 30
-OF_A_MOVE = 15  # unknowns: start, end, three times
 TINY = 1e-12  # [m, rad] a coordinate that does not move has no limits
 
 
@@ -53,9 +52,9 @@ def _profile_state(share: float, times: ca.SX, phase: int) -> tuple[ca.SX, ca.SX
     return s, v, a
 
 
-def states_of_move(points: tuple[tuple[int, float], ...]) -> ca.Function:
-    """(start, end, three times) -> pose, rates, accelerations, each (6, S), at shares of phases."""
-    start, end, times = ca.SX.sym("start", 6), ca.SX.sym("end", 6), ca.SX.sym("times", 3)
+def states_of_move(points: tuple[tuple[int, float], ...], coordinates: int) -> ca.Function:
+    """(start, end, three times) -> coordinates, rates, accelerations, each (n, S), at shares of phases."""
+    start, end, times = ca.SX.sym("start", coordinates), ca.SX.sym("end", coordinates), ca.SX.sym("times", 3)
     states = [_state_of_move(start, end, times, point) for point in points]
     outputs = [ca.horzcat(*(state[k] for state in states)) for k in range(3)]
     return ca.Function("states_of_move", [start, end, times], outputs, {"cse": True})
@@ -95,10 +94,10 @@ class PointToPointFamily:
         moves: 8 to 64.
         duration: of all moves together [s].
         cycle: of the controller [s].
-        middle: middle of the box of poses, shape (6,) [m, rad].
-        half: half of its width, shape (6,) [m, rad].
-        limits: of rates, accelerations and jerks, shape (3, 6); without those of jerks, for a controller that knows
-            none, shape (2, 6).
+        middle: middle of the box of coordinates, shape (n,) [m or rad].
+        half: half of its width, shape (n,) [m or rad].
+        limits: of rates, accelerations and jerks, shape (3, n); without those of jerks, for a controller that knows
+            none, shape (2, n).
         absent: phases of constant acceleration and of constant velocity that are left out, shape (moves, 2); others
             last at least three controller cycles. None while that is open.
     """
@@ -119,7 +118,7 @@ class PointToPointFamily:
             CaseError: the case has no machine, limits or controller.
         """
         middle, half = box_middle(case)
-        box = case.need_machine("planning")[2].motion
+        box = case.need_motion("planning")[1]
         cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
         limits = [box.rate, box.acceleration, *([box.jerk] if box.limits_jerk else [])]
         return cls(moves, duration, cycle, middle, half, np.array(limits))
@@ -140,36 +139,42 @@ class PointToPointFamily:
         return len(self.limits) == 2
 
     @property
+    def coordinates(self) -> int:
+        """Their number n."""
+        return len(self.middle)
+
+    @property
     def unit(self) -> float:
         """Mean duration of a move, in which times are counted [s]."""
         return self.duration / self.moves
 
     def split(self, unknowns: Array) -> tuple[Array, Array]:
-        """Waypoints in half widths, shape (moves + 1, 6), and times in units of a mean move, shape (moves, 3)."""
-        places = 6 * (self.moves + 1)
-        return unknowns[:places].reshape(-1, 6), unknowns[places:].reshape(-1, 3)
+        """Waypoints in half widths, shape (moves + 1, n), and times in units of a mean move, shape (moves, 3)."""
+        places = self.coordinates * (self.moves + 1)
+        return unknowns[:places].reshape(-1, self.coordinates), unknowns[places:].reshape(-1, 3)
 
     def layout(self, case: Case, margin: float) -> Layout:
         """The motion as functions of the unknowns."""
         from scipy.sparse import csr_array
 
-        count, places = self.moves, 6 * (self.moves + 1)
+        count, n = self.moves, self.coordinates
+        places = n * (count + 1)
         move = np.arange(count)[:, None]
-        index = np.hstack([6 * move + np.arange(12), places + 3 * move + np.arange(3)])
-        own = ca.SX.sym("move", OF_A_MOVE)
-        start, end = (ca.DM(self.middle) + ca.DM(self.half) * place for place in (own[:6], own[6:12]))
+        index = np.hstack([n * move + np.arange(2 * n), places + 3 * move + np.arange(3)])
+        own = ca.SX.sym("move", 2 * n + 3)
+        start, end = (ca.DM(self.middle) + ca.DM(self.half) * place for place in (own[:n], own[n : 2 * n]))
 
         def states(points: tuple[tuple[int, float], ...]) -> KernelStates:
-            times = own[12:] * self.unit
+            times = own[2 * n :] * self.unit
             columns = []
             for point in points:
                 alike = sum(phase == point[0] for phase, _ in points)
                 share = _phases(times)[point[0]] / alike / self.duration
                 columns += [*_state_of_move(start, end, times, point), share]
-            return KernelStates(index, Kernel(own, ca.vertcat(*columns)))
+            return KernelStates(index, Kernel(own, ca.vertcat(*columns)), state_size(n))
 
-        tj, th, tc = own[12], own[13], own[14]
-        velocity = (own[6:12] - own[:6]) / (2 * tj + th + tc)
+        tj, th, tc = ca.vertsplit(own[2 * n :])
+        velocity = (own[n : 2 * n] - own[:n]) / (2 * tj + th + tc)
         acceleration = velocity / (tj + th)
         reached = (velocity, acceleration) if self.steps else (velocity, acceleration, acceleration / tj)
         peaks = [
@@ -196,10 +201,11 @@ class PointToPointFamily:
 
     def _first_waypoint(self) -> LinearStates:
         """It ends no move, so that no critical state is there."""
-        offset, slope = np.zeros((1, 1, STATE)), np.zeros((1, 1, STATE, 6))
-        offset[0, 0, :6] = self.middle
-        slope[0, 0, :6] = np.diag(self.half)
-        return LinearStates(np.arange(6)[None], offset, slope)
+        n = self.coordinates
+        offset, slope = np.zeros((1, 1, state_size(n))), np.zeros((1, 1, state_size(n), n))
+        offset[0, 0, :n] = self.middle
+        slope[0, 0, :n] = np.diag(self.half)
+        return LinearStates(np.arange(n)[None], offset, slope)
 
     def _time_bounds(self) -> tuple[Array, Array]:
         shortest = SHORTEST_PHASE * self.cycle / self.unit
@@ -214,7 +220,7 @@ class PointToPointFamily:
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random waypoints, drawn together until the fastest moves between them take the duration."""
-        directions = draw.uniform(-START_WIDTH, START_WIDTH, (self.moves + 1, 6))
+        directions = draw.uniform(-START_WIDTH, START_WIDTH, (self.moves + 1, self.coordinates))
         small, large = 0.0, 1.0
         for _ in range(BISECTIONS):
             width = (small + large) / 2
@@ -232,7 +238,7 @@ class PointToPointFamily:
         return np.array([fastest_profile(1.0, *limits[:, k])[1:] for k in range(self.moves)])
 
     def longest_steps(self) -> tuple[Array, Array]:
-        """Three times [s] of moves of mean duration, and how far each coordinate goes in them, in half widths, (6,).
+        """Three times [s] of moves of mean duration, and how far each coordinate goes in them, in half widths, (n,).
 
         Of the times that let one coordinate go as far as it can, those that give the largest product of all steps.
         """
@@ -253,17 +259,19 @@ class PointToPointFamily:
         rows = np.vstack([points[0], np.diff(points, axis=0) / self.longest_steps()[1]])
         return np.hstack([rows, np.vstack([np.zeros(3), times])])
 
-    def like(self, table: Array) -> Array:
+    def like(self, table: Array) -> Array | None:
         """Moves by as many longest steps, within the box; beyond the last of them back again the same way."""
+        if table.shape[1] != self.coordinates + 3:
+            return None
         count, (_, steps) = len(table) - 1, self.longest_steps()
-        places = [table[0, :6]]
+        places = [table[0, :-3]]
         times = np.empty((self.moves, 3))
         for k in range(self.moves):
             back, number = divmod(k, count)
             row = table[count - number if back % 2 else 1 + number]
-            way = -row[:6] if back % 2 else row[:6]
+            way = -row[:-3] if back % 2 else row[:-3]
             places.append(np.clip(places[-1] + way * steps, -1.0, 1.0))
-            times[k] = row[6:]
+            times[k] = row[-3:]
         if self.steps:
             times[:, 1], times[:, 0] = times[:, 1] + 2 * times[:, 0], 0.0
         times = np.clip(times, *self._time_bounds())
@@ -271,7 +279,7 @@ class PointToPointFamily:
         return np.concatenate([np.ravel(places), times.ravel()])
 
     def motion(self, unknowns: Array) -> Joined:
-        """The motion of unknowns of shape (9 * moves + 6,)."""
+        """The motion of unknowns of shape ((n + 3) moves + n,)."""
         points, times = self.split(unknowns)
         poses = self.middle + points * self.half
         moves = []

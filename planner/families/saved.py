@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.chain import MOST_JOINTS
 from cases.parts import LARGEST
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove, Plane
@@ -87,12 +88,26 @@ def motion_of_entries(data: dict[str, Any]) -> Trajectory:
         if not parts:
             raise ValueError("moves")
         ends = [np.asarray(part.at([0.0, part.duration]).pose) for part in parts]
+        if len({end.shape for end in ends}) > 1:
+            raise ValueError("moves")
         if any(np.abs(before[1] - after[0]).max() > 1e-9 for before, after in pairwise(ends)):
             raise ValueError("moves")
         return Joined(parts)
     if "polynomial" in data:
-        return PolynomialMotion(tuple(_read_piece(entry) for entry in data["polynomial"]))
+        pieces = tuple(_read_piece(entry) for entry in data["polynomial"])
+        if len({piece.coefficients.shape[1] for piece in pieces}) != 1:
+            raise ValueError("polynomial")
+        return PolynomialMotion(pieces)
     raise KeyError("fourier, moves or polynomial")
+
+
+def _coordinates(entry: dict[str, Any], key: str, rows: int | None = None) -> Array:
+    """Values of each coordinate, shape (n,) or (rows, n)."""
+    value = np.array(entry[key], dtype=float)
+    shape = value.shape if rows is None else value.shape[1:]
+    if len(shape) != 1 or not 1 <= shape[0] <= MOST_JOINTS or (rows is not None and len(value) != rows):
+        raise ValueError(key)
+    return _numbers(entry, key, *value.shape)
 
 
 def _numbers(entry: dict[str, Any], key: str, *shape: int) -> Array:
@@ -114,14 +129,19 @@ def _fourier(entry: dict[str, Any]) -> FourierMotion:
     repeats = int(entry["repeats"])
     if order < 1 or repeats < 1:
         raise ValueError("a_m_s_rad_s" if order < 1 else "repeats")
-    a, b = (_numbers(entry, key, order, 6) for key in ("a_m_s_rad_s", "b_m_s_rad_s"))
+    a, b = (_coordinates(entry, key, order) for key in ("a_m_s_rad_s", "b_m_s_rad_s"))
     run_in = _positive(entry, "run_in_s") if "run_in_s" in entry else 0.0
-    return FourierMotion(_numbers(entry, "centre_m_rad", 6), a, b, _positive(entry, "period_s"), repeats, run_in)
+    centre = _coordinates(entry, "centre_m_rad")
+    if not len(centre) == a.shape[1] == b.shape[1]:
+        raise ValueError("centre_m_rad")
+    return FourierMotion(centre, a, b, _positive(entry, "period_s"), repeats, run_in)
 
 
 def _read_part(entry: dict[str, Any]) -> Trajectory:
     if entry["kind"] == "straight":
-        start, end = (_numbers(entry, key, 6) for key in ("start_m_rad", "end_m_rad"))
+        start, end = (_coordinates(entry, key) for key in ("start_m_rad", "end_m_rad"))
+        if len(start) != len(end):
+            raise ValueError("end_m_rad")
         return StraightMove(start, end, _profile(entry))
     if entry["kind"] == "circle":
         return CircularMove(
@@ -133,10 +153,10 @@ def _read_part(entry: dict[str, Any]) -> Trajectory:
             _profile(entry),
         )
     if entry["kind"] == "pause":
-        return Standstill(_numbers(entry, "pose_m_rad", 6), _positive(entry, "duration_s"))
+        return Standstill(_coordinates(entry, "pose_m_rad"), _positive(entry, "duration_s"))
     if entry["kind"] == "measure":
         settle, average = _positive(entry, "settle_s", zero=True), _positive(entry, "average_s")
-        return Measurement(_numbers(entry, "pose_m_rad", 6), settle, average)
+        return Measurement(_coordinates(entry, "pose_m_rad"), settle, average)
     raise ValueError("kind")
 
 
@@ -149,6 +169,6 @@ def _profile(entry: dict[str, Any]) -> Profile:
 
 def _read_piece(entry: dict[str, Any]) -> Piece:
     coefficients = np.array(entry["coefficients_SI"], dtype=float)
-    if coefficients.ndim != 2 or coefficients.shape[1] != 6 or not 1 <= len(coefficients) <= 6:
+    if coefficients.ndim != 2 or not 1 <= len(coefficients) <= 6:
         raise ValueError("coefficients_SI")
-    return Piece(_numbers(entry, "coefficients_SI", *coefficients.shape), _positive(entry, "duration_s"))
+    return Piece(_coordinates(entry, "coefficients_SI", len(coefficients)), _positive(entry, "duration_s"))

@@ -19,7 +19,6 @@ from planner.families.manual import manual_motion, sequence_file
 
 MOST_PERIODS = 1e6
 USUAL_PERIOD = 2.0  # [s]; of order 5 as informative as 2.4 s, more than 3 s, and of all the best conditioned
-MOVES_A_SECOND = 10.0 / 3.0
 KNOTS_A_SECOND = 10.0
 SHORTEST = spline.FEWEST / KNOTS_A_SECOND  # [s] of a spline, and of any motion whose duration is searched
 ORDERS = range(2, 8)  # where the order is free
@@ -179,7 +178,7 @@ class Fourier(FamilySettings):
         """
         if not (self.free_order or self.free_period):
             return (self,)
-        box = case.need_machine("planning")[2].motion
+        box = case.need_motion("planning")[1]
         meets = float(np.max(box.acceleration / box.rate)) / (2 * np.pi)
         cutoff = case.recording.filter_cutoff_Hz
         passed = np.inf if cutoff is None else cutoff / 2
@@ -213,10 +212,10 @@ class Fourier(FamilySettings):
 
 @dataclass(frozen=True, slots=True)
 class PointToPoint(FamilySettings):
-    """Straight moves in the six coordinates, each from rest to rest.
+    """Straight moves in the coordinates, each from rest to rest.
 
     Args:
-        moves: 8 to 64; None for ten in three seconds, or where accelerations step as many as reach their velocity.
+        moves: 8 to 64; None for as many as reach their velocity, where jerk is limited ten in three seconds at most.
         controller: whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat or setpoints; None
             for the one that the case plans for, else limited jerk.
     """
@@ -248,8 +247,8 @@ class PointToPoint(FamilySettings):
         """
         if self.moves is not None:
             return self.moves
-        fitting = moves_in(case.need_machine("planning")[2].motion, duration)
-        return int(np.clip(round(MOVES_A_SECOND * duration if fitting is None else fitting), ptp.FEWEST, ptp.MOST))
+        fitting = moves_in(case.need_motion("planning")[1], duration)
+        return int(np.clip(round(fitting), ptp.FEWEST, ptp.MOST))
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """Every move has four phases of jerk, or two of acceleration where it steps, each three controller cycles.
@@ -259,7 +258,7 @@ class PointToPoint(FamilySettings):
         """
         cycle = _cycle(case)
         own = self.controlled(case).case
-        box, count = own.need_machine("planning")[2].motion, self.count(own, duration)
+        box, count = own.need_motion("planning")[1], self.count(own, duration)
         number = 4 if box.limits_jerk else 2
         phases = number * ptp.SHORTEST_PHASE * cycle
         rise = 4 * HALF * float(np.min(box.acceleration / box.jerk))

@@ -11,13 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
+from cases.schema import Case
+from identification.machine import machine_of
 from planner.families.family import Array, Family
 
 FILE = Path(__file__).with_name("shipped.json")
 
 
-def shipped_start(family: Family) -> Array | None:
+def shipped_start(family: Family, case: Case) -> Array | None:
     """Unknowns of a family from which a search begins, limits of the machine apart; None where nothing fits it."""
+    if not machine_of(case).of_pose:
+        return None
     return family.like(_shipped()[family.name])
 
 

@@ -44,7 +44,7 @@ def enough_intervals(case: Case, duration: float) -> int:
     Raises:
         CaseError: the case has no machine or limits.
     """
-    box = case.need_machine("planning")[2].motion
+    box = case.need_motion("planning")[1]
     swing = float(np.min(2 * box.acceleration / box.jerk))
     return min(MOST, int(np.ceil(duration / swing * (1 - ROUNDING))))
 
@@ -63,9 +63,9 @@ class SplineFamily:
     Args:
         intervals: 20 to 150.
         duration: of the excitation [s].
-        middle: middle of the box of poses, shape (6,) [m, rad].
-        half: half of its width, shape (6,) [m, rad].
-        slip: what positions and rates may pass their rows by between two of them, in half widths, shape (2, 6).
+        middle: middle of the box of coordinates, shape (n,) [m or rad].
+        half: half of its width, shape (n,) [m or rad].
+        slip: what positions and rates may pass their rows by between two of them, in half widths, shape (2, n).
     """
 
     intervals: int
@@ -78,7 +78,7 @@ class SplineFamily:
     def of(cls, case: Case, intervals: int, duration: float) -> "SplineFamily":
         """The family of a case; raises CaseError where it has no machine or limits."""
         middle, half = box_middle(case)
-        box = case.need_machine("planning")[2].motion
+        box = case.need_motion("planning")[1]
         step = duration / intervals / FINE
         slip = np.array([4 * box.acceleration, box.jerk]) * step**2 / 8 / half
         return cls(intervals, duration, middle, half, slip)
@@ -140,7 +140,7 @@ class SplineFamily:
         return at % 2 == 0, at[1:] >= 0, every[1:], every
 
     def slips(self) -> tuple[Array, Array]:
-        """How far positions and rates pass their rows between two of them, in half widths (per second), (6,) each."""
+        """How far positions and rates pass their rows between two of them, in half widths (per second), (n,) each."""
         return self.slip[0], self.slip[1]
 
     @property
@@ -170,15 +170,18 @@ class SplineFamily:
 
     def start(self, draw: np.random.Generator, worst: Callable[[Array], float]) -> Array:
         """Random unknowns well inside the limits."""
-        unknowns = np.repeat(draw.normal(size=(self.unknowns // 6 + 1, 6)), 6, axis=0)[: self.unknowns].ravel()
+        steps = draw.normal(size=(self.unknowns // 6 + 1, len(self.middle)))
+        unknowns = np.repeat(steps, 6, axis=0)[: self.unknowns].ravel()
         return np.asarray(unknowns * START_SHARE / worst(unknowns))
 
     def table(self, unknowns: Array) -> Array:
         """A row for each unknown of a coordinate."""
-        return unknowns.reshape(-1, 6)
+        return unknowns.reshape(-1, len(self.middle))
 
     def like(self, table: Array) -> Array | None:
         """The same curve over as many intervals as there are."""
+        if table.shape[1] != len(self.middle):
+            return None
         old, new = np.linspace(0.0, 1.0, len(table)), np.linspace(0.0, 1.0, self.unknowns)
         return np.column_stack([np.interp(new, old, column) for column in table.T]).ravel()
 
@@ -191,9 +194,9 @@ class SplineFamily:
         return unknowns * share
 
     def motion(self, unknowns: Array) -> PolynomialMotion:
-        """The motion of unknowns of shape (q * 6,), row by row."""
+        """The motion of unknowns of shape (q n,), row by row."""
         basis = self._basis()
-        coefficients = basis.c @ (unknowns.reshape(self.unknowns, 6) * self.half) + self.middle
+        coefficients = basis.c @ (unknowns.reshape(self.unknowns, -1) * self.half) + self.middle
         spline, step = _spline(basis.t, coefficients), self.duration / self.intervals
         # Taylor's coefficients at the start of each interval; the third derivative is constant and jumps there.
         places = [self._at((0.5 if order == DEGREE else 0.0,)) for order in range(DEGREE + 1)]

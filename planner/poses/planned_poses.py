@@ -126,7 +126,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
     report = worst_of(reports)
     if not report.kept:
         worst = report.violations[0]
-        raise InfeasiblePlan(f"a move between poses fails: {worst.sentence()}; {remedy(worst)}")
+        raise InfeasiblePlan(f"a move between poses fails: {worst.sentence()}; {remedy(worst, case)}")
     return Joined(tuple(parts)), report
 
 

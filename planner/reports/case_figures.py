@@ -7,9 +7,9 @@ import numpy as np
 from cases.errors import CaseError
 from cases.loading import find_case, load_case
 from cases.schema import Case
-from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.limits import prove
+from identification.model import identification_model
 from identification.motion import StandingPoses
 from planner.infeasible import remedy
 from planner.motion_box import MotionBox, largest_box
@@ -26,10 +26,12 @@ def case_figures(name: str) -> dict[str, Any]:
         CaseError: not valid, or home is out of the machine's reach.
     """
     case = load_case(name)
-    frame = structure_matrix(case.sensor_frame)
+    frame = identification_model(case, 0).structure
     size = 1.0
     if case.sensor_frame.bars is not None:
         size = float(np.linalg.norm(case.sensor_frame.bars.lower.points, axis=1).max())
+    elif case.sensor_frame.struts is not None and case.hexapod is not None:
+        size = float(np.linalg.norm(case.hexapod.platform.points, axis=1).max())
     scaled = frame / np.r_[np.ones(3), np.full(3, size)][:, None]
     return {
         "name": case.name,
@@ -42,7 +44,7 @@ def case_figures(name: str) -> dict[str, Any]:
 
 def has_motion_box(case: Case) -> bool:
     """Whether the case describes a machine and the box in which it moves."""
-    return case.machine is not None and case.limits is not None and case.workspace is not None
+    return case.hexapod is not None and case.limits is not None and case.workspace is not None
 
 
 def reach_figures(name: str) -> Reach | None:
@@ -75,7 +77,7 @@ def _in_box(case: Case, file: str) -> dict[str, Any]:
         raise CaseError(
             file,
             "machine.home",
-            f"is out of reach: {broken.sentence(timed=False)}; move home or {remedy(broken)}",
+            f"is out of reach: {broken.sentence(timed=False)}; move home or {remedy(broken, case)}",
         )
     report = prove(StandingPoses(poses), case, 1.0)
     return {

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from identification.saved_result import provenance
 from planner.comparison.advising import Recommendation, warnings_of
 from planner.comparison.entries import Entry, Level, Told
-from planner.precision import std_text, value_text
+from planner.precision import parameter_words, std_text, value_text
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Item, Note, Page, Plot, Section, Table
 from planner.reports.ratios import Series, ratio_figure
@@ -61,7 +61,7 @@ def parameter_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Table 6's layout: a row a parameter, of each entry the standard deviation, before it what was identified."""
     rows = []
     for name, scale, shown, told in _each_parameter(entries):
-        row = [f"{name} [{shown}]"]
+        row = [f"{parameter_words(name)} [{shown}]"]
         for entry, t in zip(entries, told, strict=True):
             if entry.level is Level.IDENTIFIED:
                 row.append("-" if t is None or t.value is None else value_text(t.value * scale, t.std * scale))
@@ -74,7 +74,7 @@ def per_second_rows(entries: Sequence[Entry]) -> list[list[str]]:
     """Standard deviations for one second of measuring: times the square root of the measuring time."""
     rows = []
     for name, scale, shown, told in _each_parameter(entries):
-        row = [f"{name} [{shown} √s]"]
+        row = [f"{parameter_words(name)} [{shown} √s]"]
         for entry, t in zip(entries, told, strict=True):
             known = t is not None and entry.duration is not None
             row.append(std_text(t.std * scale * np.sqrt(entry.duration)) if known and t and entry.duration else "-")

@@ -8,13 +8,12 @@ from cases.schema import Case
 from identification.motion import sample
 from identification.trajectories.path import instants
 from planner.demonstration import Demo
-from planner.precision import std_text, value_text
-from planner.reports.charts import AXES, Chart
-from planner.reports.figures import COLOURS, errors_plot, identifiability_items, limits_plot, motion_plots
+from planner.precision import parameter_words, std_text, value_text
+from planner.reports.charts import Chart
+from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_plots
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
-from planner.reports.machine import moving_machine
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, thinned
-from planner.reports.plan import starts_items
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
+from planner.reports.plan import pictured, starts_items
 from planner.runs.running import RunOutcome
 
 DRAWN_RATE = 200.0  # [1/s]
@@ -47,12 +46,10 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
         warnings=result.warnings,
         sections=(
             Section("What came out", (_headline(answer, chain), *_truth(chain))),
-            Section(
-                "The machine along the plan", (moving_machine(case, outcome.planned, "Drag to turn, wheel to zoom."),)
-            ),
+            *pictured(case, outcome.planned),
             Section("The planned motion and its limits", _motion(case, outcome)),
             Section("Proof of the program's text", _proof(answer)),
-            Section("What the controller made of it", _executed(answer, outcome)),
+            Section("What the controller made of it", _executed(case, answer, outcome)),
             Section("Forces and residuals", residual_items(case, result.residuals)),
             Section("What the run determines", identifiability_items(result.identifiability)),
             Section("How the plan was found", starts_items(plan)),
@@ -101,7 +98,7 @@ def truth_cells(row: dict[str, Any]) -> tuple[str, ...]:
     known = (value_text(row[key] * scale, std) for key in ("estimate", "error"))
     estimate, error = known
     truth, ratio = f"{row['truth'] * scale:.6g}", f"{row['error'] / row['std']:+.2f}"
-    return row["name"], truth, estimate, std_text(std), error, ratio, unit
+    return parameter_words(row["name"]), truth, estimate, std_text(std), error, ratio, unit
 
 
 def _motion(case: Case, outcome: RunOutcome) -> tuple[Item, ...]:
@@ -119,18 +116,22 @@ def _proof(answer: dict[str, Any]) -> tuple[Item, ...]:
     return tuple(items)
 
 
-def _executed(answer: dict[str, Any], outcome: RunOutcome) -> tuple[Item, ...]:
-    """Accelerations along x, y, z that the controller really made, beside the planned ones."""
+def _executed(case: Case, answer: dict[str, Any], outcome: RunOutcome) -> tuple[Item, ...]:
+    """Accelerations that the controller really made, along x, y, z or of each joint, beside the planned ones."""
     t = instants(outcome.run.trigger, RECORDED_RATE)
-    executed = outcome.run.execution.kinematics(np.clip(t, 0.0, outcome.run.execution.duration))
+    execution, limits = outcome.run.execution, case.need_motion("the page of a demo")[1]
+    inside = np.clip(t, 0.0, execution.duration)
+    of_pose = execution.machine.of_pose
+    executed = execution.kinematics(inside).twist_rate[:, :3] if of_pose else execution.struts(inside, 2)
     planned = sample(outcome.planned, DRAWN_RATE)
     figure = Chart()
-    for k in range(3):
-        x, y = thinned(t - t[0], executed.twist_rate[:, k])
-        figure.add_scatter(x=x, y=y, name=f"{AXES[k]} executed", line={"color": COLOURS[k], "width": 1})
+    for k in range(executed.shape[1]):
+        label, line = plain(limits.labels[k]), {"color": colour(k), "width": 1}
+        x, y = thinned(t - t[0], executed[:, k])
+        figure.add_scatter(x=x, y=y, name=f"{label} executed", line=line)
         x, y = thinned(planned.t, planned.accelerations[:, k])
-        figure.add_scatter(x=x, y=y, name=f"{AXES[k]} planned", line={"color": COLOURS[k], "width": 2, "dash": "dot"})
+        figure.add_scatter(x=x, y=y, name=f"{label} planned", line={**line, "width": 2, "dash": "dot"})
     figure.update_xaxes(title="time since the trigger [s]")
-    figure.update_yaxes(title="acceleration [m/s²]")
+    figure.update_yaxes(title="acceleration [m/s²]" if of_pose else "acceleration [rad/s² or m/s²]")
     note = f"Strayed {answer['run']['path_error_mm']:.3f} mm at most from the planned path."
     return (Plot("executed", figure.update_layout(height=380), note),)

@@ -14,7 +14,7 @@ from cases.units import DEG, MM
 from identification.identifiability import Identifiability
 from identification.motion import Motion
 from planner.precision import bounds_text, std_text, value_text
-from planner.reports.charts import AXES, Chart
+from planner.reports.charts import Chart
 from planner.reports.page import Item, Plot, Table, plain, thinned
 
 if TYPE_CHECKING:
@@ -24,32 +24,43 @@ Array = NDArray[np.float64]
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 GREY = "#8593a1"
+MOST_SHARE = 120.0  # [%] of a limit that a chart shows
 MAGNITUDE = ((0.0, "rgba(0,114,178,0)"), (1.0, "rgba(0,114,178,1)"))
 
 
 def motion_plots(case: Case, motion: Motion) -> list[Plot]:
     """Position, velocity, acceleration and jerk over time, each axis with its own limits."""
-    machine, _, limits = case.need_machine("the report")
-    box = limits.motion
+    home, box = case.need_motion("the report")
     rows = (
-        ("position from home", "mm", "deg", motion.pose - machine.home.vector, box.pose, 1 / MM, 1 / DEG),
+        ("position from home", "mm", "deg", motion.pose - home, box.pose, 1 / MM, 1 / DEG),
         ("velocity", "mm/s", "deg/s", motion.rates, _both(box.rate), 1 / MM, 1 / DEG),
         ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), 1.0, 1.0),
         ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), 1.0, 1.0),
     )
     plots = []
     for name, length_unit, angle_unit, values, limit, to_length, to_angle in rows:
-        for axes, unit, factor in ((range(3), length_unit, to_length), (range(3, 6), angle_unit, to_angle)):
+        for kind, own, unit, factor in (
+            ("translation", ~box.turns, length_unit, to_length),
+            ("rotation", box.turns, angle_unit, to_angle),
+        ):
+            axes = [int(k) for k in np.flatnonzero(own)]
+            if not axes:
+                continue
             figure = Chart()
             for k in axes:
                 x, y = thinned(motion.t, values[:, k] * factor)
-                figure.add_scatter(x=x, y=y, name=AXES[k], line={"color": COLOURS[k], "width": 1.6})
-            _add_limits(figure, limit[:, list(axes)] * factor, [COLOURS[k] for k in axes])
+                figure.add_scatter(x=x, y=y, name=plain(box.labels[k]), line={"color": colour(k), "width": 1.6})
+            _add_limits(figure, limit[:, axes] * factor, [colour(k) for k in axes])
             figure.update_xaxes(title="time [s]")
             figure.update_yaxes(title=f"{name} [{unit}]")
-            kind = "rotation" if axes.start else "translation"
-            plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), half=True))
+            note = f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: its limits."
+            plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), note, half=not own.all()))
     return plots
+
+
+def colour(k: int) -> str:
+    """Of a line by its number, from 0."""
+    return COLOURS[k % len(COLOURS)]
 
 
 def _both(limit: Array) -> Array:
@@ -65,26 +76,45 @@ def _add_limits(figure: Chart, limits: Array, colours: Sequence[str]) -> None:
 
 
 def limits_plot(limits: dict[str, dict[str, Any]]) -> Plot:
-    """Share of each proven limit that the program uses."""
-    proven = {k: v for k, v in limits.items() if v["status"] == "proven"}
-    names = [plain(v["at"]) for v in proven.values()][::-1]
-    shares = [100 * v["ratio"] for v in proven.values()][::-1]
-    words = [f"{v['worst']:.4g} of {bounds_text(v)} {v['unit']}" for v in proven.values()][::-1]
+    """Share of each limit that is used, in a colour for who answers for it: the proof, the controller, or nobody."""
+    names = [plain(v["at"]) for v in limits.values()][::-1]
     figure = Chart()
-    figure.add(
-        "bar",
-        x=shares,
-        y=names,
-        orientation="h",
-        text=words,
-        textposition="inside",
-        insidetextanchor="start",
-        marker={"color": COLOURS[5]},
-        textfont={"color": "#102a43"},
-    )
-    figure.add_vline(x=100, line={"color": COLOURS[1], "width": 2})
-    figure.update_xaxes(title="share of the limit [%]", range=[0, 108])
-    return Plot("limits", figure.update_layout(height=110 + 30 * len(names)))
+    for label, colour in (
+        ("proven", COLOURS[5]),
+        ("kept by the controller", COLOURS[2]),
+        ("kept by nobody", COLOURS[1]),
+    ):
+        chosen = [v for v in limits.values() if _keeper(v) == label][::-1]
+        if not chosen:
+            continue
+        figure.add(
+            "bar",
+            x=[min(100 * v["ratio"], MOST_SHARE) for v in chosen],
+            y=[plain(v["at"]) for v in chosen],
+            name=label,
+            orientation="h",
+            text=[f"{v['worst']:.4g} of {bounds_text(v)} {v['unit']}" for v in chosen],
+            textposition="inside",
+            insidetextanchor="start",
+            marker={"color": colour},
+            textfont={"color": "#102a43" if label == "proven" else "#ffffff"},
+        )
+    figure.add_vline(x=100, line={"color": GREY, "width": 2})
+    figure.update_xaxes(title="share of the limit [%]", range=[0, MOST_SHARE])
+    figure.update_yaxes(categoryorder="array", categoryarray=names)
+    layout = figure.update_layout(height=130 + 30 * len(names), showlegend=True, barmode="overlay")
+    nobody = [v["at"] for v in limits.values() if _keeper(v) == "kept by nobody"]
+    note = "Largest use of each limit; 100 % is the limit."
+    if nobody:
+        note += f" No one keeps {', '.join(nobody)}: the machine must bear what is shown (cut off at {MOST_SHARE:g} %)."
+    return Plot("limits", layout, note)
+
+
+def _keeper(limit: dict[str, Any]) -> str:
+    """Who answers for a limit."""
+    if limit["status"] == "proven":
+        return "proven"
+    return "kept by the controller" if limit["status"].startswith("enforced") else "kept by nobody"
 
 
 def forces_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
@@ -110,7 +140,8 @@ def residuals_plot(residuals: "Residuals", channels: Sequence[str]) -> Plot:
         figure.add_scatter(x=x, y=y, name=plain(name), line={"color": COLOURS[k], "width": 0.8})
     _over_samples(figure, residuals)
     figure.update_yaxes(title=f"recorded - model [{_unit(channels)}]")
-    return Plot("residuals", figure.update_layout(height=320))
+    note = "What the model leaves of each channel. Noise without a pattern is good; waves and steps have a cause."
+    return Plot("residuals", figure.update_layout(height=320), note)
 
 
 def distribution_plot(residuals: "Residuals") -> Plot:
@@ -125,7 +156,8 @@ def distribution_plot(residuals: "Residuals") -> Plot:
     figure.add_scatter(x=x, y=normal, name="normal distribution", line={"color": COLOURS[1]})
     figure.update_xaxes(title="residual / rms of its channel")
     figure.update_yaxes(title="density")
-    return Plot("distribution", figure.update_layout(height=320, bargap=0.0), half=True)
+    note = "Residuals in units of their rms: bars that follow the line are normal noise; wide feet are gross errors."
+    return Plot("distribution", figure.update_layout(height=320, bargap=0.0), note, half=True)
 
 
 def spectrum_plot(residuals: "Residuals", channels: Sequence[str], cutoff: float | None) -> Plot:

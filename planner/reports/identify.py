@@ -6,7 +6,7 @@ from typing import Any
 from cases.schema import Case
 from identification.outcome import TOLD_OF_RUNS, Result
 from identification.runs.residuals import Residuals
-from planner.precision import std_text, value_text, with_deviation
+from planner.precision import parameter_words, std_text, value_text, with_deviation
 from planner.reports.figures import (
     distribution_plot,
     forces_plot,
@@ -15,9 +15,10 @@ from planner.reports.figures import (
     residuals_plot,
     spectrum_plot,
 )
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles
 
-PARAMETER_COLUMNS = ("parameter", "value", "std (28)", "std robust", "95 % from", "to", "unit")
+PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
+ALIKE = 1.3  # times that robust deviations may be larger than those by (28) where noise is white
 
 
 def identify_page(result: Result) -> Page:
@@ -25,7 +26,9 @@ def identify_page(result: Result) -> Page:
     case, record, residuals = result.case, result.record, result.residuals
     what = "averaged standstills" if record["delay_s"] is None else "samples"
     source = record["recording"]
-    sections = [Section("Parameters with error bars", (_headline(result), *parameter_items(result)))]
+    sections = [
+        Section("Parameters with standard deviations", (_headline(result), _verdicts(result), *parameter_items(result)))
+    ]
     if result.identifiability is not None:
         sections.append(Section("What the run determines", identifiability_items(result.identifiability)))
     if residuals is not None:
@@ -52,6 +55,31 @@ def _headline(result: Result) -> Tiles:
     return Tiles(tuple(tiles))
 
 
+def _verdicts(result: Result) -> Answers:
+    """Whether the parameters are determined, and which deviation counts."""
+    record, known = result.record, [p for p in result.parameters.values() if p.std > 0.0]
+    ratio = max((p.std_robust / p.std for p in known), default=1.0)
+    rank, count = record["rank"], len(record["parameters"])
+    warnings = len(result.warnings)
+    return Answers(
+        (
+            Answer(
+                rank >= count, "Every parameter is determined.", f"rank {rank}, condition {record['condition']:.3g}"
+            ),
+            Answer(
+                ratio <= ALIKE,
+                "The residuals look like white noise.",
+                f"std robust is at most {ratio:.2f} times std (28); the larger of them is reported",
+            ),
+            Answer(
+                not warnings,
+                "Nothing odd was found in the recording and in the fit.",
+                "no warnings" if not warnings else f"warnings: {warnings}, at the top of this page",
+            ),
+        )
+    )
+
+
 def noise_tile(result: Result) -> Tile:
     """s0, and what it is; a filter keeps from it what the recorded forces have above the pass band."""
     record = result.record
@@ -70,11 +98,12 @@ def parameter_items(result: Result) -> tuple[Item, ...]:
         low, high = p.interval(freedom)
         widest = p.reported * scale
         value, *ends = (value_text(v * scale, widest) for v in (p.value, low, high))
-        rows.append((name, value, std_text(p.std * scale), std_text(p.std_robust * scale), *ends, unit))
+        stds = (std_text(p.std * scale), std_text(p.std_robust * scale))
+        rows.append((parameter_words(name), value, std_text(widest), unit, *ends, *stds))
     items: list[Item] = [
-        parameters_plot(result.record["parameters"]),
         Table(PARAMETER_COLUMNS, tuple(rows)),
-        Note("std (28) takes the noise as white; std robust allows for residuals that are correlated in time."),
+        Note("± is the larger of std (28), which takes the noise as white, and std robust, which does not."),
+        parameters_plot(result.record["parameters"]),
     ]
     if (words := delay_words(result)) is not None:
         items.append(Note(words))

@@ -1,24 +1,49 @@
 """The report page: one HTML file that needs no network, put together from tiles, tables, notes and figures.
 
-Values are typed here and drawn by the template, which escapes every text; plotly, the figures' data and the script
-are part of the file. Text from outside that goes into a figure passes `plain`, for plotly reads some HTML in labels.
+Values are typed here and drawn by the template, which escapes every text; plotly, compressed, the figures' data and the
+script are part of the file. Words of the field are explained where they stand. Text from outside that goes into a
+figure passes `plain`, for plotly reads some HTML in labels.
 """
 
+import base64
+import gzip
 import html
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import resources
 from typing import Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
 from planner.reports.charts import Chart, script_json
 
 Array = NDArray[np.float64]
 
+TERMS = {
+    "std (28)": "standard deviation if the residuals are white noise, equation (28) of Friedrich & Ihlenfeldt 2021",
+    "std robust": "standard deviation that allows for residuals alike from one sample or pose to the next",
+    "s0": "scatter of the residuals: what a force sample deviates from the model",
+    "D-efficiency": "share of the information that no motion inside the limits can exceed, from 0 to 1",
+    "reference scaling": "parameters scaled by their effect on the sensors in the motion box, so that motions compare",
+    "log det": "logarithm of the determinant of the information matrix: what criterion D maximises",
+    "{P}": "frame of the moving platform",
+    "{B}": "frame of the base",
+    "f_q0": "offset of a sensor",
+    "k0": "elastic deformation: force for each metre of displacement",
+    "k1": "elastic deformation: moment for each metre of displacement",
+    "k2": "elastic deformation: force for each radian of tilt",
+    "k3": "elastic deformation: moment for each radian of tilt",
+    "regressor": "the matrix that turns parameters into forces",
+    "condition": "largest over smallest singular value: 1 is best, large where parameters are hard to tell apart",
+    "rms": "root of the mean square",
+}
+"""Words that a page explains where they stand."""
+_TERM = re.compile("|".join(rf"(?<![\w-]){re.escape(term)}(?!\w)" for term in sorted(TERMS, key=len, reverse=True)))
 MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
 
 
@@ -80,13 +105,13 @@ class Plot:
     Args:
         name: unique on the page, also the name of the file it is saved to from the browser.
         figure: drawn in the colours of the page, so it sets none for text, grid and background.
-        note: caption.
+        note: caption, which says what to see; also what a screen reader says of the figure.
         half: may stand beside another one where the window is wide.
     """
 
     name: str
     figure: Chart
-    note: str = ""
+    note: str
     half: bool = False
     kind: str = "plot"
 
@@ -147,7 +172,6 @@ class Page:
 
 def render(page: Page) -> str:
     """The page as HTML."""
-    plotly = resources.files("plotly") / "package_data" / "plotly.min.js"
     environment = Environment(
         loader=PackageLoader("planner.reports"),
         autoescape=True,
@@ -155,7 +179,25 @@ def render(page: Page) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("page.html.j2").render(page=page, plotly=Markup(plotly.read_text(encoding="utf-8")))
+    environment.filters["explained"] = explained
+    return environment.get_template("page.html.j2").render(page=page, plotly=_plotly())
+
+
+@cache
+def _plotly() -> str:
+    """Plotly's script, compressed: a third of its size, and a browser reads it after the page's text."""
+    script = (resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes()
+    return base64.b64encode(gzip.compress(script, 6, mtime=0)).decode("ascii")
+
+
+def explained(text: str) -> Markup:
+    """A text with its words of the field explained, as a tooltip that a keyboard and a screen reader reach too."""
+    parts, end = [], 0
+    for match in _TERM.finditer(text):
+        parts.append(escape(text[end : match.start()]))
+        parts.append(Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[match[0]], match[0]))
+        end = match.end()
+    return Markup("").join([*parts, escape(text[end:])])
 
 
 def plain(text: str) -> str:

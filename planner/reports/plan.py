@@ -6,24 +6,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from cases.units import MM, pose_words
+from cases.units import MM
 from identification.evaluate import over_samples
 from identification.identifiability import analyse
-from identification.limited import rotation_motion, strut_motion
-from identification.model import Model, identification_model
+from identification.limited import strut_motion
+from identification.limits import load_motion
+from identification.model import RIGID, Model, identification_model
 from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
-from identification.overload import SHARE, load_shares, sensor_forces
-from identification.parameters import physical_form
+from identification.overload import SHARE, load_shares
+from identification.parameters import nominal_parameters, physical_form
 from identification.reference import reference_scaling
 from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
 from planner.plans import Plan
-from planner.precision import std_text
+from planner.precision import parameter_words, std_text
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots
 from planner.reports.machine import moving_machine
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
+from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
 from planner.search.last_words import solver_text
 
 Array = NDArray[np.float64]
@@ -64,13 +65,13 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         inputs=tuple(inputs),
         warnings=_warnings(plan),
         sections=(
-            Section("What the plan promises", (_headline(plan), *_deviations(plan, model, manual))),
-            Section("The machine along the plan", (moving_machine(case, plan.motion, "Drag to turn, wheel to zoom."),)),
+            Section("What the plan promises", (_headline(plan), _verdicts(plan), *_deviations(plan, model, manual))),
+            *pictured(case, plan.motion),
             Section("How close it comes to each limit", (limits_plot(plan.limits.to_json()), *_bound_by(plan))),
             Section("The motion and its limits", (*motion_plots(case, motion), _dashed())),
-            Section("Struts", _struts(case, motion)),
+            *([Section("Struts", _struts(case, motion))] if case.hexapod is not None else []),
             Section("Predicted sensor forces", _forces(case, motion, request.payload)),
-            Section("What the motion tells", (*_information(plan, model), *_identifiability(plan, model))),
+            Section("Information of the motion", (*_information(plan, model), *_identifiability(plan, model))),
             Section("How the plan was found", starts_items(plan.to_json())),
         ),
     )
@@ -82,7 +83,7 @@ def _warnings(plan: Plan) -> tuple[str, ...]:
     if worth.search.interrupted:
         words.insert(0, "The search was stopped by Ctrl-C: this is the best of what was found until then.")
     if not worth.bound.certified:
-        words.append("The bound behind the D-efficiency is an estimate: time ran out before its proof.")
+        words.append(f"The bound behind the D-efficiency is an estimate: {worth.bound.method}.")
     return tuple(words)
 
 
@@ -91,7 +92,7 @@ def _dashed() -> Note:
 
 
 def _ends(plan: Plan) -> str:
-    first, last = (pose_words(pose) for pose in plan.motion.at([0.0, plan.motion.duration]).pose)
+    first, last = map(plan.case.words, plan.motion.at([0.0, plan.motion.duration]).pose)
     return f"at {first} and back there" if first == last else f"at {first} to rest at {last}"
 
 
@@ -112,6 +113,29 @@ def _headline(plan: Plan) -> Tiles:
         )
         tiles.insert(2, tight)
     return Tiles(tuple(tiles))
+
+
+def _verdicts(plan: Plan) -> Answers:
+    """Whether the motion keeps all limits, and whether a controller that limits jerk can follow it."""
+    limits = plan.limits.to_json().values()
+    steps = [v["at"] for v in limits if v["status"].startswith("steps")]
+    proven = [v for v in limits if v["status"] == "proven"]
+    most = max(proven, key=lambda v: v["ratio"])
+    claims = [
+        Answer(
+            all(v["ratio"] <= 1.0 + 1e-6 for v in proven),
+            "The motion keeps every limit that is proven.",
+            f"{len(proven)} limits; most used is {most['at']} with {100 * most['ratio']:.1f} %",
+        ),
+        Answer(
+            not steps,
+            "Jerk is limited.",
+            f"accelerations step in {', '.join(steps)}: for controllers without a jerk limit"
+            if steps
+            else "proven too",
+        ),
+    ]
+    return Answers(tuple(claims))
 
 
 def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, ...]:
@@ -137,7 +161,7 @@ def _deviations(plan: Plan, model: Model, manual: Beside | str) -> tuple[Item, .
     for p in physical_form(model).parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
         std = plan.predicted_std[p.name]
-        row = [p.name, std_text(std * scale)]
+        row = [parameter_words(p.name), std_text(std * scale)]
         if other is not None:
             row += [std_text(other[p.name] * scale), f"{other[p.name] / std:.2f}"]
         rows.append((*row, unit))
@@ -163,6 +187,14 @@ def _lines(x: Array, values: Array, names: list[str], unit: str, limits: tuple[f
     return figure.update_layout(height=height)
 
 
+def pictured(case: Case, motion: Trajectory) -> tuple[Section, ...]:
+    """The machine along a motion; of a chain there is no picture yet."""
+    if case.hexapod is None:
+        return ()
+    picture = moving_machine(case, motion, "Drag to turn, wheel to zoom.")
+    return (Section("The machine along the plan", (picture,)),)
+
+
 def _struts(case: Case, motion: Motion) -> tuple[Item, ...]:
     machine, workspace, limits = case.need_machine("the page of a plan")
     box = limits.motion
@@ -176,23 +208,33 @@ def _struts(case: Case, motion: Motion) -> tuple[Item, ...]:
         ("strut-velocities", velocity, "velocity [m/s]", (-v, v)),
         ("strut-accelerations", acceleration, "acceleration [m/s²]", (-a, a)),
     )
-    return tuple(Plot(n, _lines(motion.t, values, names, unit, of, 280)) for n, values, unit, of in panels)
+    return tuple(
+        Plot(
+            n,
+            _lines(motion.t, values, names, unit, of, 280),
+            f"Strut {unit.split(' [')[0]} over time; dashed: its limits.",
+        )
+        for n, values, unit, of in panels
+    )
 
 
 def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
     """Forces with what is mounted, and how much of the range each number of payloads would use."""
-    forces = sensor_forces(*rotation_motion(motion), motion.accelerations[:, :3], case.body(payload), case)
+    model = identification_model(case, RIGID)
+    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
+    forces = matrices @ nominal_parameters(model, case.body(payload))
     of = case.sensors.range_N
     limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
     columns = case.sensor_frame.channels
     unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
     words = f"With {payload} payloads, offsets and compensation apart."
     plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
-    shares = load_shares(motion, case)
+    shares = load_shares(*load_motion(motion, case), case)
     if of is None or not len(shares):
         return (plot, Note("The case names no range of its sensors: nothing limits these forces."))
     rows = tuple((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))
-    table = Table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {of:g} N"), rows, left=0)
+    ends = f"{of:g} N" if (moments := case.sensors.range_Nm) is None else f"{of:g} N and {moments:g} N m"
+    table = Table(("payloads mounted", f"used of {100 * SHARE:.0f} % of the range of {ends}"), rows, left=0)
     return (plot, table)
 
 
@@ -221,7 +263,7 @@ def _information(plan: Plan, model: Model) -> tuple[Item, ...]:
     figure.add("bar", x=names, y=alone, name="if all others were known", marker={"color": COLOURS[5]})
     figure.update_xaxes(tickangle=-60)
     figure.update_yaxes(title="std of one sample, scaled")
-    words = "In reference scaling, for a noise of 1. The gap is what telling a parameter from the others costs."
+    words = "In reference scaling, for a noise of 1. The gap is what it costs that the others are unknown too."
     return (Plot("information", figure.update_layout(height=360, barmode="group"), words), _progress(plan, matrices))
 
 

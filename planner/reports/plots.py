@@ -14,7 +14,6 @@ from cases.units import DEG, MM
 from identification.identifiability import Identifiability
 from identification.motion import Motion
 from identification.result import Estimate
-from planner.reports.charts import AXES
 
 Array = NDArray[np.float64]
 
@@ -31,23 +30,20 @@ def save_figure(figure: Figure, folder: Path, name: str) -> None:
 
 def trajectory_figure(motion: Motion, case: Case) -> Figure:
     """Position, velocity, acceleration and jerk over time, translations left, rotations right, with their limits."""
-    machine, _, limits = case.need_machine("the plot of a motion")
-    box = limits.motion
+    home, box = case.need_motion("the plot of a motion")
     figure = Figure(figsize=(11, 9))
     margins = {"left": 0.07, "right": 0.99, "bottom": 0.055, "top": 0.965, "wspace": 0.17, "hspace": 0.1}
     axes = figure.subplots(4, 2, sharex=True, gridspec_kw=margins)
     rows = (
-        ("position from home", "mm", "deg", motion.pose - machine.home.vector, box.pose, (1 / MM, 1 / DEG)),
+        ("position from home", "mm", "deg", motion.pose - home, box.pose, (1 / MM, 1 / DEG)),
         ("velocity", "mm/s", "deg/s", motion.rates, np.array([-box.rate, box.rate]), (1 / MM, 1 / DEG)),
         ("acceleration", "m/s²", "rad/s²", motion.accelerations, _both(box.acceleration), (1.0, 1.0)),
         ("jerk", "m/s³", "rad/s³", motion.jerks, _both(box.jerk), (1.0, 1.0)),
     )
     for row, (name, length_unit, angle_unit, values, limit, scale) in zip(axes, rows, strict=True):
-        for ax, part, unit, factor in zip(
-            row, (slice(0, 3), slice(3, 6)), (length_unit, angle_unit), scale, strict=True
-        ):
-            for k in range(part.start, part.stop):
-                (line,) = ax.plot(motion.t, values[:, k] * factor, label=AXES[k], linewidth=1.2)
+        for ax, part, unit, factor in zip(row, (~box.turns, box.turns), (length_unit, angle_unit), scale, strict=True):
+            for k in np.flatnonzero(part):
+                (line,) = ax.plot(motion.t, values[:, k] * factor, label=box.labels[k], linewidth=1.2)
                 for bound in limit[:, k] * factor:
                     shared = bool(np.ptp(limit[:, part], axis=1).max() <= 1e-9 * np.abs(limit[:, part]).max())
                     colour = "0.3" if shared else line.get_color()

@@ -7,7 +7,7 @@ from identification.saved_result import provenance
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_request import PoseRequest
-from planner.precision import std_text
+from planner.precision import parameter_words, std_text
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY, identifiability_items
 from planner.reports.machine import posing_machine
@@ -51,7 +51,7 @@ def _deviations(plan: Plan) -> tuple[Item, ...]:
     rows = []
     for p in physical_form(identification_model(plan.case, plan.request.model)).parameters:
         scale, unit = (1e3, "mm") if p.unit == "m" else (1.0, p.unit)
-        rows.append((p.name, std_text(plan.predicted_std[p.name] * scale), unit))
+        rows.append((parameter_words(p.name), std_text(plan.predicted_std[p.name] * scale), unit))
     note = Note(
         f"Predicted for averaged forces that scatter by {plan.assumed_noise:.3g} N, independently from pose to pose."
     )

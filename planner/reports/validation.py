@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from cases.schema import Case
 from identification.saved_result import provenance
-from planner.precision import with_deviation
+from planner.precision import parameter_words, with_deviation
 from planner.reports.charts import Chart
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
@@ -215,7 +215,8 @@ def _error_plots(steps: Sequence[MethodStep]) -> list[Item]:
         figure.update_xaxes(title="load [kg]")
         figure.update_yaxes(title=f"error of {name} / std")
         if drawn:
-            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), half=True))
+            note = f"{parameter_words(name).capitalize()}: points inside the band may be chance."
+            plots.append(Plot(f"error-{name}", figure.update_layout(height=320, showlegend=True), note, half=True))
     if plots:
         told = "Estimate less truth of the simulated machine, in reported standard deviations; band: 3 of them."
         plots.insert(0, Note(told))
@@ -236,7 +237,8 @@ def _s0_plot(steps: Sequence[MethodStep]) -> Plot:
         )
     figure.update_xaxes(title="load [kg]")
     figure.update_yaxes(title="s0 [N]", type="log", tickvals=[v * 10.0**k for k in range(-3, 5) for v in (1, 2, 5)])
-    return Plot("s0", figure.update_layout(height=340, showlegend=True))
+    note = "s0 over the load: vibration and errors of the pose make it grow with the mass that is moved."
+    return Plot("s0", figure.update_layout(height=340, showlegend=True), note)
 
 
 def _models(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:

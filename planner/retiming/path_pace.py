@@ -138,9 +138,9 @@ def _inside(found: _Round, case: Case) -> PolynomialMotion:
         if not any(word in worst.name for word in ("velocity", "acceleration", "jerk", "sensor force")):
             if report.kept:  # inside, with less than the margin: the path itself leaves no more
                 return motion
-            raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst)}")
+            break
         slower *= SLOWER if worst.name.startswith("sensor force") else 1.0 + 2e-4
-    raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst)}")
+    raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst, case)}")
 
 
 def _off(motion: PolynomialMotion, found: _Round, path: Trajectory) -> tuple[float, float]:

@@ -25,7 +25,7 @@ def planned_excitation(read: Program, case: Case) -> Trajectory:
     Raises:
         ExecutionError: nothing moves then.
     """
-    limits = case.need_machine("a run")[2].motion
+    limits = case.need_motion("a run")[1]
     excited: list[Trajectory] = []
     for part in stretches(read.reading):
         if not part.trigger:

@@ -92,7 +92,7 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
     """
     whole = replace(on_one_clock(recording, case), case=case, paths=recording.paths, record=recording.record)
     run, standing = standing_of(whole, case, wish.still)
-    number = default_model(run) if wish.model is None else wish.model
+    number = default_model(run, case) if wish.model is None else wish.model
     how = wish.how(identification_model(case, number, wish.terms))
     try:
         estimate = estimate_parameters(run, case, number, how, wish.terms, wish.conditioning)

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
-from identification.hexapod import Hexapod
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
-from identification.model import identification_model
+from identification.machine import machine_of
+from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case
 from identification.reference import reference_scaling
-from identification.simulate import TRUE_MODEL, simulate_recording
-from identification.trajectories.executed import StrutExecution, executed_peaks
+from identification.simulate import simulate_recording
+from identification.trajectories.executed import DriveExecution, executed_peaks
 from identification.trajectories.path import executed_information, path_error
 from planner.bounds.kept import Bound, box_bound
 from planner.runs.followed import planned_excitation
@@ -90,8 +90,10 @@ class RunOutcome:
     plan_hash: str | None = None
 
 
-def best_controller() -> tuple[str, str]:
-    """The real controller if it is installed, else the virtual one, with the reason."""
+def best_controller(dialect: str = "linuxcnc") -> tuple[str, str]:
+    """The real controller if it is installed and runs programs of a dialect, else the virtual one, with the reason."""
+    if dialect != "linuxcnc":
+        return "virtual", "no real controller here runs such programs"
     reason = linuxcnc_missing()
     return ("linuxcnc", "LinuxCNC is installed") if reason is None else ("virtual", reason)
 
@@ -210,14 +212,14 @@ def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if log.left_out > NOTICEABLE * len(log.lines):
         surplus = f"{log.left_out * log.period:.2f} s of standstill left out that only this computer's clock made"
         remark = f"{remark}; {surplus}" if remark else surplus
-    execution = StrutExecution.of_log(Hexapod.of(case), log.period, log.strut_lengths)
+    execution = DriveExecution.of_log(machine_of(case), log.period, log.drives)
     on = windows(log.trigger, log.period)
-    measured = on if at_poses else moving_windows(log.trigger, log.strut_lengths, log.period)
+    measured = on if at_poses else moving_windows(log.trigger, log.drives, log.period)
     return ExecutedRun(log.controller, execution, measured, real=True, remark=remark)
 
 
 def _rating(case: Case, planned: Trajectory, run: ExecutedRun) -> RunRating:
-    model = identification_model(case, TRUE_MODEL)
+    model = identification_model(case, full_model(case))
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None:

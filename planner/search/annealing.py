@@ -54,9 +54,9 @@ class EqualMoves:
 
     Args:
         times: of a segment with jerk, of constant acceleration, of constant velocity [s].
-        steps: largest way of each coordinate in these times, in half widths of the box, shape (6,).
+        steps: largest way of each coordinate in these times, in half widths of the box, shape (n,).
         size: number of parameters u.
-        rows: start and end in half widths, shape (12,), -> matrix R, shape (12, u), of which R^T R is the mean
+        rows: start and end in half widths, shape (2 n,), -> matrix R, shape (12, u), of which R^T R is the mean
             H A^T A H of the move.
         excess: the same -> by how much it exceeds limits of rates and accelerations, and the largest share of a limit
             of poses.
@@ -72,8 +72,9 @@ class EqualMoves:
     def of(cls, case: Case, model: Model, scaling: Array, family: PointToPointFamily) -> "EqualMoves":
         """The moves of a family, each of its mean duration; times are those that give the longest steps."""
         times, steps = family.longest_steps()
-        move = ca.SX.sym("move", 12)
-        ends = [ca.DM(family.middle) + ca.DM(family.half) * place for place in (move[:6], move[6:])]
+        n = len(steps)
+        move = ca.SX.sym("move", 2 * n)
+        ends = [ca.DM(family.middle) + ca.DM(family.half) * place for place in (move[:n], move[n:])]
         rows = ca.Function("rows", [move], [_rows(model, scaling, ends, times)], {"cse": True})
         excess = ca.Function("excess", [move], [_excess(case, ends, times)], {"cse": True})
         return cls(times, steps, len(scaling), rows, excess)
@@ -82,7 +83,9 @@ class EqualMoves:
 def _rows(model: Model, scaling: Array, ends: list[ca.SX], times: Array) -> ca.SX:
     """Regressors at the middle of acceleration and deceleration, so that the mean square of accelerations is exact."""
     square = (4 / 3 * times[0] + 2 * times[1]) / (times @ [4.0, 2.0, 1.0])  # mean of the squared acceleration
-    pose, rates, accelerations = states_of_move(((1, 0.5), (5, 0.5))).call([*ends, ca.DM(times)], True, False)
+    pose, rates, accelerations = states_of_move(((1, 0.5), (5, 0.5)), model.coordinates).call(
+        [*ends, ca.DM(times)], True, False
+    )
     weight = ca.diag(ca.DM(scaling)) / np.sqrt(2)
     return ca.densify(
         ca.vertcat(
@@ -106,7 +109,7 @@ _PLACES = {
 def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
     passed, pose = ca.SX(0), ca.SX(0)
     for group in near_limits(case):
-        states = states_of_move(_PLACES[group.peak]).call([*ends, ca.DM(times)], True, False)
+        states = states_of_move(_PLACES[group.peak], ends[0].numel()).call([*ends, ca.DM(times)], True, False)
         for k in range(len(_PLACES[group.peak])):
             state = ca.vertcat(*(matrix[:, k] for matrix in states), 0)
             share = ca.mmax(ca.fabs(ca.substitute(group.kernel.expression, group.kernel.variables, state)))
@@ -121,7 +124,7 @@ class Proposals(NamedTuple):
     """Walks that are proposed.
 
     Args:
-        points: waypoints in half widths, shape (P, moves + 1, 6).
+        points: waypoints in half widths, shape (P, moves + 1, n).
         source: which of the present waypoints each was, shape (P, moves + 1).
         new: which waypoints are at a new place, shape (P, moves + 1).
         valid: whether no move is longer than a step, shape (P,).
@@ -138,7 +141,7 @@ class Walk:
 
     Args:
         moves: what each move may be.
-        points: waypoints, in half widths, shape (moves + 1, 6).
+        points: waypoints in half widths, shape (moves + 1, n).
         draw: the source of chance.
     """
 
@@ -224,7 +227,7 @@ class Walk:
         run = (at >= begin[:, None]) & (at < (begin + length)[:, None])
         points = np.repeat(self.points[None], count, axis=0)
         for chance in (1.0, TWO):
-            k = draw.integers(6, size=count)
+            k = draw.integers(len(self.moves.steps), size=count)
             by = self.moves.steps[k] * SHIFTS[draw.integers(len(SHIFTS), size=count)]
             by = np.where(draw.random(count) < LOOSE, draw.uniform(-WIDE, WIDE, count), by)
             by[draw.random(count) >= chance] = 0.0
@@ -283,8 +286,8 @@ BLOCK = 8
 def _in_blocks(function: ca.Function, starts: Array, ends: Array) -> Array:
     """Values for each move; their number is rounded up, since each number has a function of its own."""
     count = len(starts)
-    table = np.zeros((-(-count // BLOCK) * BLOCK, 12))
-    table[:count, :6], table[:count, 6:] = starts, ends
+    table = np.zeros((-(-count // BLOCK) * BLOCK, 2 * starts.shape[1]))
+    table[:count] = np.hstack([starts, ends])
     return over_samples(function, table)[0][:count]
 
 
@@ -308,10 +311,10 @@ def annealed_start(
         draw: the source of chance.
         proposals: how many; the temperature falls geometrically meanwhile.
         watch: is told -log det F / u now and then; true ends the annealing.
-        begin: a walk to improve, shape (moves + 1, 6); without one it begins as a standstill anywhere.
+        begin: a walk to improve, shape (moves + 1, n); without one it begins as a standstill anywhere.
     """
     moves = EqualMoves.of(case, model, scaling, family)
-    points = np.tile(draw.uniform(-0.5, 0.5, 6), (family.moves + 1, 1)) if begin is None else begin
+    points = np.tile(draw.uniform(-0.5, 0.5, len(moves.steps)), (family.moves + 1, 1)) if begin is None else begin
     walk = Walk(moves, _inside(moves, points), draw)
     for temperature in np.geomspace(HOT if begin is None else WARM, COLD, TEMPERATURES):
         walk.anneal(float(temperature), proposals // TEMPERATURES)

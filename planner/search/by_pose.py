@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from identification.noise.pose_field import squared_distances
 from planner.pose_errors import PoseErrors
 from planner.search.kernel import Kernel
-from planner.search.states import SHARE, STATE
+from planner.search.states import SHARE, state_size
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ class Felt(NamedTuple):
     Args:
         information: S, shape (u, u).
         rows: shape (K, r u).
-        slopes: by the components of the state, shape (K, 19, r u).
+        slopes: by the components of the state, shape (K, d, r u).
         own: dS/d share = (rows^T own + own^T rows) / 2, shape (K, r u).
     """
 
@@ -44,7 +44,7 @@ class FieldByStates:
     """
 
     def __init__(self, errors: PoseErrors, duration: float) -> None:
-        state = ca.SX.sym("state", STATE)
+        state = ca.SX.sym("state", state_size(6))
         self.errors, self.gain = errors, errors.rate * duration
         self.struts = Kernel(state, errors.hexapod.inverse(state[:6]))
 
@@ -59,7 +59,7 @@ class FieldByStates:
         return matrices, mixed, answer, np.tensordot(felt, matrices + answer, ((0, 1), (0, 1)))
 
     def information(self, states: Array, regressors: Array) -> Array:
-        """S, shape (u, u), of states, shape (K, 19), and A, shape (K, 6 u)."""
+        """S, shape (u, u), of states, shape (K, d), and A, shape (K, 6 u)."""
         matrices, _, _, scatter = self._parts(states, regressors, self.struts.values(states))
         plain = np.tensordot(matrices * states[:, SHARE, None, None], matrices, ((0, 1), (0, 1)))
         return _estimate(plain, scatter)[1]
@@ -68,9 +68,9 @@ class FieldByStates:
         """S and its derivatives.
 
         Args:
-            states: shape (K, 19).
+            states: shape (K, d).
             regressors: A, shape (K, 6 u).
-            slopes: of A by the states, shape (K, 19, 6 u).
+            slopes: of A by the states, shape (K, d, 6 u).
         """
         struts, ways = self.struts.slopes(states)
         matrices, mixed, answer, scatter = self._parts(states, regressors, struts)

@@ -79,7 +79,7 @@ def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Ins
         step *= 2
     if best is None:
         worst = max(report.checks, key=lambda c: c.ratio)
-        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst)} or move home")
+        raise InfeasiblePlan(f"no feasible motion: {worst.sentence()}; {remedy(worst, case)} or move home")
     while failed - best.share > CLOSE_ENOUGH:
         between = (failed + best.share) / 2
         better, _ = attempt(between)

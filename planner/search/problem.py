@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.evaluate import over_samples
+from identification.limited import Box
 from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
@@ -33,14 +33,14 @@ class Problem:
         program: with all rows.
         limits: non-linear limits that can bind, one for each of the program's last rows.
         box: limits of the coordinates.
-        middle: of the box, shape (6,) [m, rad].
-        half: half of its width, shape (6,) [m, rad].
+        middle: of the box, shape (n,) [m or rad].
+        half: half of its width, shape (n,) [m or rad].
     """
 
     layout: Layout
     program: Program
     limits: tuple[LimitGroup, ...]
-    box: MotionLimits
+    box: Box
     middle: Array
     half: Array
 
@@ -135,7 +135,7 @@ def build_problem(
         layout.upper,
         errors=None if errors is None else FieldByStates(errors, family.duration),
     )
-    return Problem(layout, program, limits, case.need_machine("planning")[2].motion, *box_middle(case))
+    return Problem(layout, program, limits, case.need_motion("planning")[1], *box_middle(case))
 
 
 def information_of(model: Model, scaling: Array, trajectory: Trajectory, errors: PoseErrors | None) -> Array:

@@ -17,7 +17,7 @@ from planner.search.by_pose import Felt, FieldByStates
 from planner.search.criterion import Local, criterion_at
 from planner.search.kernel import Kernel
 from planner.search.rows import Blocks, Rows, pulled_back
-from planner.search.states import SHARE, STATE, States
+from planner.search.states import SHARE, States, state_size
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -33,8 +33,9 @@ def regressor_kernel(model: Model, scaling: Array) -> Kernel:
         model: gives A.
         scaling: diagonal of H, shape (u,).
     """
-    state = ca.SX.sym("state", STATE)
-    matrix = model.coordinate_regressor(state[:6], state[6:12], state[12:18]) @ ca.diag(ca.DM(scaling))
+    n = model.coordinates
+    state = ca.SX.sym("state", state_size(n))
+    matrix = model.coordinate_regressor(state[:n], state[n : 2 * n], state[2 * n : 3 * n]) @ ca.diag(ca.DM(scaling))
     return Kernel(state, ca.vec(matrix.T))
 
 
@@ -111,7 +112,7 @@ class Program:
 
     def information(self, unknowns: Array) -> Array:
         """Mean of H A^T A H over the motion, or what errors of the pose leave of it, shape (u, u)."""
-        states = self.states.at(unknowns).reshape(-1, STATE)
+        states = _flat(self.states.at(unknowns))
         regressors = self.regressor.values(states)
         if self.errors is not None:
             return self.errors.information(states, regressors)
@@ -134,7 +135,7 @@ class Program:
         last: list[_Point] = self.__dict__.setdefault("_last", [])
         if last and np.array_equal(last[0].unknowns, unknowns):
             return last[0]
-        states = self.states.at(unknowns).reshape(-1, STATE)
+        states = _flat(self.states.at(unknowns))
         regressors, slopes = self.regressor.slopes(states)
         if self.errors is None:
             square = _weighted_square(regressors, states[:, SHARE], self.size)
@@ -145,11 +146,11 @@ class Program:
         return last[0]
 
     def _pull(self, point: _Point, local: Local) -> tuple[Array, Array]:
-        """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, 19)."""
+        """Derivatives of the criterion by the states, for a share of one and times it, shapes (K, d)."""
         felt = point.felt
         bent = (felt.rows.reshape(len(point.states), -1, self.size) @ local.slope).reshape(len(point.states), -1)
         plain = 2.0 * (felt.slopes @ bent[:, :, None])[:, :, 0]
-        pull = plain * point.states[:, SHARE : SHARE + 1]
+        pull = plain * point.states[:, SHARE, None]
         pull[:, SHARE] = np.einsum("ki,ki->k", bent, felt.own)
         return plain, pull
 
@@ -203,8 +204,8 @@ class Program:
         along += 2.0 * scaled @ turned_slopes.transpose(0, 2, 1)
         along *= shares[:, None, None]
         along[:, SHARE, :SHARE] = along[:, :SHARE, SHARE] = plain[:, :SHARE]
-        shape = (*slopes.shape[:2], STATE)
-        matrices = pulled_back(self.states, unknowns, slopes, along.reshape(*shape, STATE), pull.reshape(shape))
+        shape = slopes.shape[:3]
+        matrices = pulled_back(self.states, unknowns, slopes, along.reshape(*shape, shape[2]), pull.reshape(shape))
         return Blocks(index, factor * matrices)
 
     def _add_through(
@@ -216,7 +217,7 @@ class Program:
         # In the eigenvectors of F: what each unknown of a block adds to F, from all of the block's states at once.
         turned = (felt.rows.reshape(-1, size) @ local.vectors).reshape(len(states), -1)
         turned_slopes = (felt.slopes.reshape(-1, size) @ local.vectors).reshape(*felt.slopes.shape)
-        flat_slopes = slopes.reshape(len(states), STATE, width)
+        flat_slopes = slopes.reshape(len(states), -1, width)
         own = (flat_slopes.transpose(0, 2, 1) @ turned_slopes) * states[:, SHARE, None, None]
         own = own.reshape(blocks, -1, width, turned.shape[1] // size, size).transpose(0, 2, 1, 3, 4)
         own = own.reshape(blocks, width, -1, size)
@@ -239,6 +240,11 @@ class Program:
         weights = np.where(diagonal, 0.0, 2.0 * local.quotients[upper, lower])  # above the diagonal: each for two
         main = through[:, diagonal]
         total += factor * ((through * weights) @ through.T + main @ local.second @ main.T)
+
+
+def _flat(states: Array) -> Array:
+    """States one after the other, shape (K, d)."""
+    return states.reshape(-1, states.shape[2])
 
 
 def _weighted_square(regressors: Array, shares: Array, size: int) -> Array:

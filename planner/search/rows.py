@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.search.kernel import Kernel
-from planner.search.states import STATE, States
+from planner.search.states import States
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -212,7 +212,7 @@ class StateRows:
     def all_values(self, unknowns: Array) -> Array:
         """All values of the kernel, those of no row as well, shape (B, S, r)."""
         at = self.states.at(unknowns)
-        return self.kernel.values(at.reshape(-1, STATE)).reshape(*at.shape[:2], -1)
+        return self.kernel.values(at.reshape(-1, at.shape[2])).reshape(*at.shape[:2], -1)
 
     def values(self, unknowns: Array) -> Array:
         """Shape (R,)."""
@@ -232,7 +232,7 @@ class StateRows:
         weights = np.zeros(self.chosen.shape)
         weights[self.chosen] = multipliers
         needed, weights = self._needed, weights[self._needed]
-        own = np.zeros((*at.shape[:2], STATE, STATE))
+        own = np.zeros((*at.shape, at.shape[2]))
         own[needed] = self.kernel.curvature(at[needed], weights)
         pull = np.zeros(at.shape)
         pull[needed] = (self.kernel.slopes(at[needed])[1] @ weights[:, :, None])[:, :, 0]
@@ -245,9 +245,9 @@ def pulled_back(states: States, unknowns: Array, slopes: Array, own: Array, pull
     Args:
         states: S in each of B blocks.
         unknowns: shape (n,).
-        slopes: of the states, shape (B, S, 19, m).
-        own: second derivatives of the function by each state, shape (B, S, 19, 19).
-        pull: its first derivatives, shape (B, S, 19).
+        slopes: of the states, shape (B, S, d, m).
+        own: second derivatives of the function by each state, shape (B, S, d, d).
+        pull: its first derivatives, shape (B, S, d).
     """
     blocks, width = states.index.shape
     tall = (own @ slopes).reshape(blocks, -1, width)

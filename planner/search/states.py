@@ -1,7 +1,7 @@
 """States of a motion as functions of its unknowns, block by block: each block depends on few of them.
 
-A state is (pose, rates, accelerations, share of the duration): 19 numbers. Derivatives are kept as small dense
-matrices, one a block, and only gathered by those who need them.
+A state is (coordinates, rates, accelerations, share of the duration): d = 3 n + 1 numbers for n coordinates.
+Derivatives are kept as small dense matrices, one a block, and only gathered by those who need them.
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,12 @@ from planner.search.kernel import Kernel
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-STATE = 19
-SHARE = 18  # component of a state
+SHARE = -1  # component of a state
+
+
+def state_size(coordinates: int) -> int:
+    """Numbers of a state of a machine with n coordinates."""
+    return 3 * coordinates + 1
 
 
 class Peak(Enum):
@@ -27,6 +31,11 @@ class Peak(Enum):
     POSE = "where the pose is extreme"
     VELOCITY = "where rates are largest"
     ACCELERATION = "where accelerations are largest"
+
+    @classmethod
+    def of_order(cls, order: int) -> "Peak":
+        """Where what grows with a derivative of the coordinates is used most."""
+        return (cls.POSE, cls.VELOCITY, cls.ACCELERATION)[order]
 
 
 class States(Protocol):
@@ -38,11 +47,11 @@ class States(Protocol):
         ...
 
     def at(self, unknowns: Array) -> Array:
-        """States, shape (B, S, 19)."""
+        """States, shape (B, S, d)."""
         ...
 
     def slopes(self, unknowns: Array) -> Array:
-        """Derivatives of the states by the block's unknowns, shape (B, S, 19, m)."""
+        """Derivatives of the states by the block's unknowns, shape (B, S, d, m)."""
         ...
 
     def curvature(self, unknowns: Array, weights: Array) -> Array | None:
@@ -50,7 +59,7 @@ class States(Protocol):
 
         Args:
             unknowns: shape (n,).
-            weights: shape (B, S, 19).
+            weights: shape (B, S, d).
         """
         ...
 
@@ -61,8 +70,8 @@ class LinearStates:
 
     Args:
         index: shape (B, m).
-        offset: shape (B, S, 19).
-        slope: shape (B, S, 19, m).
+        offset: shape (B, S, d).
+        slope: shape (B, S, d, m).
     """
 
     index: Indices
@@ -70,7 +79,7 @@ class LinearStates:
     slope: Array
 
     def at(self, unknowns: Array) -> Array:
-        """States, shape (B, S, 19)."""
+        """States, shape (B, S, d)."""
         return np.asarray(self.offset + np.einsum("bsdm,bm->bsd", self.slope, unknowns[self.index], optimize=True))
 
     def slopes(self, unknowns: Array) -> Array:
@@ -89,8 +98,8 @@ def linear_states(
 
     Args:
         maps: matrices (K, q) from the unknowns of a coordinate to its value, rate and acceleration in half widths.
-        middle: of the box, shape (6,) [m, rad].
-        half: half of its width, shape (6,) [m, rad].
+        middle: of the box, shape (n,) [m or rad].
+        half: half of its width, shape (n,) [m or rad].
         shares: share of the duration of each state, shape (K,).
         blocks: number B of blocks of equally many successive states.
         places: states of each block that count.
@@ -101,15 +110,16 @@ def linear_states(
     width = int(used.sum(axis=1).max())
     columns = np.argsort(~used, axis=1, kind="stable")[:, :width]  # those in use first
     own = np.take_along_axis(table, columns[:, None, None, :], axis=3)
-    slope = np.zeros((blocks, count, STATE, width, 6))
+    n = len(middle)
+    slope = np.zeros((blocks, count, state_size(n), width, n))
     for order in range(3):
-        for k in range(6):
-            slope[:, :, 6 * order + k, :, k] = own[:, :, order] * half[k]
-    offset = np.zeros((blocks, count, STATE))
-    offset[:, :, :6] = middle
+        for k in range(n):
+            slope[:, :, n * order + k, :, k] = own[:, :, order] * half[k]
+    offset = np.zeros((blocks, count, state_size(n)))
+    offset[:, :, :n] = middle
     offset[:, :, SHARE] = shares.reshape(blocks, -1)[:, places]
-    index = (6 * columns[:, :, None] + np.arange(6)).reshape(blocks, -1)
-    return LinearStates(index, offset, slope.reshape(blocks, count, STATE, -1))
+    index = (n * columns[:, :, None] + np.arange(n)).reshape(blocks, -1)
+    return LinearStates(index, offset, slope.reshape(blocks, count, state_size(n), -1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,20 +128,22 @@ class KernelStates:
 
     Args:
         index: shape (B, m).
-        kernel: m unknowns -> S states of 19 numbers, one after the other.
+        kernel: m unknowns -> S states of d numbers, one after the other.
+        size: d.
     """
 
     index: Indices
     kernel: Kernel
+    size: int
 
     def at(self, unknowns: Array) -> Array:
-        """States, shape (B, S, 19)."""
-        return self.kernel.values(unknowns[self.index]).reshape(len(self.index), -1, STATE)
+        """States, shape (B, S, d)."""
+        return self.kernel.values(unknowns[self.index]).reshape(len(self.index), -1, self.size)
 
     def slopes(self, unknowns: Array) -> Array:
-        """Derivatives of the states by the block's unknowns, shape (B, S, 19, m)."""
+        """Derivatives of the states by the block's unknowns, shape (B, S, d, m)."""
         slopes = self.kernel.slopes(unknowns[self.index])[1]
-        return slopes.transpose(0, 2, 1).reshape(len(self.index), -1, STATE, self.index.shape[1])
+        return slopes.transpose(0, 2, 1).reshape(len(self.index), -1, self.size, self.index.shape[1])
 
     def curvature(self, unknowns: Array, weights: Array) -> Array:
         """Second derivative of the weighted sum of the states, shape (B, m, m)."""

@@ -216,7 +216,8 @@ def _map(letter: str, these: list[SettingsGroup], row: str, column: str) -> Plot
     figure.update_xaxes(title=column, type="category")
     figure.update_yaxes(title=row, type="category")
     figure.update_layout(title={"text": f"criterion {letter}"})
-    return Plot(f"map-{letter}-{row}-{column}", figure, half=True)
+    note = f"Median of the cells with this {row} and {column}."
+    return Plot(f"map-{letter}-{row}-{column}", figure, note, half=True)
 
 
 def _boxes(found: list[SettingsGroup]) -> tuple[Item, ...]:

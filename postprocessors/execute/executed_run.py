@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Reading
 
@@ -28,7 +28,7 @@ class ExecutedRun:
     """
 
     controller: str
-    execution: StrutExecution
+    execution: DriveExecution
     trigger: Array
     real: bool
     remark: str = ""
@@ -73,8 +73,8 @@ class ControllerLog:
     Args:
         controller: name and version of the controller, as it gave them itself.
         period: duration of a cycle [s].
-        strut_lengths: commanded strut lengths, shape (n, 6) [m].
-        poses: commanded pose (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad].
+        drives: commanded positions of struts or joints, shape (n, k) [m or rad].
+        poses: commanded coordinates, shape (n, k) [m or rad].
         trigger: the recording output, shape (n,).
         lines: the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the
             controller reports it so (LinuxCNC), shape (n,).
@@ -86,7 +86,7 @@ class ControllerLog:
 
     controller: str
     period: float
-    strut_lengths: Array
+    drives: Array
     poses: Array
     trigger: NDArray[np.bool_]
     lines: NDArray[np.int64]
@@ -98,8 +98,9 @@ class ControllerLog:
         count = len(self.lines)
         if count == 0:
             raise ValueError("controller log: holds no cycle")
-        self._freeze("strut_lengths", np.array(self.strut_lengths, dtype=np.float64), (count, 6))
-        self._freeze("poses", np.array(self.poses, dtype=np.float64), (count, 6))
+        for name in ("drives", "poses"):
+            values = np.array(getattr(self, name), dtype=np.float64)
+            self._freeze(name, values, (count, *np.shape(self.poses)[1:]))
         self._freeze("trigger", np.array(self.trigger, dtype=np.bool_), (count,))
         self._freeze("lines", np.array(self.lines, dtype=np.int64), (count,))
 

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import ExecutionError
-from cases.machine import MotionLimits
 from cases.schema import Case
-from identification.hexapod import Hexapod
+from identification.limited import Box
+from identification.machine import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 from identification.trajectories.path_timing import UntimedPath, keeps_pace, retime
 from postprocessors.execute.block_limited import block_limited
 from postprocessors.execute.executed_run import ExecutedRun
@@ -47,12 +47,12 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     """
     settings = case.need_controller("a run")
     motion, trigger = commanded(reading, case, guarantees)
-    hexapod, cycle = Hexapod.of(case), settings.cycle
+    machine, cycle = machine_of(case), settings.cycle
     t = np.minimum(np.arange(1 + np.ceil(motion.duration / cycle - 1e-9)) * cycle, motion.duration)
     blocks = np.array_split(t, 1 + len(t) // BLOCK)
-    lengths = np.vstack([hexapod.strut_lengths(motion.at(block).pose) for block in blocks])
+    drives = np.vstack([machine.drives(motion.at(block).pose) for block in blocks])
     name = NAME if settings.virtual_look_ahead == "exact" else BLOCK_LIMITED
-    return ExecutedRun(name, StrutExecution.of_set_points(hexapod, cycle, lengths), trigger, real=False)
+    return ExecutedRun(name, DriveExecution.of_set_points(machine, cycle, drives), trigger, real=False)
 
 
 def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joined, Array]:
@@ -74,8 +74,7 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
         ExecutionError: no pace of a path keeps the limits.
         CaseError: the case has no machine.
     """
-    machine, _, limits = case.need_machine("a run")
-    home = machine.home.vector
+    home, limits = case.need_motion("a run")
     own = replace(guarantees, law=by_ruckig(guarantees.law))
     exact = case.need_controller("a run").virtual_look_ahead == "exact"
     parts: list[Trajectory] = [Standstill(home, REST)]
@@ -84,7 +83,7 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     program = stretches(reading)
     at_poses = measures_at_poses(program)
     for stretch in program:
-        part = _trajectory(stretch, pose, limits.motion, own)
+        part = _trajectory(stretch, pose, limits, own)
         if isinstance(part, TimedPoints):
             part = _followed(part, case, own, exact, reading.file)
         if part is None:
@@ -113,7 +112,7 @@ def _followed(path: TimedPoints, case: Case, own: Guarantees, exact: bool, file:
         raise ExecutionError(file, str(error), "look at hexcite check") from error
 
 
-def _trajectory(stretch: Stretch, pose: np.ndarray, limits: MotionLimits, own: Guarantees) -> Trajectory | None:
+def _trajectory(stretch: Stretch, pose: np.ndarray, limits: Box, own: Guarantees) -> Trajectory | None:
     if isinstance(stretch, Timed):
         return stretch.points
     if isinstance(stretch, Still):

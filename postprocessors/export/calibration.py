@@ -133,7 +133,7 @@ def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, r
         result=result,
         case=case,
         model=model,
-        hexapod=Hexapod.of(case) if case.machine is not None else None,
+        hexapod=Hexapod.of(case) if case.hexapod is not None else None,
         physical=physical,
         recording=recording,
         samples=samples,

@@ -1,10 +1,10 @@
 """Who answers for a limit that a controller's own time law decides."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
-from cases.machine import MotionLimits
 from cases.schema import Case
+from identification.limited import Box
 from identification.limits import LimitCheck, Status
 from postprocessors.proving.forces import ForceBounds
 from postprocessors.proving.guarantees import Guarantees, family
@@ -29,9 +29,9 @@ class Answering:
     forces: ForceBounds | None
 
     @property
-    def limits(self) -> MotionLimits:
+    def limits(self) -> Box:
         """Of excitations."""
-        return self.case.need_machine("the check of a program")[2].motion
+        return self.case.need_motion("the check of a program")[1]
 
     def answer(self, name: str) -> Status:
         """Who keeps a limit, by its name in a report, in a motion that the controller times."""
@@ -42,14 +42,16 @@ class Answering:
         found = self.answer(check.name) if status is None else status
         return replace(check, name=_renamed(check.name, where), status=found, binding=False)
 
-    def forces_kept(self, bound: Callable[[ForceBounds], LimitCheck], where: str = "") -> LimitCheck | None:
-        """Proven sensor forces; None where what the controller lets pass could be too much for the sensors.
+    def forces_kept(
+        self, kind: str, bound: Callable[[ForceBounds], Iterable[LimitCheck]], where: str = ""
+    ) -> LimitCheck | None:
+        """Proven sensor forces or moments; None where what the controller lets pass could be too much for the sensors.
 
         No controller knows forces of sensors. They are bounded where it keeps velocities and accelerations.
         """
         if self.forces is None or not {"velocity", "acceleration"} <= self.guarantees.enforced:
             return None
-        check = bound(self.forces)
+        check = next(c for c in bound(self.forces) if family(c.name) == kind)
         return replace(check, name=_renamed(check.name, where)) if check.ratio <= 1.0 else None
 
 

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cases.machine import MotionLimits
+from cases.chain import Chain
 from cases.schema import Case
-from identification.limited import rotation_motion
+from identification.limited import Box, rotation_motion
+from identification.limited_chain import frame_motion
 from identification.limits import LimitCheck, Status
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import PAIRS, Loads
@@ -52,16 +53,18 @@ class ForceBounds:
     Args:
         loads: the constants.
         limits: of rates and accelerations, which the controller keeps.
+        chain: the machine, where it is one; else a hexapod.
     """
 
     loads: Loads
-    limits: MotionLimits
+    limits: Box
+    chain: Chain | None = None
 
     @classmethod
     def of(cls, case: Case) -> "ForceBounds | None":
         """Bounds for a case; None where it names no range or no nominal body."""
         loads = Loads.of(case)
-        return None if loads is None else cls(loads, case.need_machine("the check of a program")[2].motion)
+        return None if loads is None else cls(loads, case.need_motion("the check of a program")[1], case.chain)
 
     @property
     def _spin(self) -> Array:
@@ -72,17 +75,29 @@ class ForceBounds:
             matrices[:, i, j] = matrices[:, j, i] = both
         return matrices
 
-    def anywhere(self, clock: float) -> LimitCheck:
-        """In whatever pose the motion is."""
-        rate, acceleration = self.limits.rate, self.limits.acceleration
-        omega = rate[3:].sum()  # |omega| <= |roll'| + |pitch'| + |yaw'|
-        alpha = acceleration[3:].sum() + rate[3] * rate[4] + rate[3] * rate[5] + rate[4] * rate[5]
-        pull = np.linalg.norm(acceleration[:3]) + np.linalg.norm(self.loads.gravity)
+    def anywhere(self, clock: float, share: float = 1.0) -> tuple[LimitCheck, ...]:
+        """In whatever pose the motion is, with a share of the limits."""
+        omega, alpha, pull = self._largest(share * self.limits.rate, share * self.limits.acceleration)
+        pull += float(np.linalg.norm(self.loads.gravity))
         most = np.linalg.norm(self.loads.linear, axis=1) * pull + np.linalg.norm(self.loads.angular, axis=1) * alpha
         most += np.abs(np.linalg.eigvalsh(self._spin)).max(axis=1) * omega**2
-        return self._check(most[None], np.array([clock]))
+        return self._checks(most[None], np.array([clock]))
 
-    def on(self, path: Trajectory, clock: float) -> LimitCheck:
+    def _largest(self, rate: Array, acceleration: Array) -> tuple[float, float, float]:
+        """Bounds of |omega|, |alpha| and |p''| in any pose [rad/s, rad/s^2, m/s^2]."""
+        if self.chain is None:
+            omega = float(rate[3:].sum())  # |omega| <= |roll'| + |pitch'| + |yaw'|
+            alpha = float(acceleration[3:].sum() + rate[3] * rate[4] + rate[3] * rate[5] + rate[4] * rate[5])
+            return omega, alpha, float(np.linalg.norm(acceleration[:3]))
+        turns = self.limits.turns
+        omega = float(rate[turns].sum())
+        alpha = float(acceleration[turns].sum()) + omega**2 / 2.0  # each joint's axis turns with those before it
+        reach = _reach(self.chain)
+        slide = float(rate[~turns].sum())
+        pull = float(acceleration[turns] @ reach[turns] + acceleration[~turns].sum())
+        return omega, alpha, pull + omega**2 * float(reach[0]) + 2.0 * omega * slide
+
+    def on(self, path: Trajectory, clock: float) -> tuple[LimitCheck, ...]:
         """At the poses of a path, whatever the motion along it or beside it."""
         t = np.linspace(0.0, path.duration, PATH_SAMPLES)
         pose = path.at(t).pose
@@ -99,9 +114,11 @@ class ForceBounds:
         for i, j in PAIRS:
             share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + crossed[i, j] @ self.loads.angular.T
             most += np.abs(share) * rate[i] * rate[j]
-        return self._check(most, t + clock)
+        return self._checks(most, t + clock)
 
-    def along(self, move: StraightMove | CircularMove | StrutMove, feed: float | None, clock: float) -> LimitCheck:
+    def along(
+        self, move: StraightMove | CircularMove | StrutMove, feed: float | None, clock: float
+    ) -> tuple[LimitCheck, ...]:
         """In a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
         Args:
@@ -120,16 +137,24 @@ class ForceBounds:
         speed, acceleration = _fastest(move, tangent, bend, self.limits)
         square = min(speed, np.inf if feed is None else feed) ** 2
         most = np.maximum(np.abs(standing), np.abs(standing + square * (turning - standing)))
-        return self._check(most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
+        return self._checks(most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
 
     def _forces(self, motion: Motion) -> Array:
+        if self.chain is not None:
+            return self.loads.forces(*frame_motion(motion, self.chain))
         return self.loads.forces(rotation_motion(motion), motion.accelerations[:, :3])
 
+    def _checks(self, most: Array, times: Array) -> tuple[LimitCheck, ...]:
+        """The worst force, and the worst moment where moments have a range."""
+        kinds = [kind for kind in (~self.loads.moments, self.loads.moments) if kind.any()]
+        return tuple(self._check(np.where(kind, most, 0.0), times) for kind in kinds)
+
     def _check(self, most: Array, times: Array) -> LimitCheck:
-        row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most)), most.shape))
-        name, limit, worst = self.loads.labels[channel], self.loads.limit, float(most[row, channel])
+        row, channel = (int(k) for k in np.unravel_index(int(np.argmax(most / self.loads.limit)), most.shape))
+        name, limit, worst = self.loads.labels[channel], float(self.loads.limit[channel]), float(most[row, channel])
+        what, unit = ("moment", "N m") if self.loads.moments[channel] else ("force", "N")
         return LimitCheck(
-            f"sensor force ({name}, at most)", worst, limit, "N", worst / limit, float(times[row]), Status.PROVEN
+            f"sensor {what} ({name}, at most)", worst, limit, unit, worst / limit, float(times[row]), Status.PROVEN
         )
 
 
@@ -154,7 +179,7 @@ def _crossed_axes(angles: Array) -> dict[tuple[int, int], Array]:
 
 
 def _fastest(
-    move: StraightMove | CircularMove | StrutMove, tangent: Array, bend: Array, limits: MotionLimits
+    move: StraightMove | CircularMove | StrutMove, tangent: Array, bend: Array, limits: Box
 ) -> tuple[float, float]:
     """Largest speed and acceleration of the share of the way under the limits of each coordinate [1/s, 1/s^2]."""
     way = np.abs(tangent).max(axis=0)
@@ -167,3 +192,11 @@ def _fastest(
     bends = np.abs(bend).max(axis=0)
     turning = float(np.min(np.append(accelerations[bends > 0.0] / bends[bends > 0.0], np.inf)))
     return min(speed, float(np.sqrt(turning))), acceleration
+
+
+def _reach(chain: Chain) -> Array:
+    """How far the sensor can be from the axis of each joint, whatever the joints after it do, shape (n,) [m]."""
+    lengths = [float(np.linalg.norm(joint.origin)) for joint in (*chain.joints, chain.sensor)]
+    slides = [0.0 if joint.turns else max(abs(v) for v in joint.position) for joint in chain.joints]
+    behind = np.cumsum([b + s for b, s in zip(lengths[:0:-1], slides[::-1], strict=True)])
+    return np.asarray(behind[::-1])

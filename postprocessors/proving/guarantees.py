@@ -104,5 +104,5 @@ def family(name: str) -> str:
 IN_STRUTS = frozenset({"strut velocity", "strut acceleration"})
 """Families that a controller can keep in a move straight in the struts: it plans the axes, not the platform."""
 
-KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force")
+KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment")
 """Families of limits that depend on a controller's time law; those of geometry do not."""

@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases.units import MM
+from cases.machine import MotionLimits
+from cases.units import DEG, MM
+from identification.limited import Box
 from identification.limits import LimitCheck, Status, prove
 from identification.motion import Array, Standstill
 from postprocessors.proving.answering import Answering
@@ -22,7 +24,7 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
     """Limits of a move from an unknown pose.
 
     The feed must not be above the case's safe feed (a rapid is), for nobody can look for obstacles on a way that is not
-    known. A, B and C turn as fast as they must, and only the controller limits them.
+    known. A, B and C of a pose turn as fast as they must, and only the controller limits them.
 
     Args:
         part: the move.
@@ -32,6 +34,49 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
     for check in prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger).checks:
         if family(check.name) not in KINETIC:
             yield check
+    if isinstance(by.limits, MotionLimits):
+        yield from _of_a_pose(part, by, clock)
+        share = 1.0
+    else:
+        share = by.case.need_controller("the check of a program").safe_share if part.acceleration is not None else 1.0
+        yield from _of_joints(part, by, by.limits, clock)
+    for bound in by.forces.anywhere(clock, share) if by.forces is not None else ():
+        if part.acceleration is not None and bound.ratio <= 1.0:  # the text states all that the bound needs
+            yield by.own(bound, WAY_HOME, Status.PROVEN)
+            continue
+        kept = by.forces_kept(family(bound.name), lambda forces: forces.anywhere(clock, share), WAY_HOME)
+        loose = replace(bound, name=bound.name.replace("at most", "at the limits"))
+        yield kept or by.own(loose, WAY_HOME, Status.NOT_ENFORCED)
+
+
+def _of_joints(part: Untimed, by: Answering, limits: Box, clock: float) -> Iterable[LimitCheck]:
+    """Limits of the joints of a chain, of which nobody knows how far each will move."""
+    share = by.case.need_controller("the check of a program").safe_share
+    feed = np.inf if part.feed is None else part.feed
+    # a feed in mm/min along X, Y and Z is one in degrees where none of them moves
+    asked = np.where(limits.turns & part.linear, feed / MM * DEG, feed)
+    k = int(np.argmax(asked / limits.rate))
+    scale, unit = (1 / DEG, "deg/s") if limits.turns[k] else (1 / MM, "mm/s")
+    safe = share * limits.rate[k]
+    yield LimitCheck(FEED_TO_HOME, asked[k] * scale, safe * scale, unit, asked[k] / safe, clock, Status.PROVEN)
+    cycle = by.guarantees.jerk_time
+    for turning, kind, word in ((False, "", "m"), (True, "angular ", "rad")):
+        own = limits.turns == turning
+        if not own.any():
+            continue
+        rate, most, jerk = (float(v[own].min()) for v in (limits.rate, limits.acceleration, limits.jerk))
+        scale, unit = (1 / DEG, "deg/s") if turning else (1 / MM, "mm/s")
+        fastest = float(asked[own].max())
+        status = Status.PROVEN if part.acceleration is not None else None
+        yield _row(f"{kind}velocity", min(fastest, rate) * scale, rate * scale, unit, clock, by, status)
+        peak = part.acceleration if part.acceleration is not None else most
+        yield _row(f"{kind}acceleration", peak, most, f"{word}/s^2", clock, by, status)
+        steps = 2.0 * peak / cycle if cycle > 0.0 else jerk
+        yield _row(f"{kind}jerk", steps, jerk, f"{word}/s^3", clock, by)
+
+
+def _of_a_pose(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]:
+    """Limits of the coordinates of a hexapod, and of its struts."""
     limits = by.limits
     rate = limits.rate.copy()
     safe = min(by.case.need_controller("the check of a program").safe_feed, float(rate[:3].min()))
@@ -45,11 +90,6 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
     jerks = 2.0 * peaks / cycle if cycle > 0.0 else limits.jerk  # an acceleration that reverses within a cycle
     yield _largest("jerk", jerks, limits.jerk, "m/s^3 or rad/s^3", clock, by)
     yield from _of_struts(feed, rate, peaks, by, clock)
-    if by.forces is not None:
-        bound = by.forces.anywhere(clock)
-        kept = by.forces_kept(lambda forces: bound, WAY_HOME)
-        loose = replace(bound, name=bound.name.replace("at most", "at the limits"))
-        yield kept or by.own(loose, WAY_HOME, Status.NOT_ENFORCED)
 
 
 def _peak_accelerations(rate: Array, by: Answering) -> Array:

@@ -4,15 +4,13 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from cases.machine import MotionLimits
+from identification.limited import Box
 from identification.limits import LimitCheck, Status
 from identification.motion import Array
 from identification.trajectories.polynomial import PolynomialMotion
 
-_COORDINATES = "xyzabc"
 
-
-def joint_checks(motion: PolynomialMotion, limits: MotionLimits, cycle: float, clock: float) -> Iterable[LimitCheck]:
+def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: float) -> Iterable[LimitCheck]:
     """Accelerations and jerks that steps between pieces amount to, at rest before the first and after the last.
 
     A step dv of a rate within a cycle c is an acceleration of dv / c and, up and down again, a jerk of 2 dv / c^2; a
@@ -24,27 +22,36 @@ def joint_checks(motion: PolynomialMotion, limits: MotionLimits, cycle: float, c
         cycle: of the controller [s].
         clock: when the motion starts [s].
     """
-    rest = np.zeros((1, 6))
+    rest = np.zeros((1, len(limits.rate)))
     dv, da = (
         np.abs(np.vstack([motion.at_starts(order), rest]) - np.vstack([rest, motion.at_ends(order)]))
         for order in (1, 2)
     )
     times = motion.times + clock
-    yield from _worst("acceleration", "m/s^2", "rad/s^2", dv / cycle, limits.acceleration, times)
-    yield from _worst("jerk", "m/s^3", "rad/s^3", np.maximum(da / cycle, 2 * dv / cycle**2), limits.jerk, times)
+    yield from _worst("acceleration", "m/s^2", "rad/s^2", dv / cycle, limits.acceleration, limits, times)
+    yield from _worst("jerk", "m/s^3", "rad/s^3", np.maximum(da / cycle, 2 * dv / cycle**2), limits.jerk, limits, times)
 
 
-def _worst(name: str, linear: str, angular: str, values: Array, limits: Array, times: Array) -> Iterable[LimitCheck]:
-    for kind, unit, axes in ((name, linear, slice(0, 3)), (f"angular {name}", angular, slice(3, 6))):
-        ratio = np.nan_to_num(values[:, axes] / limits[axes], nan=np.inf)
-        row, column = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-        k = int(column) + (axes.start or 0)
+def _worst(
+    name: str,
+    linear: str,
+    angular: str,
+    values: Array,
+    most: Array,
+    limits: Box,
+    times: Array,
+) -> Iterable[LimitCheck]:
+    for kind, unit, own in ((name, linear, ~limits.turns), (f"angular {name}", angular, limits.turns)):
+        if not own.any():
+            continue
+        ratio = np.where(own, np.nan_to_num(values / most, nan=np.inf), -1.0)
+        row, k = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
         yield LimitCheck(
-            f"{kind} ({_COORDINATES[k]}, step between blocks)",
+            f"{kind} ({limits.labels[k]}, step between blocks)",
             float(values[row, k]),
-            float(limits[k]),
+            float(most[k]),
             unit,
-            float(ratio[row, column]),
+            float(ratio[row, k]),
             float(times[row]),
             Status.PROVEN,
         )

@@ -6,8 +6,17 @@ from dataclasses import replace
 import numpy as np
 
 from cases.errors import ProgramError
-from identification.limited import velocities
-from identification.limits import PROOF_RATE, LimitCheck, LimitReport, Status, prove, prove_at, worst_case, worst_of
+from identification.limits import (
+    PROOF_RATE,
+    LimitCheck,
+    LimitReport,
+    Status,
+    of_velocities,
+    prove,
+    prove_at,
+    worst_case,
+    worst_of,
+)
 from identification.motion import Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion
@@ -25,6 +34,7 @@ from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
 
 FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration
 RATES = ("velocity", "strut velocity")
+SENSED = ("sensor force", "sensor moment")
 BY_TIME_LAW = ("acceleration", "jerk", "strut acceleration")
 
 
@@ -93,8 +103,8 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
         kind = family(check.name)
         if by.guarantees.follows_paths:
             yield check
-        elif kind == "sensor force":
-            kept = by.forces_kept(lambda forces: forces.on(part.points, clock))
+        elif kind in SENSED:
+            kept = by.forces_kept(kind, lambda forces: forces.on(part.points, clock))
             yield kept or replace(check, status=Status.NOT_ENFORCED)
         elif kind in BY_TIME_LAW or (kind in RATES and not by.guarantees.even_blocks):
             yield replace(check, status=by.answer(check.name))
@@ -105,12 +115,18 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
 def _own_time(
     part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
 ) -> Iterable[LimitCheck]:
-    """Geometry and programmed speed are proven; what follows from the controller's law is predicted."""
+    """Geometry and programmed speed are proven; what follows from the controller's law is predicted.
+
+    Where the text states the acceleration too, the law is the text's, and all but the jerk is proven.
+    """
     count = int(np.clip(np.ceil(motion.duration * PROOF_RATE), FEWEST, MOST))
     report = prove_at(motion, by.case, np.linspace(0.0, motion.duration, count + 1), clock, part.trigger)
     asked = {c.name.split(" (")[0]: c for c in _asked(part, motion, by, clock)}
     for check in report.checks:
         kind = check.name.split(" (")[0]
+        if part.acceleration is not None and family(kind) != "jerk":
+            yield check
+            continue
         match family(kind):
             case "velocity":
                 yield by.own(check) if part.feed is None else asked[kind]
@@ -124,8 +140,8 @@ def _own_time(
                     yield fastest  # even at the full feed everywhere on the way
             case "acceleration" | "strut acceleration":
                 yield by.own(check)
-            case "sensor force":
-                kept = by.forces_kept(lambda forces: forces.along(motion, part.share_rate, clock), UNTIMED)
+            case "sensor force" | "sensor moment" as sensed:
+                kept = by.forces_kept(sensed, lambda forces: forces.along(motion, part.share_rate, clock), UNTIMED)
                 yield kept or by.own(check, status=Status.NOT_ENFORCED)
             case "jerk":
                 yield _jerk(check, motion, by)
@@ -138,7 +154,7 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Answering) -> LimitCheck:
     cycle = by.guarantees.jerk_time
     if cycle <= 0.0:
         return by.own(check)
-    axes = slice(3, 6) if check.name.startswith("angular") else slice(0, 3)
+    axes = by.limits.turns if check.name.startswith("angular") else ~by.limits.turns
     peak = np.abs(motion.at(np.linspace(0.0, motion.duration, FEWEST + 1)).accelerations).max(axis=0)
     steps = 2.0 * peak[axes] / cycle
     limit = by.limits.jerk[axes]
@@ -163,5 +179,5 @@ def _asked(
         return
     steady = replace(motion, profile=Steady(1.0 / speed))
     t = np.linspace(0.0, steady.duration, FEWEST + 1)
-    for quantity in velocities(steady.at(t), by.case.need_machine("the check of a program")[0], by.limits):
+    for quantity in of_velocities(steady.at(t), by.case):
         yield worst_case(quantity, t + clock)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.machine import MotionLimits
+from identification.limited import Box
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
 from identification.trajectories.strut_move import NoStrutMove, StrutMove
@@ -13,9 +13,7 @@ from postprocessors.proving.stretches import Untimed
 Array = NDArray[np.float64]
 
 
-def predicted(
-    part: Untimed, limits: MotionLimits, guarantees: Guarantees
-) -> StraightMove | CircularMove | StrutMove | None:
+def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMove | CircularMove | StrutMove | None:
     """How a move will run; None where its start is not known or nothing moves.
 
     Args:
@@ -35,6 +33,8 @@ def predicted(
         return _arc(part, part.start, limits, guarantees)
     feed = np.inf if part.feed is None else part.feed / part.length
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
+    if part.acceleration is not None:
+        velocity, acceleration = feed, part.acceleration / part.length
     return StraightMove(part.start, part.end, guarantees.law(min(feed, velocity), acceleration, jerk))
 
 
@@ -59,7 +59,7 @@ def strut_move(start: Array, end: Array, feed: float | None, guarantees: Guarant
     return StrutMove.between(drives.hexapod, start, end, law)
 
 
-def _arc(part: Untimed, start: Array, limits: MotionLimits, guarantees: Guarantees) -> CircularMove:
+def _arc(part: Untimed, start: Array, limits: Box, guarantees: Guarantees) -> CircularMove:
     turn = part.turn
     assert turn is not None
     assert part.feed is not None

@@ -16,6 +16,9 @@ from postprocessors.reading.words import Polynomial, Reading
 ALONG, ACROSS = math.sqrt(0.75), 0.5
 """Shares of the acceleration limit that an arc is assumed to spend along its path and on turning."""
 
+SHORTEST_POINTS = 1e-3
+"""[s] between points of a joint trajectory: rounding of closer ones would make jerks of its own."""
+
 LONGEST_POINTS = 0.25
 """[s] between points of a path: the curve between them is near the assumed one only while they are near."""
 
@@ -88,6 +91,36 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         jerk_time=0.0 if smooth else settings.shortest_block,
         drives=_drives(settings.ptp, case),
         rounding=(0.0, 0.0) if settings.path == "akima" else tolerance,
+    )
+
+
+def urscript_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """The text states speed and acceleration of each move, a trapezoid: all is proven but the jerk of its ramps."""
+    return Guarantees(
+        controller="the robot",
+        shortest_block=0.0,
+        longest_block=0.0,
+        follows_paths=False,
+        even_blocks=False,
+        enforced=frozenset(),
+        law=_trapezoid,
+        arc_law=_trapezoid_arc,
+        jerk_time=case.need_controller("a URScript program").cycle,
+    )
+
+
+def joint_trajectory_guarantees(reading: Reading, case: Case) -> Guarantees:
+    """Quintic pieces through stated positions, rates and accelerations: all is proven, nothing is enforced."""
+    return Guarantees(
+        controller="joint_trajectory_controller",
+        shortest_block=SHORTEST_POINTS,
+        longest_block=math.inf,
+        follows_paths=True,
+        even_blocks=False,
+        enforced=frozenset(),
+        law=_seven_segments,
+        arc_law=_seven_segment_arc,
+        jerk_time=0.0,
     )
 
 

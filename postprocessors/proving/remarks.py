@@ -6,12 +6,12 @@ import numpy as np
 
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.limited import Box
 from identification.motion import Array
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
 from postprocessors.reading.words import Reading, Stand, Switch
 
-AT_HOME = np.repeat([1e-5 * MM, 1e-6 * DEG], 3)  # the last decimal of a program
-_WORDS = "XYZABC"
+AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
 
 
 def remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> tuple[str, ...]:
@@ -29,7 +29,7 @@ def remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> tuple[s
 
 
 def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterator[str]:
-    home = case.need_machine("the check of a program")[0].home.vector
+    home, limits = case.need_motion("the check of a program")
     moves = [part for part in program if not isinstance(part, Still)]
     if not moves:
         return
@@ -39,11 +39,11 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
             f"line {first.line}: from wherever the machine stands its way is not known, and neither are struts, joints "
             "and boxes on it; keep it clear"
         )
-        if away := _away(first.end, home):
+        if away := _away(first.end, home, limits):
             yield f"line {first.line}: the first move does not go home, {away}"
     elif isinstance(reading.events[0], Stand):
         yield "the machine must stand at home when it starts"
-    if away := _away(_end_of(moves[-1]), home):
+    if away := _away(_end_of(moves[-1]), home, limits):
         yield f"it does not end at home, {away}"
     if reading.unsaid:
         yield (
@@ -61,10 +61,11 @@ def _end_of(part: Timed | Untimed) -> Array:
     return part.end if isinstance(part, Untimed) else part.points.at([part.points.duration]).pose[0]
 
 
-def _away(pose: Array, home: Array) -> str:
-    off = np.abs(pose - home)
-    if np.all(off <= AT_HOME):
+def _away(pose: Array, home: Array, limits: Box) -> str:
+    off = np.abs(pose - home) / np.where(limits.turns, AT_HOME[1], AT_HOME[0])
+    if np.all(off <= 1.0):
         return ""
-    k = int(np.argmax(off / AT_HOME))
-    unit, name = (MM, "mm") if k < 3 else (DEG, "deg")
-    return f"where {_WORDS[k]} is {home[k] / unit:g} {name}, but to {pose[k] / unit:g} {name}"
+    k = int(np.argmax(off))
+    unit, name = (DEG, "deg") if limits.turns[k] else (MM, "mm")
+    label = limits.labels[k].upper() if len(limits.labels[k]) == 1 else limits.labels[k]
+    return f"where {label} is {home[k] / unit:g} {name}, but to {pose[k] / unit:g} {name}"

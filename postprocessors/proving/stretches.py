@@ -50,6 +50,8 @@ class Untimed:
         turn: the arc; None for a straight move.
         trigger: whether the trigger is on.
         in_struts: straight in the struts; the feed is then a share of the way [1/s].
+        counted: indices of the coordinates of a chain whose way the feed counts; None as `linear` says.
+        acceleration: of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2].
     """
 
     line: int
@@ -60,6 +62,8 @@ class Untimed:
     turn: Turn | None
     trigger: bool
     in_struts: bool = False
+    counted: tuple[int, ...] | None = None
+    acceleration: float | None = None
 
     @property
     def length(self) -> float:
@@ -72,6 +76,8 @@ class Untimed:
             first, second, _ = self.turn.plane.axes
             arm = self.start[[first, second]] - self.turn.centre
             return abs(self.turn.angle) * float(np.hypot(arm[0], arm[1]))
+        if self.counted is not None:
+            return float(np.linalg.norm(way[list(self.counted)]))
         return float(np.linalg.norm(way[:3] if self.linear else way[3:]))
 
     @property
@@ -206,4 +212,5 @@ class _Grouping:
         if start is None and move.in_struts:
             raise self.error(move.line, "a point-to-point move starts from an unknown pose; first move home at a feed")
         feed = None if move.timing is Timing.RAPID else move.value
-        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, move.in_struts)
+        law = (move.counted, move.acceleration)
+        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, move.in_struts, *law)

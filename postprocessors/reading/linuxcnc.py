@@ -1,8 +1,9 @@
-"""Reads LinuxCNC programs: the part of RS-274/NGC that a hexapod excitation needs, and an error for all else.
+"""Reads LinuxCNC programs: the part of RS-274/NGC that an excitation needs, and an error for all else.
 
 A word that is not understood is an error, never skipped: a proof of a text that was half understood proves nothing.
 Meanings follow the LinuxCNC documentation: G93 F is 1/min on every line; G94 F counts XYZ only, or degrees where only
-ABC moves; M62/M63 switch with the next motion, M64/M65 at once; G4 P is in seconds.
+ABC moves; M62/M63 switch with the next motion, M64/M65 at once; G4 P is in seconds. A machine whose axes are the joints
+of a chain moves between exact stops only: G64 guards corners of X, Y, Z and cuts those of rotary axes by degrees.
 """
 
 import math
@@ -11,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cases.chain import Chain
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -39,7 +41,7 @@ _GROUPS = (
     ("M2", "M30"),
 )
 _MODAL = {"G0", "G1", "G2", "G3", "G80", "G17", "G18", "G19", "G21", "G90", "G93", "G94", "G61", "G64"}
-# Words that change nothing that a hexapod program here relies on: no compensation, no offset; relative centres.
+# Words that change nothing that a program here relies on: no compensation, no offset; relative centres.
 _NEUTRAL = {"G40", "G49", "G54", "G91.1", "G92.1"}
 _OFFSETS_OFF = ("G49", "G54", "G92.1")  # neither the interpreter's start nor M2 switches all of them off
 _SWITCHES = {"M62": (True, False), "M63": (False, False), "M64": (True, True), "M65": (False, True)}  # on, at once
@@ -53,6 +55,9 @@ _REMEDY = {
     "G90.1": "for absolute arc centres, which are not used here; write G91.1",
 }
 
+_OF_A_POSE = {"G2": "an arc", "G3": "an arc", "G64": "rounding of corners", "G93": "a time for a block"}
+_BY_MOVES = "write G1 moves with G94 and G61"
+
 SPELLING = Spelling(
     "LinuxCNC", _GROUPS, last="M2", rapid="G0", straight="G1", block_time="F = 60 / seconds", inverse_time=True
 )
@@ -61,8 +66,11 @@ SPELLING = Spelling(
 class _LinuxCncInterpreter(ModalState):
     """What the words mean."""
 
-    def __init__(self, file: str) -> None:
-        super().__init__(file, SPELLING, list("XYZABC"), ("A", "B", "C"), np.r_[np.full(3, MM), np.full(3, DEG)])
+    def __init__(self, file: str, chain: Chain | None = None) -> None:
+        axes = "XYZABC" if chain is None else axis_letters(chain, file)
+        self.own_axes = chain is not None  # each axis is a joint; else they are the pose of a platform
+        scale = np.array([MM if letter in "XYZ" else DEG for letter in axes])
+        super().__init__(file, SPELLING, list(axes), ("A", "B", "C"), scale)
         self.activate("G94")  # the interpreter's start
         self.loose: ProgramError | None = None
         self.said: set[str] = set()
@@ -85,14 +93,14 @@ class _LinuxCncInterpreter(ModalState):
         if not self.active("G2", "G3"):
             self.refuse_centres(seen, "G2 or G3")
         self.take_feed(seen)
-        first = next((word for word in words if word.name in "XYZABCIJK"), None)
+        first = next((word for word in words if word.name in (*self.axes, "I", "J", "K")), None)
         if first is not None:
             self._move(seen, first)
         elif self.active("G93"):
             self.feed = None
 
     def _number(self, word: Word, value: float) -> None:
-        if word.name not in "XYZABCFPQIJK":
+        if word.name not in (*self.axes, *"FPQIJK"):
             self.fail(word, f"{word.name}{value:g} is not a word of an excitation; remove it")
         if abs(value) > (LARGEST_FEED if word.name == "F" else LARGEST):
             self.fail(word, f"{word.name}{value:g} is no machine's number; correct it")
@@ -100,6 +108,8 @@ class _LinuxCncInterpreter(ModalState):
     def _code(self, word: Word, seen: dict[str, Word]) -> None:
         code = word.name
         stated = seen["P"].value if "P" in seen else None
+        if self.own_axes and code in _OF_A_POSE:
+            self.fail(word, f"{code} is {_OF_A_POSE[code]}, which no proof covers where rotary axes move; {_BY_MOVES}")
         if code in _MODAL:
             self.activate(code)
             if code == "G64":
@@ -139,7 +149,10 @@ class _LinuxCncInterpreter(ModalState):
         timing, value = self.timing(seen, end, first)
         if timing is Timing.DURATION and self.loose is not None and not np.isnan(self.pose).any():
             raise self.loose
-        self.events.append(self.straight(end, timing, value, exact))
+        known = not np.isnan(self.pose).any()
+        move = self.straight(end, timing, value, exact)
+        counted = np.flatnonzero(self.linear if move.linear else ~self.linear)
+        self.events.append(replace(move, counted=tuple(map(int, counted))) if self.own_axes and known else move)
 
 
 def _words(text: str, line: int, file: str) -> list[Word]:
@@ -163,24 +176,41 @@ def read_linuxcnc_bytes(content: bytes, file: str, case: Case) -> Reading:
     Args:
         content: of the file.
         file: its name, for messages.
-        case: not needed for this dialect.
+        case: its chain names the axes, where it has one.
 
     Raises:
         ProgramError: see `read_linuxcnc`.
     """
-    return read_linuxcnc(content.decode("latin-1"), file)  # one character a byte; what is not ASCII is refused there
+    # one character a byte; what is not ASCII is refused there
+    return read_linuxcnc(content.decode("latin-1"), file, case.chain)
 
 
-def read_linuxcnc(text: str, file: str) -> Reading:
+def axis_letters(chain: Chain, file: str) -> str:
+    """The axis of each joint of a chain, which is the joint's name.
+
+    Raises:
+        ProgramError: a joint whose name is no axis of its kind.
+    """
+    for joint in chain.joints:
+        letters = "ABC" if joint.turns else "XYZ"
+        if joint.name not in tuple(letters):
+            problem = f"joint {joint.name} {'turns' if joint.turns else 'slides'} and is no axis of LinuxCNC"
+            remedy = f"name it {', '.join(letters)} in machine.chain, or choose another dialect"
+            raise ProgramError(file, 0, 0, f"{problem}; {remedy}")
+    return "".join(chain.names)
+
+
+def read_linuxcnc(text: str, file: str, chain: Chain | None = None) -> Reading:
     """Reads a program.
 
     Args:
         text: of the program.
         file: its name, for messages.
+        chain: whose joints are the axes; without one the axes are the pose of a platform.
 
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.
     """
-    interpreter = _LinuxCncInterpreter(file)
+    interpreter = _LinuxCncInterpreter(file, chain)
     reading = interpreter.read_program(program_lines(text, file, LONGEST_LINE), _words)
     return replace(reading, unsaid=tuple(word for word in _OFFSETS_OFF if word not in interpreter.said))

@@ -134,9 +134,9 @@ class ModalState(ABC):
     Args:
         file: name of the program, for messages.
         spelling: of the controller.
-        axes: words of the six coordinates, in the order of a pose.
-        angles: names of the last three where F counts them.
-        scale: what the coordinates count, shape (6,) [m, rad].
+        axes: words of the coordinates, in their order; those of lengths are X, Y and Z.
+        angles: names of the others where F counts them.
+        scale: what the coordinates count, shape (k,) [m or rad].
     """
 
     def __init__(self, file: str, spelling: Spelling, axes: list[str], angles: tuple[str, ...], scale: Array) -> None:
@@ -148,7 +148,8 @@ class ModalState(ABC):
         self.scale = scale
         self.line = 0
         self.events: list[Event] = []
-        self.pose = np.full(6, np.nan)  # as written; unknown until the first move has named all six
+        self.linear = np.array([name in ("X", "Y", "Z") for name in axes])
+        self.pose = np.full(len(axes), np.nan)  # as written; unknown until the first move has named all
         self.modal: dict[int, str] = {}  # the active word of each group
         self.feed: float | None = None
         self.feed_axes: tuple[str, ...] | None = None
@@ -231,22 +232,23 @@ class ModalState(ABC):
                 self.fail(seen[name], f"{name} without {arcs}; remove it")
 
     def end_of(self, seen: dict[str, Word], first: Word) -> Array:
-        """The pose in which a block ends, as written, shape (6,)."""
+        """The coordinates in which a block ends, as written, shape (k,)."""
         end = self.pose.copy()
         for k, name in enumerate(self.axes):
             if name in seen:
                 end[k] = float(seen[name].value or 0.0)
         if np.isnan(end).any():
             missing = self.axes[int(np.flatnonzero(np.isnan(end))[0])].rstrip("=")
-            self.fail(first, f"the first move leaves {missing} open; name all six coordinates")
+            self.fail(first, f"the first move leaves {missing} open; name all {len(end)} coordinates")
         return end
 
     def moves_origin(self, end: Array) -> bool:
-        """Whether X, Y or Z moves on the way to a pose, shape (6,) as written; from an unknown one they do."""
-        return bool(np.isnan(self.pose).any() or np.any(np.abs(end - self.pose)[:3] > STILL))
+        """Whether X, Y or Z moves on the way to coordinates, shape (k,) as written; from unknown ones they do."""
+        moves = np.isnan(self.pose) | (np.abs(end - self.pose) > STILL)
+        return bool(np.any(moves & self.linear))
 
     def timing(self, seen: dict[str, Word], end: Array, first: Word) -> tuple[Timing, float]:
-        """What determines how fast a straight move to a pose, shape (6,) as written, runs, and its value."""
+        """What determines how fast a straight move to coordinates, shape (k,) as written, runs, and its value."""
         spelling = self.spelling
         if self.active("G0"):
             return Timing.RAPID, math.nan
@@ -270,7 +272,7 @@ class ModalState(ABC):
             self.fail(first, f"F counts {', '.join(counted)} in this move only after {command}; add it before")
 
     def straight(self, end: Array, timing: Timing, value: float, exact: bool, in_struts: bool = False) -> Move:
-        """A straight move to a pose, shape (6,) as written, in which the machine stands then."""
+        """A straight move to coordinates, shape (k,) as written, in which the machine stands then."""
         move = Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end), in_struts)
         self.pose = end
         return move

@@ -1,7 +1,7 @@
 """Reads tables of setpoints: rows that follow from each other, with struts that belong to their poses.
 
 Rates, accelerations and struts are not believed: each row must lead to the next within the jerk limits, and the struts
-are computed again from pose, rates and accelerations.
+of a hexapod are computed again from pose, rates and accelerations.
 """
 
 import re
@@ -9,9 +9,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
+from cases.machine import Machine
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited import strut_motion
@@ -19,24 +21,35 @@ from identification.motion import Array, Motion
 from postprocessors.reading.words import Event, Pause, Reading, Stand, Switch, TableRows
 
 FORMAT = "hexcite setpoints 1"
-COORDINATES = ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")
 _STRUT_NAMES = tuple(f"l{k}" for k in range(1, 7))
-COLUMNS = (
-    "t_s",
-    *COORDINATES,
-    *(f"v_{c}_s" for c in COORDINATES),
-    *(f"acc_{c}_s2" for c in COORDINATES),
-    *(f"{s}_mm" for s in _STRUT_NAMES),
-    *(f"{s[0]}d{s[1]}_mm_s" for s in _STRUT_NAMES),
-    *(f"{s[0]}dd{s[1]}_mm_s2" for s in _STRUT_NAMES),
-    "trigger",
-)
-UNITS = np.array([DEG if "deg" in c else MM if "mm" in c else 1.0 for c in COLUMNS])
 LARGEST = 1e7  # mm, degrees and their rates: no machine has such numbers
 PARQUET = b"PAR1"
 METADATA = b"hexcite"
 _HEADER = re.compile(r"#\s*(?P<key>[a-z_]+):\s*(?P<value>.*?)\s*$")
 _STRANGE = re.compile(r"[^0-9.,+\-\n]")
+
+
+def columns_of(coordinates: tuple[str, ...], struts: bool) -> tuple[str, ...]:
+    """The columns of a table.
+
+    Args:
+        coordinates: names of the machine's, with their units.
+        struts: whether it has struts too.
+    """
+    first, second = (f"{s[0]}d{s[1]}_mm_s" for s in _STRUT_NAMES), (f"{s[0]}dd{s[1]}_mm_s2" for s in _STRUT_NAMES)
+    return (
+        "t_s",
+        *coordinates,
+        *(f"v_{c}_s" for c in coordinates),
+        *(f"acc_{c}_s2" for c in coordinates),
+        *((*(f"{s}_mm" for s in _STRUT_NAMES), *first, *second) if struts else ()),
+        "trigger",
+    )
+
+
+def units_of(columns: tuple[str, ...]) -> Array:
+    """SI values of the columns' units, shape (columns,)."""
+    return np.array([DEG if "deg" in c else MM if "mm" in c else 1.0 for c in columns])
 
 
 class SetpointTable(NamedTuple):
@@ -45,7 +58,7 @@ class SetpointTable(NamedTuple):
     Args:
         first: line of its first row (Parquet: 1).
         header: keys and values.
-        values: one row a cycle, the columns of `COLUMNS`, in the units of their names.
+        values: one row a cycle, the columns of `columns_of`, in the units of their names.
     """
 
     first: int
@@ -53,18 +66,19 @@ class SetpointTable(NamedTuple):
     values: Array
 
 
-def read_table(content: bytes, file: str, most: int) -> SetpointTable:
+def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> SetpointTable:
     """The numbers of a table.
 
     Args:
         content: of the file.
         file: its name, for messages.
         most: rows that the controller's memory holds.
+        columns: that the table must have.
 
     Raises:
         ProgramError: not such a table, or a cell that is no number; with line and column.
     """
-    table = _parquet(content, file) if content[:4] == PARQUET else _csv(content, file)
+    table = _parquet(content, file, columns) if content[:4] == PARQUET else _csv(content, file, columns)
     rows, _ = table.values.shape
     if rows > most:
         raise ProgramError(
@@ -76,13 +90,13 @@ def read_table(content: bytes, file: str, most: int) -> SetpointTable:
     if bad.any():
         row, column = np.argwhere(bad)[0]
         value = table.values[row, column]
-        raise ProgramError(file, table.first + int(row), 0, f"{COLUMNS[column]} = {value:g} is no machine's number")
+        raise ProgramError(file, table.first + int(row), 0, f"{columns[column]} = {value:g} is no machine's number")
     if table.header.get("format") != FORMAT:
         raise ProgramError(file, 1, 0, f"does not begin with '# format: {FORMAT}'; is this a table of setpoints?")
     return table
 
 
-def _csv(content: bytes, file: str) -> SetpointTable:
+def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTable:
     text = content.decode("latin-1").replace("\r\n", "\n")
     lines = text.split("\n")
     header: dict[str, str] = {}
@@ -91,9 +105,9 @@ def _csv(content: bytes, file: str) -> SetpointTable:
         if match := _HEADER.match(lines[number]):
             header.setdefault(match["key"], match["value"])
         number += 1
-    if number == len(lines) or lines[number].split(",") != list(COLUMNS):
+    if number == len(lines) or lines[number].split(",") != list(columns):
         raise ProgramError(
-            file, number + 1, 0, f"the columns are not {COLUMNS[0]},{COLUMNS[1]},..,{COLUMNS[-1]}; write all of them"
+            file, number + 1, 0, f"the columns are not {columns[0]},{columns[1]},..,{columns[-1]}; write all of them"
         )
     body = lines[number + 1 :]
     if body[-1:] != [""]:
@@ -103,7 +117,7 @@ def _csv(content: bytes, file: str) -> SetpointTable:
         row, column = _place(body, match.start())
         bad = body[row][column]
         raise ProgramError(file, number + 2 + row, column + 1, f"{bad!r} is no part of a plain number; correct it")
-    return SetpointTable(number + 2, header, _numbers(body, number + 2, file))
+    return SetpointTable(number + 2, header, _numbers(body, number + 2, file, columns))
 
 
 def _place(body: list[str], position: int) -> tuple[int, int]:
@@ -114,13 +128,13 @@ def _place(body: list[str], position: int) -> tuple[int, int]:
     raise AssertionError("a position outside the text")
 
 
-def _numbers(body: list[str], first: int, file: str) -> Array:
-    values = np.empty((len(body), len(COLUMNS)))
+def _numbers(body: list[str], first: int, file: str, columns: tuple[str, ...]) -> Array:
+    values = np.empty((len(body), len(columns)))
     for row, line in enumerate(body):
         cells = line.split(",")
-        if len(cells) != len(COLUMNS):
+        if len(cells) != len(columns):
             raise ProgramError(
-                file, first + row, 0, f"{len(cells)} cells where {len(COLUMNS)} columns stand; correct it"
+                file, first + row, 0, f"{len(cells)} cells where {len(columns)} columns stand; correct it"
             )
         try:
             values[row] = cells
@@ -128,12 +142,12 @@ def _numbers(body: list[str], first: int, file: str) -> Array:
             bad = next(k for k, cell in enumerate(cells) if not re.fullmatch(r"[+-]?(?:\d+\.?\d*|\.\d+)", cell))
             column = sum(len(cell) + 1 for cell in cells[:bad]) + 1
             raise ProgramError(
-                file, first + row, column, f"{COLUMNS[bad]} = {cells[bad]!r} is no number; correct it"
+                file, first + row, column, f"{columns[bad]} = {cells[bad]!r} is no number; correct it"
             ) from None
     return values
 
 
-def _parquet(content: bytes, file: str) -> SetpointTable:
+def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTable:
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -142,44 +156,46 @@ def _parquet(content: bytes, file: str) -> SetpointTable:
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0][:120] if str(error) else "damaged"
         raise ProgramError(file, 0, 0, f"is damaged Parquet ({reason}); write it again") from error
-    if tuple(table.column_names) != COLUMNS:
-        raise ProgramError(file, 0, 0, f"the columns are not {COLUMNS[0]}, {COLUMNS[1]}, .., {COLUMNS[-1]}; write all")
+    if tuple(table.column_names) != columns:
+        raise ProgramError(file, 0, 0, f"the columns are not {columns[0]}, {columns[1]}, .., {columns[-1]}; write all")
     wrong = next((f.name for f in table.schema if f.type != pa.float64()), None)
     if wrong is not None:
         raise ProgramError(file, 0, 0, f"column {wrong} does not hold 64-bit floats; write it so")
     said = (table.schema.metadata or {}).get(METADATA, b"").decode("latin-1")
     header = {m["key"]: m["value"] for line in reversed(said.split("\n")) if (m := _HEADER.match(line))}
-    columns = [table.column(name).to_numpy() for name in COLUMNS]
-    return SetpointTable(1, header, np.column_stack(columns))
+    return SetpointTable(1, header, np.column_stack([table.column(name).to_numpy() for name in columns]))
 
 
 ROUNDING = np.array([1e-9, 1e-6]) * MM  # of poses and rates: a thousand times the last decimal of a table
 STRUT_ROUNDING = np.array([1e-6, 1e-4, 1e-2]) * MM
 SAME_TIME = 1e-9  # [s]
 AT_HOME = 1e-9  # [m, rad]
-_PARTS = {"pose": slice(1, 7), "rates": slice(7, 13), "accelerations": slice(13, 19)}
-_STRUTS = slice(19, 37)
+_PARTS = ("pose", "rates", "accelerations")
 
 
 class _Rows:
     """The table in SI with the places of its cells."""
 
-    def __init__(self, file: str, table: SetpointTable, settings: Setpoints) -> None:
-        self.file = file
+    def __init__(
+        self, file: str, table: SetpointTable, settings: Setpoints, columns: tuple[str, ...], count: int
+    ) -> None:
+        self.file, self.columns, self.units = file, columns, units_of(columns)
+        self.parts = {name: slice(1 + k * count, 1 + (k + 1) * count) for k, name in enumerate(_PARTS)}
+        self.struts = slice(1 + 3 * count, len(columns) - 1)
         self.first = table.first
         self.cycle = settings.cycle
-        self.values = table.values * UNITS
+        self.values = table.values * self.units
         self.time = self.values[:, 0]
-        self.pose, self.rates, self.accelerations = (self.values[:, part] for part in _PARTS.values())
+        self.pose, self.rates, self.accelerations = (self.values[:, part] for part in self.parts.values())
         self.trigger = table.values[:, -1]
-        self.rest = ~(self.rates.any(axis=1) | self.accelerations.any(axis=1))
+        self.rest: NDArray[np.bool_] = np.asarray(~(self.rates.any(axis=1) | self.accelerations.any(axis=1)))
 
     def error(self, row: int, column: int | None, problem: str) -> ProgramError:
-        where = "" if column is None else f"{COLUMNS[column]}: "
+        where = "" if column is None else f"{self.columns[column]}: "
         return ProgramError(self.file, self.first + row, 0, f"{where}{problem}")
 
     def require(self, case: Case) -> None:
-        machine, _, limits = case.need_machine("the check of a table")
+        home, limits = case.need_motion("the check of a table")
         steps = np.diff(self.time)
         late = np.abs(self.time - np.arange(len(self.time)) * self.cycle) > SAME_TIME
         if late.any():
@@ -191,17 +207,18 @@ class _Rows:
         wrong = ~np.isin(self.trigger, (0.0, 1.0))
         if wrong.any():
             row = int(np.argmax(wrong))
-            raise self.error(row, len(COLUMNS) - 1, f"{self.trigger[row]:g} is neither 0 nor 1; correct it")
+            raise self.error(row, len(self.columns) - 1, f"{self.trigger[row]:g} is neither 0 nor 1; correct it")
         for row, what in ((0, "begins"), (-1, "ends")):
             if not self.rest[row]:
                 raise self.error(row % len(self.time), None, f"the table {what} in motion; it must be at rest there")
-        off = np.abs(self.pose[0] - machine.home.vector) > AT_HOME
+        off = np.abs(self.pose[0] - home) > AT_HOME
         if off.any():
             raise self.error(
                 0, 1 + int(np.argmax(off)), "the table does not begin at home, where the machine must stand"
             )
-        self._require_sequence(limits.motion.jerk)
-        self._require_struts(case)
+        self._require_sequence(limits.jerk)
+        if case.hexapod is not None:
+            self._require_struts(case.hexapod)
 
     def _require_sequence(self, jerk: Array) -> None:
         """Taylor's remainder: what a jerk within its limit can make of a row by the next one."""
@@ -215,21 +232,20 @@ class _Rows:
             bad = ~(np.abs(error) <= bound + rounding)
             if bad.any():
                 row, k = (int(n) for n in np.argwhere(bad)[0])
-                column = _PARTS[name].start + k
+                column = self.parts[name].start + k
                 raise self.error(
                     row + 1, column, "does not follow from the row before with its rate and acceleration; correct it"
                 )
 
-    def _require_struts(self, case: Case) -> None:
-        machine = case.need_machine("the check of a table")[0]
+    def _require_struts(self, machine: Machine) -> None:
         none = np.zeros_like(self.pose)
         motion = Motion(self.time.copy(), self.pose.copy(), self.rates.copy(), self.accelerations.copy(), none)
         exact = np.hstack(strut_motion(motion, machine))
-        bad = ~(np.abs(exact - self.values[:, _STRUTS]) <= np.repeat(STRUT_ROUNDING, 6))
+        bad = ~(np.abs(exact - self.values[:, self.struts]) <= np.repeat(STRUT_ROUNDING, 6))
         if bad.any():
             row, k = (int(n) for n in np.argwhere(bad)[0])
-            column = _STRUTS.start + k
-            found, wanted = self.values[row, column] / UNITS[column], exact[row, k] / UNITS[column]
+            column = self.struts.start + k
+            found, wanted = self.values[row, column] / self.units[column], exact[row, k] / self.units[column]
             raise self.error(row, column, f"{found:.9g}, but the pose and its derivatives give {wanted:.9g}")
 
     def events(self) -> list[Event]:
@@ -242,14 +258,14 @@ class _Rows:
         for start, end in pairwise(edges):
             if bool(self.trigger[start]) != on:
                 if not self.rest[start]:
-                    raise self.error(start, len(COLUMNS) - 1, "the trigger switches in motion; switch at rest")
+                    raise self.error(start, len(self.columns) - 1, "the trigger switches in motion; switch at rest")
                 on = not on
                 events.append(Switch(self.first + start, on, at_once=True))
             if still[start]:
                 events.append(Pause(self.first + start, (end - start) * self.cycle))
                 continue
             if not self.rest[end]:
-                raise self.error(end, len(COLUMNS) - 1, "the trigger switches in motion; switch at rest")
+                raise self.error(end, len(self.columns) - 1, "the trigger switches in motion; switch at rest")
             rows = slice(start, end + 1)
             events.append(
                 TableRows(self.first + start, self.cycle, self.pose[rows], self.rates[rows], self.accelerations[rows])
@@ -272,7 +288,9 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
         CaseError: the case has no machine or no settings of this dialect.
     """
     settings = case.need_controller("a setpoint table").need_setpoints(case.name)
-    table = read_table(content, file, settings.most_rows)
-    rows = _Rows(file, table, settings)
+    home, limits = case.need_motion("the check of a table")
+    columns = columns_of(limits.columns, case.hexapod is not None)
+    table = read_table(content, file, settings.most_rows, columns)
+    rows = _Rows(file, table, settings, columns, len(home))
     rows.require(case)
     return Reading(file, tuple(rows.events()), len(table.values))

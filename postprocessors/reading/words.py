@@ -39,6 +39,8 @@ class Move:
         exact_stop: whether the controller comes to rest at the end.
         linear: whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles.
         in_struts: straight in the struts (point to point), not in the coordinates; a feed is a share of the way [1/s].
+        counted: indices of the coordinates of a chain whose way a feed counts; None as `linear` says.
+        acceleration: of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2].
     """
 
     line: int
@@ -48,6 +50,8 @@ class Move:
     exact_stop: bool
     linear: bool
     in_struts: bool = False
+    counted: tuple[int, ...] | None = None
+    acceleration: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,7 +38,7 @@ def search(family_name: str, seconds: float) -> None:
     bound = box_bound(case, model)
     (family,) = family_class(family_name)().families(case, 12.0)
     until = time.monotonic() + seconds
-    task = Task(case, 9, family, "D", 0, begin=shipped_start(family))
+    task = Task(case, 9, family, "D", 0, begin=shipped_start(family, case))
     while time.monotonic() < until:
         tables = json.loads(FILE.read_text(encoding="utf-8"))
         best = tables[family_name]["d_efficiency"]

@@ -66,7 +66,7 @@ class Moves:
         lengths = (tj, th, tj, tc, tj, th, tj)
         total = 4 * tj + 2 * th + tc
         total_information = ca.SX(0)
-        states = states_of_move(INFORMATION_POINTS)(start, end, x[12:] * family.unit)
+        states = states_of_move(INFORMATION_POINTS, 6)(start, end, x[12:] * family.unit)
         for k, (phase, _) in enumerate(INFORMATION_POINTS):
             scaled = model.coordinate_regressor.call([m[:, k] for m in states], True, False)[0] @ ca.diag(
                 ca.DM(scaling)
@@ -77,7 +77,7 @@ class Moves:
         peaks = (velocity, velocity / (tj + th), velocity / (tj + th) / tj)
         scales = (family.half / limit / family.unit**order for order, limit in enumerate(family.limits, start=1))
         rows = [ca.DM(scale) * peak for scale, peak in zip(scales, peaks, strict=True)]
-        critical = states_of_move(CRITICAL_POINTS)(start, end, x[12:] * family.unit)
+        critical = states_of_move(CRITICAL_POINTS, 6)(start, end, x[12:] * family.unit)
         for group in state_limits(case)[:STRUTS]:
             limit = ca.Function("limit", [group.kernel.variables], [group.kernel.expression])
             rows += [limit(ca.vertcat(*(m[:, k] for m in critical), 0)) for k in range(len(CRITICAL_POINTS))]

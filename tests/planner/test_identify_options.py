@@ -103,7 +103,7 @@ def test_error_terms_replace_those_of_the_model_and_serve_other_commands(
 def test_people_are_told_which_deviation_to_trust(run: Path, tmp_path: Path) -> None:
     shown = call("identify", run / "run.csv", "--case", "hexapod", "-o", tmp_path / "result", "--fix", "m=31.83kg").out
     assert "+- is the larger of std by (28)" in shown
-    assert next(line for line in shown.splitlines() if line.strip().startswith("m ")).split()[2] == "given"
+    assert next(line for line in shown.splitlines() if "(m)" in line).split()[3] == "given"
 
 
 WRONG = {
@@ -150,7 +150,7 @@ def test_noise_that_the_case_states_is_compared_with_what_is_left(run: Path, tmp
     assert re.search(
         r"s0\^2 consists of: noise of force sensors [\d.]+ %, of accelerations 0\.\d+ %, unexplained", printed
     )
-    assert re.search(r"draws parameters by at most \S+ of their \+-", printed)
+    assert re.search(r"biases parameters by at most \S+ of their \+-", printed)
     saved = json.loads((tmp_path / "result" / "result.json").read_text())
     assert saved["noise_sources"]["force_sensors"] == pytest.approx(1.0, abs=0.15)
     assert set(saved["attenuation"]) == set(saved["parameters"])

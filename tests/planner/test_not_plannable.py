@@ -145,13 +145,13 @@ def test_every_limit_has_a_remedy_that_names_keys_of_the_case(hexapod_case: Case
     checks = prove(Standstill(case.machine.home.vector, 1.0), case, 1.0).checks
     assert len(checks) == 17
     for check in checks:
-        for key in re.findall(r"[a-z_.]*[a-z]_[a-zA-Z0-9_]+|limits\.motion", remedy(check)):
+        for key in re.findall(r"[a-z_.]*[a-z]_[a-zA-Z0-9_]+|limits\.motion", remedy(check, hexapod_case)):
             *tables, last = key.split(".")
             place: object = case
             for table in tables:
                 place = getattr(place, table)
             assert not tables or hasattr(place, last), key
-        assert re.search(r"workspace\.|limits\.motion|sensors\.", remedy(check))
+        assert re.search(r"workspace\.|limits\.motion|sensors\.", remedy(check, hexapod_case))
 
 
 def test_moves_need_their_controller_cycles(hexapod_case: Case):

@@ -16,6 +16,8 @@ PACKAGES = ("cases", "identification", "planner", "postprocessors")
 DATA = (
     "cases/hexapod/case.toml",
     "cases/ft_wrist/case.toml",
+    "cases/py.typed",
+    "planner/py.typed",
     "planner/reports/templates/page.html.j2",
     "planner/reports/templates/page.css",
     "planner/reports/templates/page.js",

@@ -7,7 +7,7 @@ import planner.search.problem as problem_module
 from cases.loading import load_case
 from cases.schema import Case
 from identification.limited import rotation_motion
-from identification.limits import LimitCheck, LimitReport, Status, prove
+from identification.limits import LimitCheck, LimitReport, Status, load_motion, prove
 from identification.model import identification_model
 from identification.motion import Motion
 from identification.overload import SHARE, load_shares, sensor_forces
@@ -22,7 +22,7 @@ from planner.request import Request
 from planner.search.problem import build_problem
 from planner.search.solving import Start, Task, run_start
 from planner.search.state_limits import FORCES, near_limits, state_limits
-from planner.search.states import STATE
+from planner.search.states import state_size
 from tests.postprocessors.changed_case import changed
 
 MODEL = identification_model(load_case("hexapod"), 0)
@@ -49,7 +49,7 @@ def test_rows_of_sensor_forces_are_newtons_and_eulers(name: str, weak: Case):
     some = family_of(weak, name)
     problem = build_problem(weak, MODEL, some, SCALING, 0.0)
     start = some.start(np.random.default_rng(7), problem.worst)
-    states = problem.layout.critical.at(start).reshape(-1, STATE)
+    states = problem.layout.critical.at(start).reshape(-1, state_size(6))
     pose, rates, accelerations = states[:, :6], states[:, 6:12], states[:, 12:18]
     motion = Motion(np.arange(float(len(pose))), pose, rates, accelerations, np.zeros_like(pose))
     groups = [group for group in state_limits(weak, (0, 5)) if group.name == FORCES]
@@ -93,7 +93,7 @@ def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch:
 def test_shares_grow_with_what_is_mounted(weak: Case):
     some = family_of(weak, "fourier")
     motion = some.motion(np.zeros(some.unknowns * 6)).at(np.zeros(1))
-    shares = load_shares(motion, weak)
+    shares = load_shares(*load_motion(motion, weak), weak)
     assert len(shares) == 6
     assert np.all(np.diff(shares) > 0.0)
 

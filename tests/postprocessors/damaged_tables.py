@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from postprocessors.reading.setpoints import COLUMNS
 from tests.postprocessors.tables import (
     ACCELERATIONS,
+    COLUMNS,
     POSE,
     RATES,
     STRUTS,

@@ -21,14 +21,16 @@ from planner.families.fourier import FourierFamily
 from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
-from postprocessors.reading.setpoints import COLUMNS, METADATA, UNITS
-from postprocessors.setpoints import DECIMALS, write_parquet
+from postprocessors.reading.setpoints import METADATA, columns_of, units_of
+from postprocessors.setpoints import decimals_of, write_parquet
 from tests.helpers import one_line
 from tests.postprocessors.independent import derivatives_reached, share_of_limits, strut_lengths
 from tests.postprocessors.programs import HOME
 
 CASE = load_case("hexapod")
 LIMITS = CASE.limits.motion
+COLUMNS, DECIMALS = columns_of(LIMITS.columns, struts=True), decimals_of(CASE)
+UNITS = units_of(COLUMNS)
 LANGUAGE = dialect("setpoints").load()
 HEADER = "# format: hexcite setpoints 1"
 CYCLE = 1e-3

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cases.errors import ProgramError
-from postprocessors.reading.setpoints import COLUMNS
 from tests.postprocessors.damaged_tables import DAMAGE
 from tests.postprocessors.tables import (
+    COLUMNS,
     TABLES,
     TRIGGER,
     T,

@@ -98,7 +98,7 @@ def test_a_word_that_is_not_understood_is_named_with_line_and_column(line: str):
         ("G21 G90\nX0 Y0 Z900 A0 B0 C0 F10\nM2", "line 2, column 1: axis words without G0 or G1"),
         (
             "G21 G90\nG1 X0 Y0 Z900 A0 B0 F10\nM2",
-            "line 2, column 4: the first move leaves C open; name all six coordinates",
+            "line 2, column 4: the first move leaves C open; name all 6 coordinates",
         ),
         ("G21 G90\nG0 X0\nM2", "line 2, column 4: the first move leaves Y open"),
         ("G21 G90\nM2\nG1 X1 F10", "line 3, column 1: a word after the end of the program; M2 must be last"),

@@ -20,12 +20,12 @@ from postprocessors.execute.virtual import run_virtual
 from postprocessors.program import Dwell, NeutralProgram, PointToPoint, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Still, Timed, stretches
-from postprocessors.reading.setpoints import COLUMNS
 from postprocessors.setpoints import write_csv, write_parquet
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
 from tests.postprocessors.programs import HOME
+from tests.postprocessors.tables import COLUMNS
 
 CASE = load_case("hexapod")
 COARSE = changed(CASE, controller__setpoints__cycle_ms=4.0)

@@ -147,15 +147,38 @@ function machine(div, scene) {
   return draw(div, data, layout).then(() => { busy = false; });
 }
 
-const drawn = [];
-for (const script of document.querySelectorAll("script[data-plot]")) {
-  const figure = JSON.parse(script.textContent);
-  drawn.push(draw(document.getElementById("plot-" + script.dataset.plot), figure.data, figure.layout));
+// Plotly stands on the page compressed; it is read once the text above it has been drawn.
+async function load() {
+  const packed = atob(document.getElementById("plotly").textContent);
+  const bytes = Uint8Array.from(packed, (c) => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const script = document.createElement("script");
+  script.textContent = await new Response(stream).text();
+  document.head.append(script);
 }
-const scene = document.getElementById("scene");
-if (scene) drawn.push(machine(document.getElementById("machine"), JSON.parse(scene.textContent)));
-Promise.all(drawn).then(() => { document.documentElement.dataset.drawn = String(drawn.length); });
 
-dark.addEventListener("change", () => {
-  for (const div of document.querySelectorAll(".plot")) Plotly.relayout(div, { template: template() });
-});
+const breath = () => new Promise((resolve) => { setTimeout(resolve, 0); });
+
+async function drawAll() {
+  await new Promise((resolve) => { requestAnimationFrame(() => setTimeout(resolve, 0)); });
+  await load();
+  let count = 0;
+  for (const script of document.querySelectorAll("script[data-plot], script#scene")) { // from top to bottom
+    const figure = JSON.parse(script.textContent);
+    if (script.id === "scene") await machine(document.getElementById("machine"), figure);
+    else await draw(document.getElementById("plot-" + script.dataset.plot), figure.data, figure.layout);
+    count += 1;
+    await breath();
+  }
+  document.documentElement.dataset.drawn = String(count);
+}
+
+function recolour() {
+  for (const div of document.querySelectorAll(".plot.js-plotly-plot")) Plotly.relayout(div, { template: template() });
+}
+
+drawAll();
+dark.addEventListener("change", recolour);
+for (const [event, paper] of [["beforeprint", true], ["afterprint", false]]) {
+  window.addEventListener(event, () => { document.documentElement.classList.toggle("paper", paper); recolour(); });
+}

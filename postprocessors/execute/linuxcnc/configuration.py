@@ -1,10 +1,13 @@
 """The LinuxCNC configuration of a case: INI, HAL, tool table and variables, in LinuxCNC's units (mm, degrees, seconds).
 
-The joints of the machine are the six struts (`genhexkins`); its axes X Y Z A B C are the pose, A B C turning about the
-fixed axes x y z, which is R = Rz(yaw) Ry(pitch) Rx(roll). There are no motors: each joint follows its command exactly.
+The joints of a hexapod are its six struts (`genhexkins`); its axes X Y Z A B C are the pose, A B C turning about the
+fixed axes x y z, which is R = Rz(yaw) Ry(pitch) Rx(roll). The axes of a chain are its joints (`trivkins`). There are no
+motors: each joint follows its command exactly.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +43,9 @@ FOLLOWING_ERROR = 50.0
 QUEUE = 100_000
 """Cycles that the log can hold until the driver fetches them: 5 s at 20 times real time."""
 
-STRUTS = tuple(f"joint.{k}" for k in range(6))
+TURNS = 1e6
+"""Position limits of a joint that turns without end [degrees]."""
+
 AXES = "XYZABC"
 DWELL_OUTPUT = 3
 """Digital output that starts a dwell, digital input that ends it, and analog output that holds its seconds."""
@@ -57,68 +62,115 @@ M2
 """
 """A dwell that is counted in the controller's own cycles; G4 is timed on the wall, whatever the servo thread does."""
 
-UNITS = np.array([MM, MM, MM, DEG, DEG, DEG])
-"""LinuxCNC's unit of each pose coordinate in SI."""
 
-CHANNELS = (
-    ("s", "motion.program-line"),
-    ("b", "motion.digital-out-00"),
-    *(("f", f"{strut}.pos-cmd") for strut in STRUTS),
-    *(("f", f"axis.{axis.lower()}.pos-cmd") for axis in AXES),
-)
-"""What is logged every cycle: type of the sampler (s integer, b bit, f float64) and pin."""
+class Layout(NamedTuple):
+    """Axes and joints of a machine.
 
+    Args:
+        axes: letters of the coordinates.
+        turns: which of them are angles, shape (k,).
+        kinematics: LinuxCNC's name for it, with its settings.
+        slides: which joints are lengths, shape (k,).
+    """
 
-def sampler_format() -> str:
-    """The types of `CHANNELS` as LinuxCNC's `sampler` wants them."""
-    return "".join(kind for kind, _ in CHANNELS)
+    axes: str
+    turns: NDArray[np.bool_]
+    kinematics: str
+    slides: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, case: Case) -> "Layout":
+        """The layout of a case with a machine; of a chain its joints are the axes.
+
+        Raises:
+            CaseError: the case has no machine or no limits.
+        """
+        turns = case.need_motion(PURPOSE)[1].turns
+        if case.chain is None:
+            return cls(AXES, turns, "genhexkins", np.ones(6, dtype=bool))
+        letters = "".join(case.chain.names)
+        return cls(letters, turns, f"trivkins coordinates={letters}", ~turns)
+
+    @property
+    def units(self) -> Array:
+        """LinuxCNC's unit of each axis in SI, shape (k,)."""
+        return np.where(self.turns, DEG, MM)
+
+    @property
+    def joint_units(self) -> Array:
+        """LinuxCNC's unit of each joint in SI, shape (k,)."""
+        return np.where(self.slides, MM, DEG)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Joints as HAL names them."""
+        return tuple(f"joint.{k}" for k in range(len(self.axes)))
+
+    @property
+    def channels(self) -> tuple[tuple[str, str], ...]:
+        """What is logged every cycle: type of the sampler (s integer, b bit, f float64) and pin."""
+        return (
+            ("s", "motion.program-line"),
+            ("b", "motion.digital-out-00"),
+            *(("f", f"{joint}.pos-cmd") for joint in self.joints),
+            *(("f", f"axis.{axis.lower()}.pos-cmd") for axis in self.axes),
+        )
+
+    @property
+    def sampler(self) -> str:
+        """The types of the channels as LinuxCNC's `sampler` wants them."""
+        return "".join(kind for kind, _ in self.channels)
 
 
 def pose_range(case: Case, box: bool) -> Array:
-    """Range of the axes relative to home, shape (2, 6) [m, rad].
+    """Range of the axes relative to home, shape (2, k) [m or rad].
 
-    The workspace limits x and y; whatever else its struts allow, whose limits LinuxCNC keeps too, the axes may do.
+    The workspace limits x and y; whatever else its struts allow, whose limits LinuxCNC keeps too, the axes may do. Of a
+    chain the ends of its joints do.
 
     Args:
-        case: a case with machine, workspace and limits.
+        case: a case with machine and limits.
         box: whether the narrower box of `[limits.motion]` holds.
     """
-    _, workspace, limits = case.need_machine(PURPOSE)
+    home, limits = case.need_motion(PURPOSE)
     if box:
-        return limits.motion.pose
+        return limits.pose
+    if case.chain is not None:
+        return np.clip(case.chain.position, -TURNS * DEG, TURNS * DEG) - home
+    _, workspace, _ = case.need_machine(PURPOSE)
     reach = workspace.strut_length[1]
     low, high = workspace.plane
     return np.array([[*low, -reach, *[-WIDEST] * 3], [*high, reach, *[WIDEST] * 3]])
 
 
-def ini_text(case: Case, home_lengths: Array, headroom: float, box: bool = True) -> str:
+def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) -> str:
     """The INI file.
 
-    Position limits of the axes are `pose_range`, those of the struts `[workspace]`. Velocity limits of
+    Position limits of the axes are `pose_range`, those of struts `[workspace]`. Velocity limits of
     the axes are `[limits.motion]`, acceleration limits its multiple by `headroom`. The limits of the path
     as a whole are the diagonals of these boxes, so that they never bind before an axis does.
 
     Args:
-        case: a case with machine, workspace, limits and controller.
-        home_lengths: strut lengths at home, shape (6,) [m].
+        case: a case with machine, limits and controller.
+        home_joints: joints at home, shape (k,) [m or rad].
         headroom: acceleration limits as a multiple of the case's.
         box: whether the axes keep the box of `[limits.motion]`, else `[workspace]`; see `pose_range`.
 
     Raises:
         CaseError: the case lacks one of these parts.
     """
-    machine, workspace, limits = case.need_machine(PURPOSE)
-    home = machine.home.vector / UNITS
-    low, high = home + pose_range(case, box) / UNITS + ROUNDING * np.array([[-1.0], [1.0]])
-    velocity = limits.motion.rate / UNITS
-    acceleration = headroom * limits.motion.acceleration / UNITS
-    shortest, longest = workspace.strut_length / MM
+    (start, limits), layout = case.need_motion(PURPOSE), Layout.of(case)
+    home = start / layout.units
+    low, high = home + pose_range(case, box) / layout.units + ROUNDING * np.array([[-1.0], [1.0]])
+    velocity = limits.rate / layout.units
+    acceleration = headroom * limits.acceleration / layout.units
+    linear, angular = ~layout.turns, layout.turns
     lines = [
         "[EMC]",
         "VERSION = 1.1",
         f"MACHINE = {case.name}",
         "[HEXCITE]",
-        f"SAMPLER = {sampler_format()}",
+        f"SAMPLER = {layout.sampler}",
         "[DISPLAY]",
         f"DISPLAY = ./{DISPLAY_FILE}",
         "[RS274NGC]",
@@ -135,27 +187,35 @@ def ini_text(case: Case, home_lengths: Array, headroom: float, box: bool = True)
         "[HAL]",
         f"HALFILE = {HAL_FILE}",
         "[TRAJ]",
-        f"COORDINATES = {' '.join(AXES)}",
+        f"COORDINATES = {' '.join(layout.axes)}",
         f"HOME = {' '.join(_number(value) for value in home)}",
         "LINEAR_UNITS = mm",
         "ANGULAR_UNITS = degree",
-        *_path_limits("LINEAR", velocity[:3], acceleration[:3]),
-        *_path_limits("ANGULAR", velocity[3:], acceleration[3:]),
+        *_path_limits("LINEAR", velocity[linear], acceleration[linear]),
+        *_path_limits("ANGULAR", velocity[angular], acceleration[angular]),
         "[EMCIO]",
         "EMCIO = io",
         "CYCLE_TIME = 0.1",
         f"TOOL_TABLE = {TOOL_FILE}",
         "[KINS]",
-        "KINEMATICS = genhexkins",
-        "JOINTS = 6",
+        f"KINEMATICS = {layout.kinematics}",
+        f"JOINTS = {len(layout.axes)}",
     ]
-    for k, axis in enumerate(AXES):
-        lines += [f"[AXIS_{axis}]", *_range(low[k], high[k]), *_dynamics(velocity[k], acceleration[k])]
-    for k, length in enumerate(np.asarray(home_lengths) / MM):
-        lines += [f"[JOINT_{k}]", "TYPE = LINEAR", *_range(shortest, longest), *_dynamics(UNBOUND, UNBOUND)]
-        lines += [f"HOME = {_number(length)}", f"HOME_OFFSET = {_number(length)}", "HOME_SEQUENCE = 0"]
+    axes = [(*_range(low[k], high[k]), *_dynamics(velocity[k], acceleration[k])) for k in range(len(home))]
+    for axis, own in zip(layout.axes, axes, strict=True):
+        lines += [f"[AXIS_{axis}]", *own]
+    struts = None if case.chain is not None else _struts(case)
+    for k, value in enumerate(np.asarray(home_joints) / layout.joint_units):
+        kind = "LINEAR" if layout.slides[k] else "ANGULAR"
+        lines += [f"[JOINT_{k}]", f"TYPE = {kind}", *(axes[k] if struts is None else struts)]
+        lines += [f"HOME = {_number(value)}", f"HOME_OFFSET = {_number(value)}", "HOME_SEQUENCE = 0"]
         lines += ["HOME_SEARCH_VEL = 0", "HOME_LATCH_VEL = 0", *_following()]
     return "\n".join(lines) + "\n"
+
+
+def _struts(case: Case) -> list[str]:
+    shortest, longest = case.need_machine(PURPOSE)[1].strut_length / MM
+    return [*_range(shortest, longest), *_dynamics(UNBOUND, UNBOUND)]
 
 
 def hal_text(case: Case) -> str:
@@ -167,20 +227,19 @@ def hal_text(case: Case) -> str:
     Raises:
         CaseError: the case has none.
     """
-    machine, _, _ = case.need_machine(PURPOSE)
+    layout = Layout.of(case)
     lines = [
         "loadrt [KINS]KINEMATICS",
         "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS num_dio=4 num_aio=4",
         "loadrt and2",
         "loadrt timedelay",
-        f"loadrt sampler depth={QUEUE} cfg={sampler_format()}",
+        f"loadrt sampler depth={QUEUE} cfg={layout.sampler}",
         "addf motion-command-handler servo-thread",
         "addf motion-controller servo-thread",
         "addf and2.0 servo-thread",
         "addf timedelay.0 servo-thread",
         "addf sampler.0 servo-thread",
         "setp sampler.0.enable 0",
-        "net tool-length motion.tooloffset.z => genhexkins.tool-offset",
         "setp timedelay.0.off-delay 0",
         f"net dwell-asked motion.digital-out-0{DWELL_OUTPUT} => and2.0.in0",
         "net standing motion.in-position => and2.0.in1",
@@ -191,28 +250,37 @@ def hal_text(case: Case) -> str:
         "net tool-prepare iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
         "net tool-change iocontrol.0.tool-change => iocontrol.0.tool-changed",
     ]
-    for ring, points in (("base", machine.base.points), ("platform", machine.platform.points)):
-        for k, point in enumerate(points / MM):
-            lines += [f"setp genhexkins.{ring}.{k}.{c} {_number(v)}" for c, v in zip("xyz", point, strict=True)]
-    lines += [f"net {strut.replace('.', '-')} {strut}.motor-pos-cmd => {strut}.motor-pos-fb" for strut in STRUTS]
-    lines += [f"net log-{k} {pin} => sampler.0.pin.{k}" for k, (_, pin) in enumerate(CHANNELS)]
+    lines += _kinematics(case)
+    lines += [f"net {joint.replace('.', '-')} {joint}.motor-pos-cmd => {joint}.motor-pos-fb" for joint in layout.joints]
+    lines += [f"net log-{k} {pin} => sampler.0.pin.{k}" for k, (_, pin) in enumerate(layout.channels)]
     return "\n".join(lines) + "\n"
 
 
-def write_configuration(folder: Path, case: Case, home_lengths: Array, headroom: float, box: bool = True) -> None:
+def _kinematics(case: Case) -> Iterator[str]:
+    """Settings of the kinematics: the points of a hexapod, none of a chain."""
+    if case.chain is not None:
+        return
+    machine, _, _ = case.need_machine(PURPOSE)
+    yield "net tool-length motion.tooloffset.z => genhexkins.tool-offset"
+    for ring, points in (("base", machine.base.points), ("platform", machine.platform.points)):
+        for k, point in enumerate(points / MM):
+            yield from (f"setp genhexkins.{ring}.{k}.{c} {_number(v)}" for c, v in zip("xyz", point, strict=True))
+
+
+def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: float, box: bool = True) -> None:
     """Writes everything that LinuxCNC reads, except its program and its display, into a folder of its own.
 
     Args:
         folder: an existing folder.
         case: a case with machine, workspace, limits and controller.
-        home_lengths: strut lengths at home, shape (6,) [m].
+        home_joints: joints at home, shape (k,) [m or rad].
         headroom: acceleration limits as a multiple of the case's.
         box: whether the axes keep the box of `[limits.motion]`, else `[workspace]`; see `pose_range`.
 
     Raises:
         CaseError: the case lacks one of these parts.
     """
-    (folder / INI_FILE).write_text(ini_text(case, home_lengths, headroom, box), encoding="ascii")
+    (folder / INI_FILE).write_text(ini_text(case, home_joints, headroom, box), encoding="ascii")
     (folder / HAL_FILE).write_text(hal_text(case), encoding="ascii")
     (folder / TOOL_FILE).write_text("T1 P1 Z0 D1\n", encoding="ascii")
     (folder / DWELL_FILE).write_text(DWELL, encoding="ascii")
@@ -220,6 +288,8 @@ def write_configuration(folder: Path, case: Case, home_lengths: Array, headroom:
 
 
 def _path_limits(kind: str, velocity: Array, acceleration: Array) -> list[str]:
+    if not len(velocity):
+        return []
     largest, strongest = float(np.linalg.norm(velocity)), float(np.linalg.norm(acceleration))
     return [
         f"{start}_{kind}_{quantity} = {_number(value)}"

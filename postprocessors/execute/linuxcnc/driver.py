@@ -130,7 +130,7 @@ class Session:
             time.sleep(POLL)
             self.look()
 
-    def prepare(self, program):
+    def prepare(self, program, joints):
         """Enables and homes the machine and opens the program."""
         command, state = self.command, self.state
         self.tell(command.state, linuxcnc.STATE_ESTOP_RESET)
@@ -139,7 +139,7 @@ class Session:
         self.tell(command.mode, linuxcnc.MODE_MANUAL)
         self.tell(command.teleop_enable, 0)
         command.home(-1)
-        self.wait(lambda: all(state.homed[:6]), "the struts cannot be homed")
+        self.wait(lambda: all(state.homed[:joints]), "the joints cannot be homed")
         self.tell(command.teleop_enable, 1)
         self.wait(lambda: state.motion_mode == linuxcnc.TRAJ_MODE_TELEOP, "the axes cannot be moved together")
         self.tell(command.mode, linuxcnc.MODE_AUTO)
@@ -179,10 +179,11 @@ def main():
     parser.add_argument("time_limit", type=float)
     arguments = parser.parse_args()
     session = Session()
-    recorder = Recorder(linuxcnc.ini(arguments.ini).find("HEXCITE", "SAMPLER"))
+    settings = linuxcnc.ini(arguments.ini)
+    recorder = Recorder(settings.find("HEXCITE", "SAMPLER"))
     started = 0
     try:
-        session.prepare(arguments.program)
+        session.prepare(arguments.program, int(settings.find("KINS", "JOINTS")))
         recorder.start()
         started = recorder.count
         outcome = session.run(arguments.time_limit)

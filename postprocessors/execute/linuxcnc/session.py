@@ -16,11 +16,10 @@ import numpy as np
 
 from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
-from cases.units import MM
-from identification.hexapod import Hexapod
+from identification.machine import machine_of
 from postprocessors.execute.executed_run import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
-from postprocessors.execute.linuxcnc.configuration import CHANNELS, SERVO_PERIOD, UNITS
+from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, Layout
 from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, check_syntax, preload_works, run_session
 
 HERE = Path(__file__).parent
@@ -130,11 +129,11 @@ def _session(
     program: Path, lines: list[str], case: Case, headroom: float, timed: bool, speedup: float, time_limit: float
 ) -> tuple[ControllerLog, tuple[int, int]]:
     """Runs the lines once; returns the log, and the rows between which the program ran."""
-    machine, _, _ = case.need_machine(configuration.PURPOSE)
-    home_lengths = Hexapod.of(case).strut_lengths(machine.home.vector[None])[0]
+    home, _ = case.need_motion(configuration.PURPOSE)
+    home_joints = machine_of(case).drives(home[None])[0]
     with tempfile.TemporaryDirectory(prefix="hexcite-linuxcnc-") as name:
         folder = Path(name)
-        configuration.write_configuration(folder, case, home_lengths, headroom, timed)
+        configuration.write_configuration(folder, case, home_joints, headroom, timed)
         (folder / PROGRAM_FILE).write_bytes("\n".join(lines).encode("ascii"))
         (folder / configuration.DISPLAY_FILE).write_bytes((HERE / "driver.py").read_bytes())
         (folder / configuration.DISPLAY_FILE).chmod(0o755)
@@ -148,7 +147,7 @@ def _session(
                 "run again, and check its installation if that does not help",
             )
         report = read_report(program, folder)
-        return read_log(program, folder, report, speedup), (report["started"], report["ended"])
+        return read_log(program, folder, Layout.of(case), report, speedup), (report["started"], report["ended"])
 
 
 def _lines(program: Path, content: bytes | None) -> list[str]:
@@ -230,12 +229,13 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
     raise ExecutionError(place, f"LinuxCNC stopped: {said}", remedy)
 
 
-def read_log(program: Path, folder: Path, report: dict[str, Any], speedup: float) -> ControllerLog:
+def read_log(program: Path, folder: Path, layout: Layout, report: dict[str, Any], speedup: float) -> ControllerLog:
     """The log of a session, in SI units.
 
     Args:
         program: the program, for messages.
         folder: the session's.
+        layout: of axes and joints.
         report: the driver's.
         speedup: controller time per wall-clock time, for messages.
 
@@ -248,13 +248,13 @@ def read_log(program: Path, folder: Path, report: dict[str, Any], speedup: float
             f"{program}: {lost} of {count + lost} cycles were not logged; the computer is too busy, run again with a "
             f"speed-up below {speedup:g}"
         )
-    samples = np.fromfile(folder / SAMPLES_FILE).reshape(count, 1 + len(CHANNELS))
+    samples = np.fromfile(folder / SAMPLES_FILE).reshape(count, 1 + len(layout.channels))
     lines, trigger, values = samples[:, 1], samples[:, 2], samples[:, 3:]
     return ControllerLog(
         controller=f"LinuxCNC {report['version'].split('+')[0]}",
         period=SERVO_PERIOD,
-        strut_lengths=values[:, :6] * MM,
-        poses=values[:, 6:] * UNITS,
+        drives=values[:, : len(layout.axes)] * layout.joint_units,
+        poses=values[:, len(layout.axes) :] * layout.units,
         trigger=trigger != 0.0,
         lines=lines.astype(np.int64),
     )

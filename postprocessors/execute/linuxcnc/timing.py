@@ -193,9 +193,9 @@ def without_surplus(
             surplus = slice(middle, middle + phase.end - phase.start - cycles)
             if surplus.stop <= middle:
                 continue
-            if not np.ptp(log.strut_lengths[middle - 1 : surplus.stop + 1], axis=0).any():
+            if not np.ptp(log.drives[middle - 1 : surplus.stop + 1], axis=0).any():
                 keep[surplus] = False
-    columns = {name: getattr(log, name)[keep] for name in ("strut_lengths", "poses", "trigger", "lines")}
+    columns = {name: getattr(log, name)[keep] for name in ("drives", "poses", "trigger", "lines")}
     return replace(log, **columns, left_out=int(np.count_nonzero(~keep)))
 
 

@@ -99,10 +99,10 @@ def test_effect_of_the_accelerations_is_that_of_changed_struts() -> None:
     case = ideal(CASE)
     made = moving_run(run(case), case, identification_model(case, 9))
     struts = [made.filter.apply(made.recording.struts, k)[made.rows] for k in range(3)]
-    effects = acceleration_effects(made.hexapod, made.model, made.kinematics(0.0))
+    effects = acceleration_effects(made.machine, made.model, made.kinematics(0.0))
     rng = np.random.default_rng(0)
     change = rng.normal(size=struts[2].shape)
-    other = regressors(made.model, made.hexapod.kinematics(struts[0], struts[1], struts[2] + change))
+    other = regressors(made.model, made.machine.kinematics(struts[0], struts[1], struts[2] + change))
     np.testing.assert_allclose(
         sum(c[:, None, None] * e for c, e in zip(change.T, effects, strict=True)),
         other - made.regressors(0.0),

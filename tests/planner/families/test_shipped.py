@@ -42,7 +42,7 @@ def test_a_table_of_unknowns_gives_them_back(name: str):
 @pytest.mark.parametrize("name", FAMILIES)
 def test_on_the_built_in_hexapod_it_is_worth_what_it_says_within_all_limits(name: str):
     family, model = family_of(name), identification_model(CASE, 9)
-    start = shipped_start(family)
+    start = shipped_start(family, CASE)
     assert start is not None
     scaling = reference_scaling(CASE, model)
     logdet = np.linalg.slogdet(mean_information(model, scaling, family.motion(start)))[1]
@@ -52,15 +52,15 @@ def test_on_the_built_in_hexapod_it_is_worth_what_it_says_within_all_limits(name
 
 
 def test_fourier_series_of_another_order_are_not_like_it():
-    assert shipped_start(family_of("fourier", order=4)) is None
-    assert shipped_start(family_of("fourier", order=5, centred=True)) is None
-    assert shipped_start(family_of("fourier", order=5, duration=4.0)) is not None
+    assert shipped_start(family_of("fourier", order=4), CASE) is None
+    assert shipped_start(family_of("fourier", order=5, centred=True), CASE) is None
+    assert shipped_start(family_of("fourier", order=5, duration=4.0), CASE) is not None
 
 
 def test_splines_of_other_numbers_of_knots_follow_the_same_curve():
     coarse, fine = family_of("spline", knots=60), family_of("spline")
     t = np.linspace(0.0, 12.0, 200)
-    places = [family.motion(shipped_start(family)).at(t).pose / family.half for family in (coarse, fine)]
+    places = [family.motion(shipped_start(family, CASE)).at(t).pose / family.half for family in (coarse, fine)]
     likeness = [np.corrcoef(places[0][:, k], places[1][:, k])[0, 1] for k in range(6)]
     assert min(likeness) > 0.8
 
@@ -68,7 +68,7 @@ def test_splines_of_other_numbers_of_knots_follow_the_same_curve():
 @pytest.mark.parametrize("moves", [12, 40, 64])
 def test_more_moves_than_it_has_go_back_the_same_way(moves: int):
     family = family_of("ptp", moves=moves, duration=0.3 * moves)
-    points, times = family.split(shipped_start(family))
+    points, times = family.split(shipped_start(family, CASE))
     assert points.shape == (moves + 1, 6)
     assert np.abs(points).max() <= 1.0
     assert np.all(times >= 0.0)
@@ -80,7 +80,7 @@ def test_a_walk_that_is_annealed_further_is_no_worse():
     family, model = family_of("ptp", moves=20, duration=6.0), identification_model(CASE, 9)
     assert isinstance(family, PointToPointFamily)
     scaling, told = reference_scaling(CASE, model), []
-    walk = family.split(shipped_start(family))[0]
+    walk = family.split(shipped_start(family, CASE))[0]
     draw = np.random.default_rng(1)
     unknowns = annealed_start(CASE, model, scaling, family, draw, 2000, lambda f: told.append(f) is not None, walk)
     assert told == sorted(told, reverse=True)  # -log det F / u of the best until then

@@ -12,7 +12,7 @@ from planner.families.spline import CRITICAL, SplineFamily
 from planner.search.problem import Problem, build_problem
 from planner.search.rows import LinearRows
 from planner.search.state_limits import state_limits
-from planner.search.states import STATE, Peak
+from planner.search.states import Peak, state_size
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,7 @@ def test_strut_velocities_peak_near_the_instants_at_which_they_are_constrained(
     unknowns = np.random.default_rng(seed).normal(size=family.unknowns * 6)
     unknowns *= 0.9 / problem.worst(unknowns)
     (velocity,) = (group for group in state_limits(hexapod_case) if group.name == "strut velocity")
-    shares = np.abs(velocity.kernel.values(problem.layout.critical.at(unknowns).reshape(-1, STATE))).max(axis=1)
+    shares = np.abs(velocity.kernel.values(problem.layout.critical.at(unknowns).reshape(-1, state_size(6)))).max(axis=1)
     constrained = problem.layout.peaks[Peak.VELOCITY].ravel()
     motion = sample(family.motion(unknowns), 5_000.0)
     lengths = Hexapod.of(hexapod_case).strut_lengths(motion.pose)

@@ -17,7 +17,7 @@ from planner.search.problem import Problem, build_problem
 from planner.search.rows import LinearRows, Rows, StateRows
 from planner.search.solving import seeds_of
 from planner.search.state_limits import near_limits, state_limits
-from planner.search.states import STATE
+from planner.search.states import state_size
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
 from tests.planner.search.conftest import Small, family_of
@@ -87,7 +87,7 @@ def test_strut_limits_are_the_struts_of_the_motion(problem: Problem, unknowns: n
         "strut velocity": (after - before) / (2 * h) / box.strut_velocity_m_s,
         "strut acceleration": (after - 2 * now + before) / h**2 / box.strut_acceleration_m_s2,
     }
-    states = problem.layout.critical.at(0.1 * unknowns).reshape(-1, STATE)
+    states = problem.layout.critical.at(0.1 * unknowns).reshape(-1, state_size(6))
     for group in state_limits(hexapod_case):
         if group.name in expected:
             assert group.kernel.values(states) == pytest.approx(expected.pop(group.name), abs=1e-5)
@@ -101,7 +101,7 @@ def test_limits_that_are_left_out_are_not_near_anywhere_in_the_box(name: str):
     machine, _, limits = case.need_machine("this test")
     box, draw = limits.motion, np.random.default_rng(1)
     signs = draw.choice((-1.0, 1.0), (2, 500, 6))
-    table = np.zeros((500, STATE))
+    table = np.zeros((500, state_size(6)))
     table[:, :18] = np.hstack(
         [machine.home.vector + draw.uniform(*box.pose, (500, 6)), signs[0] * box.rate, signs[1] * box.acceleration]
     )

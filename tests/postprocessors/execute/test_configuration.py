@@ -74,13 +74,31 @@ def test_kinematics_has_the_joints_of_the_case(hexapod_case: Case) -> None:
     np.testing.assert_allclose(points["platform"], hexapod_case.machine.platform.points * 1e3, atol=1e-9)
 
 
-def test_every_channel_is_logged(hexapod_case: Case) -> None:
-    pins = re.findall(r"^net log-(\d+) (\S+) => sampler\.0\.pin\.(\d+)$", configuration.hal_text(hexapod_case), re.M)
-    assert [(int(a), pin, int(b)) for a, pin, b in pins] == [
-        (k, pin, k) for k, (_, pin) in enumerate(configuration.CHANNELS)
-    ]
-    assert f"cfg={configuration.sampler_format()}" in configuration.hal_text(hexapod_case)
-    assert f"SAMPLER = {configuration.sampler_format()}\n" in configuration.ini_text(hexapod_case, np.full(6, 1.0), 1.0)
+@pytest.mark.parametrize("name", ["hexapod", "five_axis_table"])
+def test_every_channel_is_logged(name: str) -> None:
+    case = load_case(name)
+    layout, hal = configuration.Layout.of(case), configuration.hal_text(case)
+    pins = re.findall(r"^net log-(\d+) (\S+) => sampler\.0\.pin\.(\d+)$", hal, re.M)
+    assert [(int(a), pin, int(b)) for a, pin, b in pins] == [(k, pin, k) for k, (_, pin) in enumerate(layout.channels)]
+    assert len(pins) == 2 + 2 * len(layout.axes)
+    assert f"cfg={layout.sampler}" in hal
+    assert f"SAMPLER = {layout.sampler}\n" in configuration.ini_text(case, np.ones(len(layout.axes)), 1.0)
+
+
+def test_the_axes_of_a_chain_are_its_joints() -> None:
+    case = load_case("five_axis_table")
+    home, limits = case.need_motion("a test")
+    ini = settings(configuration.ini_text(case, home, 1.0, box=False))
+    assert (ini["KINS"]["KINEMATICS"], ini["KINS"]["JOINTS"]) == ("trivkins coordinates=XYZAC", "5")
+    assert [ini[f"JOINT_{k}"]["TYPE"] for k in range(5)] == ["LINEAR"] * 3 + ["ANGULAR"] * 2
+    for k, joint in enumerate(case.chain.joints):
+        for section in (f"JOINT_{k}", f"AXIS_{joint.name}"):
+            assert float(ini[section]["MAX_VELOCITY"]) == pytest.approx(limits.rate[k] / joint.unit)
+            assert float(ini[section]["MAX_ACCELERATION"]) == pytest.approx(limits.acceleration[k] / joint.unit)
+            low, high = (float(ini[section][key]) * joint.unit for key in ("MIN_LIMIT", "MAX_LIMIT"))
+            assert low <= joint.position[0] + 1e-6 or joint.kind == "continuous"
+            assert high >= joint.position[1] - 1e-6 or joint.kind == "continuous"
+    assert "genhexkins" not in configuration.hal_text(case)
 
 
 def test_a_case_without_a_machine_cannot_be_configured(tmp_path: Path) -> None:

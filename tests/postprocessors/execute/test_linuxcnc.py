@@ -40,8 +40,8 @@ def test_struts_are_the_delayed_spline_of_the_kinematics(executed: ControllerLog
     lengths = Hexapod.of(hexapod_case).strut_lengths(executed.poses)
     spline = (lengths[:-3] + 4.0 * lengths[1:-2] + lengths[2:-1]) / 6.0
     # LinuxCNC's forward kinematics, on which the first pose rests, stops at 1e-9 mm
-    np.testing.assert_allclose(executed.strut_lengths[3:], spline, rtol=0.0, atol=1e-9)
-    assert np.ptp(executed.strut_lengths, axis=0).min() > 1e-3
+    np.testing.assert_allclose(executed.drives[3:], spline, rtol=0.0, atol=1e-9)
+    assert np.ptp(executed.drives, axis=0).min() > 1e-3
 
 
 @pytest.mark.linuxcnc

@@ -27,7 +27,7 @@ def test_the_trigger_brackets_standstills_whenever_the_servo_thread_is_stopped(
     with stuttering(0.1, 0.02, seed) as stops:
         log = run_linuxcnc(program, hexapod_case)
     assert len(stops) > 10, "the servo thread was not stopped: not a test"
-    moving = np.append(np.any(np.diff(log.strut_lengths, axis=0) != 0.0, axis=1), False)
+    moving = np.append(np.any(np.diff(log.drives, axis=0) != 0.0, axis=1), False)
     on = windows(log.trigger, 1.0).astype(int)
     assert len(on) == len(PLACES)
     for (start, end), x in zip(on, PLACES, strict=True):

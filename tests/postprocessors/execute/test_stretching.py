@@ -8,7 +8,7 @@ import pytest
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import TimedPoints
-from identification.trajectories.executed import StrutExecution
+from identification.trajectories.executed import DriveExecution
 from identification.trajectories.path import path_error
 from postprocessors.dialects import dialect
 from postprocessors.execute.block_limited import block_durations, largest_cut
@@ -122,7 +122,7 @@ def test_linuxcnc_stretches_a_dense_path_as_predicted(tmp_path: Path, hexapod_ca
     virtual = run_virtual(read.reading, without, read.guarantees)
     assert log.trigger.sum() * log.period == pytest.approx(virtual.excitation, rel=0.05)
     (path,) = (s.points for s in stretches(read.reading) if isinstance(s, Timed))
-    real = StrutExecution.of_log(Hexapod.of(without), log.period, log.strut_lengths)
+    real = DriveExecution.of_log(Hexapod.of(without), log.period, log.strut_lengths)
     window = windows(log.trigger, log.period)
     assert path_error(path, virtual.execution, virtual.trigger) == pytest.approx(
         path_error(path, real, window), rel=0.25

@@ -91,7 +91,7 @@ def test_dwells_are_as_long_in_the_log_as_programmed_each_with_its_trigger() -> 
     np.testing.assert_array_equal(np.flatnonzero(found.trigger), 5 + 100 + np.arange(200))
     assert np.count_nonzero(found.lines == 0) == 350 + 1
     assert found.left_out == 30 + 4 + 40 == len(log.lines) - len(found.lines)
-    np.testing.assert_array_equal(found.strut_lengths[:6], log.strut_lengths[:6])
+    np.testing.assert_array_equal(found.drives[:6], log.drives[:6])
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_what_the_log_does_not_show_as_programmed_stays() -> None:
         log = standing(phases)
         assert timing.without_surplus(log, POSE_DWELLS, POSE_SWITCHES, (0, len(log.lines))).left_out == 0
     moved = standing([(130, False), (204, True), (90, False)])
-    struts = moved.strut_lengths.copy()
+    struts = moved.drives.copy()
     struts[5 + 60] += 1e-6
     creeping = ControllerLog("none", 1e-3, struts, moved.poses, moved.trigger, moved.lines)
     assert timing.without_surplus(creeping, POSE_DWELLS, POSE_SWITCHES, (0, len(moved.lines))).left_out == 4 + 40

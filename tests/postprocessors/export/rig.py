@@ -38,16 +38,17 @@ def run_rig(
     home = Hexapod.of(case).strut_lengths(case.machine.home.vector[None])[0]
     configuration.write_configuration(folder, case, home, 1.0)
     kinds = "".join(kind for kind, _ in pins)
-    usual = configuration.sampler_format()
+    layout = configuration.Layout.of(case)
+    usual = layout.sampler
     for name in (configuration.INI_FILE, configuration.HAL_FILE):
         text = (folder / name).read_text(encoding="ascii")
         assert usual in text
         lines = [line.replace(usual, kinds) for line in text.splitlines() if not line.startswith("net log-")]
         (folder / name).write_text("\n".join(lines) + "\n", encoding="ascii")
     with (folder / configuration.HAL_FILE).open("a", encoding="ascii") as file:
-        for k, strut in enumerate(configuration.STRUTS):
+        for k, strut in enumerate(layout.joints):
             file.write(f"net strut-{k} {strut}.pos-cmd\n")
-        for k, axis in enumerate(configuration.AXES.lower()):
+        for k, axis in enumerate(layout.axes.lower()):
             file.write(f"net pose-{k} axis.{axis}.pos-cmd\n")
         file.write("net trigger motion.digital-out-00\n" + hal)
         for k, (_, name) in enumerate(pins):

@@ -1,0 +1,330 @@
+"""A machine that is a serial chain of joints with the sensor behind the last: a robot, a five-axis table.
+
+`[machine.chain]` has the geometry, `[limits.motion]` of such a machine the motion of each joint; both list the joints
+from the base to the sensor. Coordinates are the positions of the joints.
+"""
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import field_validator, model_validator
+
+from cases.parts import Array, Part, Positive, Range, Vector, frozen
+from cases.parts import Number as Real
+from cases.sensors import RigidBody
+from cases.units import DEG, MM
+
+MOST_JOINTS = 12
+LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
+_NAME = re.compile(r"[A-Za-z][\w./-]*")  # a name in ROS, and of columns
+
+
+class Frame(Part):
+    """Where a frame lies in the one before it: R = Rz(yaw) Ry(pitch) Rx(roll), as in a URDF."""
+
+    origin_mm: Vector = (0.0, 0.0, 0.0)
+    rpy_deg: Vector = (0.0, 0.0, 0.0)
+
+    @cached_property
+    def origin(self) -> Array:
+        """Its origin in the frame before it, shape (3,) [m]."""
+        return frozen([v * MM for v in self.origin_mm])
+
+    @cached_property
+    def rpy(self) -> Array:
+        """Roll, pitch, yaw, shape (3,) [rad]."""
+        return frozen([v * DEG for v in self.rpy_deg])
+
+
+class Joint(Frame):
+    """A joint and the link behind it, whose frame is the joint's where the joint stands at 0.
+
+    A `continuous` joint turns without end and has no `position_deg`; a `revolute` one has, a `prismatic` one has
+    `position_mm`.
+    """
+
+    name: str
+    kind: Literal["revolute", "continuous", "prismatic"]
+    axis: Vector
+    """In the joint's own frame; of any length."""
+    position_deg: Range | None = None
+    """Lower and upper end of the joint."""
+    position_mm: Range | None = None
+    home_deg: Real | None = None
+    """Where programs begin and end; limits of motion are relative to it."""
+    home_mm: Real | None = None
+    torque_Nm: Positive | None = None
+    """What the joint's drive can do."""
+    force_N: Positive | None = None
+    link: RigidBody | None = None
+    """The link behind the joint, in the joint's moved frame; centre of gravity, and inertia about it."""
+
+    @field_validator("name")
+    @classmethod
+    def _nameable(cls, value: str) -> str:
+        if not _NAME.fullmatch(value):
+            raise ValueError(
+                f"{value!r} names a column and a word of programs; use letters, digits, _, -, . and /, a letter first"
+            )
+        return value
+
+    @field_validator("axis")
+    @classmethod
+    def _directed(cls, value: tuple[float, float, float]) -> tuple[float, float, float]:
+        if math.hypot(*value) < LEAST_AXIS:
+            raise ValueError("has no direction; give the axis of the joint, such as [0.0, 0.0, 1.0]")
+        return value
+
+    @model_validator(mode="after")
+    def _of_its_kind(self) -> "Joint":
+        unit = {"deg": "mm", "mm": "deg"}[_unit(self.kind)]
+        for key in (f"position_{unit}", f"home_{unit}", "force_N" if unit == "mm" else "torque_Nm"):
+            if getattr(self, key) is not None:
+                raise ValueError(f"{self.name} is {self.kind} and has no {key}; remove it or change the kind")
+        position, home = f"position_{_unit(self.kind)}", f"home_{_unit(self.kind)}"
+        if getattr(self, home) is None:
+            raise ValueError(f"{self.name}: {home} is missing; say where its programs begin and end")
+        if self.kind == "continuous":
+            if self.position_deg is not None:
+                raise ValueError(f"{self.name} is continuous and has no position_deg; remove it, or write revolute")
+        elif getattr(self, position) is None:
+            also = ', or write kind = "continuous"' if self.kind == "revolute" else ""
+            raise ValueError(f"{self.name}: {position} is missing; give the lower and upper end of the joint{also}")
+        low, high = self.position
+        if not low <= self.home <= high:
+            raise ValueError(
+                f"{self.name}: {home} = {getattr(self, home):g} is outside {position} = "
+                f"{_range(getattr(self, position))}; choose a home within"
+            )
+        return self
+
+    @property
+    def turns(self) -> bool:
+        """Whether its position is an angle."""
+        return self.kind != "prismatic"
+
+    @property
+    def unit(self) -> float:
+        """SI value of the unit of its keys [rad or m]."""
+        return DEG if self.turns else MM
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """Lower and upper end [rad or m]; infinite of a continuous joint."""
+        ends = self.position_deg if self.turns else self.position_mm
+        return (-math.inf, math.inf) if ends is None else (ends[0] * self.unit, ends[1] * self.unit)
+
+    @property
+    def home(self) -> float:
+        """Where programs begin and end [rad or m]."""
+        return (self.home_deg if self.turns else self.home_mm) * self.unit  # type: ignore[operator] # one is required
+
+    @property
+    def effort(self) -> float:
+        """What its drive can do [N m or N]; infinite where the case does not say."""
+        return (self.torque_Nm if self.turns else self.force_N) or math.inf
+
+
+class Chain(Part):
+    """Joints from the base to the sensor."""
+
+    joints: tuple[Joint, ...]
+    sensor: Frame = Frame()
+    """The sensor frame {P} in the last joint's moved frame."""
+
+    @field_validator("joints")
+    @classmethod
+    def _some(cls, value: tuple[Joint, ...]) -> tuple[Joint, ...]:
+        if not 1 <= len(value) <= MOST_JOINTS:
+            raise ValueError(f"are {len(value)}; list 1 to {MOST_JOINTS}, from the base to the sensor")
+        _require_distinct(joint.name for joint in value)
+        return value
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return tuple(joint.name for joint in self.joints)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of recorded positions, with their units, numbered from the base."""
+        return _columns(self.joints)
+
+    @cached_property
+    def home(self) -> Array:
+        """Coordinates where programs begin and end, shape (n,) [rad or m]."""
+        return frozen([joint.home for joint in self.joints])
+
+    @cached_property
+    def position(self) -> Array:
+        """Lower and upper end of each joint, shape (2, n) [rad or m]; infinite where a joint has none."""
+        return frozen([joint.position for joint in self.joints]).T
+
+    @cached_property
+    def units(self) -> Array:
+        """SI value of degrees or millimetres for each coordinate, shape (n,)."""
+        return frozen([joint.unit for joint in self.joints])
+
+
+class SerialMachine(Part):
+    """A machine whose coordinates are the positions of its joints."""
+
+    chain: Chain
+
+    @property
+    def home(self) -> Array:
+        """Coordinates where programs begin and end, shape (n,) [rad or m]."""
+        return self.chain.home
+
+
+class JointLimit(Part):
+    """What an excitation may use of one joint; degrees and radians where it turns, millimetres and metres else."""
+
+    name: str
+    position_deg: Range | None = None
+    """Relative to home."""
+    position_mm: Range | None = None
+    velocity_deg_s: Positive | None = None
+    velocity_mm_s: Positive | None = None
+    acceleration_rad_s2: Positive | None = None
+    acceleration_m_s2: Positive | None = None
+    jerk_rad_s3: Positive | None = None
+    jerk_m_s3: Positive | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> "JointLimit":
+        turning = ("position_deg", "velocity_deg_s", "acceleration_rad_s2", "jerk_rad_s3")
+        sliding = ("position_mm", "velocity_mm_s", "acceleration_m_s2", "jerk_m_s3")
+        given = {key for key in (*turning, *sliding) if getattr(self, key) is not None}
+        if given & set(turning) and given & set(sliding):
+            one, other = next(k for k in turning if k in given), next(k for k in sliding if k in given)
+            raise ValueError(f"{self.name} has {one} and {other}; a joint either turns or slides, remove one of them")
+        wanted = sliding if given & set(sliding) else turning
+        missing = [key for key in wanted if key not in given]
+        if missing:
+            raise ValueError(f"{self.name}: {', '.join(missing)} missing; add what an excitation may use of it")
+        low, high = self.position_deg or self.position_mm or (0.0, 0.0)
+        if not low < 0.0 < high:
+            raise ValueError(
+                f"{self.name}: {wanted[0]} = {_range((low, high))} does not contain 0; positions are relative to home, "
+                "widen it"
+            )
+        return self
+
+    @property
+    def turns(self) -> bool:
+        """Whether its position is an angle."""
+        return self.position_deg is not None
+
+
+class JointMotionLimits(Part):
+    """The box that moving excitations keep: joints relative to home, and their time derivatives."""
+
+    joints: tuple[JointLimit, ...]
+    """In the order of the chain."""
+
+    @field_validator("joints")
+    @classmethod
+    def _distinct(cls, value: tuple[JointLimit, ...]) -> tuple[JointLimit, ...]:
+        _require_distinct(limit.name for limit in value)
+        return value
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return tuple(joint.name for joint in self.joints)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of the coordinates, with their units, numbered from the base."""
+        return _columns(self.joints)
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which coordinates are angles, shape (n,)."""
+        return np.array([joint.turns for joint in self.joints])
+
+    @cached_property
+    def pose(self) -> Array:
+        """Lower and upper limit relative to home, shape (2, n) [rad or m]."""
+        return frozen(
+            [[v * DEG for v in j.position_deg or ()] or [v * MM for v in j.position_mm or ()] for j in self.joints]
+        ).T
+
+    @cached_property
+    def rate(self) -> Array:
+        """Largest rate of each coordinate, shape (n,) [rad/s or m/s]."""
+        return frozen([(j.velocity_deg_s or 0.0) * DEG + (j.velocity_mm_s or 0.0) * MM for j in self.joints])
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """Largest second derivative of each coordinate, shape (n,) [rad/s^2 or m/s^2]."""
+        return frozen([j.acceleration_rad_s2 or j.acceleration_m_s2 for j in self.joints])
+
+    @cached_property
+    def jerk(self) -> Array:
+        """Largest third derivative of each coordinate, shape (n,) [rad/s^3 or m/s^3]."""
+        return frozen([j.jerk_rad_s3 or j.jerk_m_s3 for j in self.joints])
+
+    @property
+    def limits_jerk(self) -> bool:
+        """Whether jerks are limited: those of a case are, but not those of every controller."""
+        return bool(math.isfinite(max(self.jerk)))
+
+    def without_jerk(self) -> "JointMotionLimits":
+        """What counts on a controller whose accelerations step: the jerk is unlimited."""
+        free = [
+            joint.model_copy(update={"jerk_rad_s3" if joint.turns else "jerk_m_s3": math.inf}) for joint in self.joints
+        ]
+        return JointMotionLimits.model_construct(joints=tuple(free))
+
+
+class JointLimits(Part):
+    """The limits of a case with a chain, by kind of excitation."""
+
+    motion: JointMotionLimits
+
+
+def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:
+    """What of the limits of motion does not fit the chain, in words that name the keys."""
+    names = tuple(limit.name for limit in limits.joints)
+    if names != chain.names:
+        yield (
+            f"limits.motion.joints are {', '.join(names)}, but those of machine.chain are {', '.join(chain.names)}; "
+            "list the same joints in the same order"
+        )
+        return
+    for joint, limit, (low, high) in zip(chain.joints, limits.joints, limits.pose.T + chain.home[:, None], strict=True):
+        key = f"position_{_unit(joint.kind)}"
+        if joint.turns != limit.turns:
+            yield f"limits.motion.joints: {joint.name} is {joint.kind}; give {key} and the units that go with it"
+        elif low < joint.position[0] or high > joint.position[1]:
+            yield (
+                f"limits.motion.joints: {joint.name} moves from {low / joint.unit:g} to {high / joint.unit:g}, home "
+                f"included, beyond its {key} = {_range(getattr(joint, key))}; narrow the limit or move home"
+            )
+
+
+def _columns(joints: "Sequence[Joint | JointLimit]") -> tuple[str, ...]:
+    return tuple(f"q{k}_{'deg' if joint.turns else 'mm'}" for k, joint in enumerate(joints, 1))
+
+
+def _unit(kind: str) -> str:
+    return "mm" if kind == "prismatic" else "deg"
+
+
+def _range(ends: Sequence[float]) -> str:
+    return f"[{ends[0]:g}, {ends[1]:g}]"
+
+
+def _require_distinct(names: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise ValueError(f"has two joints {name}; each joint has a name of its own")
+        seen.add(name)

@@ -1,0 +1,184 @@
+"""Pages of the reference that follow from the code: commands, Python names, keys of the case file."""
+
+import inspect
+import re
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, get_args, get_type_hints
+
+import typer
+
+import hexcite
+from cases.parts import LARGEST, Part
+from cases.scaffold import explanations
+from cases.schema import Case
+from planner.cli import app
+
+UNITS = {
+    "kg_m2": "kg m^2", "rad_s3": "rad/s^3", "rad_s2": "rad/s^2", "mm_min": "mm/min", "deg_s": "deg/s", "mm_s": "mm/s",
+    "Nm_m": "N m/m", "m_s3": "m/s^3", "m_s2": "m/s^2", "m_s": "m/s", "N_m": "N/m", "Nm": "N m", "percent": "%",
+    "cycles": "cycles", "mm": "mm", "deg": "deg", "kg": "kg", "um": "um", "ms": "ms", "Hz": "Hz", "N": "N", "s": "s",
+}  # fmt: skip
+"""Endings of keys, the longest first, and the units that they mean."""
+
+
+def write_reference(folder: Path) -> None:
+    """Writes commands.md, python.md and case.md, each only where it changes."""
+    pages = {"commands.md": commands_page(), "python.md": python_page(), "case.md": case_page()}
+    for name, text in pages.items():
+        file = folder / name
+        if not file.is_file() or file.read_text(encoding="utf-8") != text:
+            file.write_text(text, encoding="utf-8")
+
+
+def commands_page() -> str:
+    """Every command with its arguments and options."""
+    lines = [
+        "# Commands",
+        "",
+        "`hexcite COMMAND --help` shows the same on the terminal. Exit codes: 0 done; 1 refused,",
+    ]
+    lines += ["with one line that says why; 2 wrong usage; 130 interrupted.", ""]
+    for name, command in _commands(app, "hexcite"):
+        hints = get_type_hints(command, include_extras=True)
+        parameters = inspect.signature(command).parameters.items()
+        rows = [_option(key, hints[key], value) for key, value in parameters if get_args(hints[key])]
+        head = ("argument or option", "meaning", "default")
+        lines += [f"## {name}", "", _cell(inspect.getdoc(command) or ""), "", *_table(head, rows), ""]
+    return "\n".join(lines)
+
+
+def _commands(group: typer.Typer, path: str) -> Iterator[tuple[str, Callable[..., None]]]:
+    """The name of each command as it is typed, and its function."""
+    for command in group.registered_commands:
+        if command.callback is not None:
+            yield f"{path} {command.name or command.callback.__name__}", command.callback
+    for inner in group.registered_groups:
+        if inner.typer_instance is not None:
+            yield from _commands(inner.typer_instance, f"{path} {inner.name}")
+
+
+def _option(key: str, hint: Any, parameter: inspect.Parameter) -> tuple[str, str, str]:
+    kind, about = get_args(hint)[:2]
+    default = parameter.default
+    required = default is inspect.Parameter.empty
+    if isinstance(about, typer.models.ArgumentInfo):
+        name = key.upper()
+    else:
+        name = ", ".join(about.param_decls or (f"--{key.replace('_', '-')}",)) + ("" if kind is bool else _value(kind))
+    shown = "" if default is None or kind is bool else f"`{default}`"
+    return f"`{name}`", _cell(about.help or ""), "required" if required else shown
+
+
+def _value(kind: Any) -> str:
+    """What follows an option: the name of its type."""
+    inner = [value for value in get_args(kind) if value is not type(None)] or [kind]
+    names = {int: "NUMBER", float: "NUMBER", Path: "PATH", str: "TEXT"}
+    return f" {names[(get_args(inner[0]) or inner)[0]]}"
+
+
+def python_page() -> str:
+    """Every public name of `hexcite` with its docstring."""
+    lines = ["# Python", "", "`import hexcite as hx` is the library. Values are in SI and radians.", ""]
+    for name in dir(hexcite):
+        thing = getattr(hexcite, name)
+        where = f"{thing.__module__}.{thing.__qualname__}"
+        directive = f"autoclass:: {where}\n   :members:" if isinstance(thing, type) else f"autofunction:: {where}"
+        lines += [f"## hx.{name}", "", "```{eval-rst}", f".. {directive}", "```", ""]
+    return "\n".join(lines)
+
+
+def case_page() -> str:
+    """Every table of the case file with key, unit, allowed values, default and meaning."""
+    schema = Case.model_json_schema()
+    classes = {part.__name__: part for part in _parts(Part)}
+    places: dict[str, list[str]] = {}
+    _walk("Case", "", schema, places)
+    lines = ["# The case file", "", "`case.toml` describes one machine: TOML, one table for each part. Units stand in"]
+    lines += ["the keys. Unknown keys are errors. `hexcite case check` names everything that cannot be.", ""]
+    for name, paths in places.items():
+        table = schema if name == "Case" else schema["$defs"][name]
+        told, required = explanations(classes[name]), table.get("required", ())
+        rows = [
+            (f"`{key}`", _unit(key), _allowed(value), _default(value, key in required), _cell(told.get(key, "")))
+            for key, value in table["properties"].items()
+        ]
+        also = f" Also: {', '.join(f'`{path}`' for path in paths[1:])}." if paths[1:] else ""
+        lines += [f"({_anchor(name)})=", f"## {f'`[{paths[0]}]`' if paths[0] else 'Top level'}", ""]
+        lines += [_cell(classes[name].__doc__ or "") + also, ""]
+        lines += [*_table(("key", "unit", "allowed", "default", "meaning"), rows), ""]
+    return "\n".join(lines)
+
+
+def _walk(name: str, path: str, schema: Mapping[str, Any], places: dict[str, list[str]]) -> None:
+    """Notes where in the file each table stands, the outer ones first."""
+    places.setdefault(name, []).append(path)
+    table = schema if name == "Case" else schema["$defs"][name]
+    for key, value in table["properties"].items():
+        for inner in re.findall(r"#/\$defs/(\w+)", str(value)):
+            if inner in schema["$defs"] and "properties" in schema["$defs"][inner]:
+                _walk(inner, f"{path}.{key}".lstrip("."), schema, places)
+
+
+def _parts(part: type[Part]) -> Iterator[type[Part]]:
+    for inner in part.__subclasses__():
+        yield inner
+        yield from _parts(inner)
+
+
+def _anchor(name: str) -> str:
+    return f"table-{name.lower()}"
+
+
+def _unit(key: str) -> str:
+    return next((unit for ending, unit in UNITS.items() if key.endswith(f"_{ending}")), "")
+
+
+def _default(value: Mapping[str, Any], required: bool) -> str:
+    if required:
+        return "required"
+    default = value.get("default")
+    return "" if default is None or default == [] or isinstance(default, dict) else f"`{default}`"
+
+
+def _allowed(value: Mapping[str, Any]) -> str:
+    """What a JSON schema allows, in words."""
+    if "$ref" in value:
+        return f"a [table](#{_anchor(value['$ref'].rpartition('/')[2])})"
+    if "anyOf" in value:
+        return ", or ".join(_allowed(v) for v in value["anyOf"] if v.get("type") != "null")
+    if "oneOf" in value:
+        return ", or ".join(_allowed(v) for v in value["oneOf"])
+    if "const" in value:
+        return f"`{value['const']}`"
+    if "enum" in value:
+        return ", ".join(f"`{v}`" for v in value["enum"])
+    kind = value.get("type")
+    if kind == "array":
+        entries = value.get("prefixItems") or [value.get("items", {})]
+        count = len(entries) if "prefixItems" in value else value.get("minItems")
+        many = (
+            f"{count} times " if "prefixItems" in value else f"a list (at least {count}) of " if count else "a list of "
+        )
+        return many + _allowed(entries[0])
+    if kind == "object":
+        return "a table of " + (_allowed(value.get("additionalProperties", {})) or "values")
+    return {"number": "number", "integer": "whole number", "string": "text"}.get(str(kind), "") + _range(value)
+
+
+def _range(value: Mapping[str, Any]) -> str:
+    words = {"exclusiveMinimum": "above", "minimum": "at least", "exclusiveMaximum": "below", "maximum": "at most"}
+    told = [f"{word} {value[k]:g}" for k, word in words.items() if k in value and abs(value[k]) < LARGEST]
+    return f" {', '.join(told)}" if told else ""
+
+
+def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+    if not rows:
+        return []
+    lines = (head, tuple("---" for _ in head), *rows)
+    return ["| " + " | ".join(line) + " |" for line in lines]
+
+
+def _cell(text: str) -> str:
+    """A text on one line, with nothing that Markdown takes for itself."""
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "\\<").replace("*", "\\*")

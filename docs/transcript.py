@@ -1,0 +1,109 @@
+"""Runs the commands that a page shows, and compares what they print with what the page shows.
+
+    python docs/transcript.py docs/tutorial.md      # writes the outputs anew
+
+A block ```` ```console ```` holds commands, each behind `$ `, and below each what it prints. A line `...` stands for
+any lines. Words must be the same; numbers may differ by `TOLERANCE`, for optimisers and libraries round differently.
+"""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+TOLERANCE = 0.3
+_BLOCK = re.compile(r"(?<=^```console\n)(.*?)(?=^```$)", re.M | re.S)
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+_REST = "..."
+
+
+class Step(NamedTuple):
+    """A command of a page.
+
+    Args:
+        command: as it is typed.
+        shown: lines that the page shows below it.
+    """
+
+    command: str
+    shown: tuple[str, ...]
+
+
+def steps_of(page: str) -> Iterator[Step]:
+    """The commands of a page with the lines below them."""
+    for block in _BLOCK.findall(page):
+        for part in re.split(r"^\$ ", block, flags=re.M)[1:]:
+            command, *shown = part.splitlines()
+            yield Step(command, tuple(shown))
+
+
+def printed(command: str, folder: Path) -> list[str]:
+    """Lines that a command prints, on both streams, without blank lines and trailing blanks."""
+    words = shlex.split(command, comments=True)
+    if words[0] == "hexcite":
+        words[0] = str(Path(sys.executable).with_name("hexcite"))
+    environment = os.environ | {"COLUMNS": "100"}
+    done = subprocess.run(
+        words, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
+    return [line.rstrip() for line in done.stdout.splitlines() if line.strip()]
+
+
+def matched(shown: Sequence[str], lines: Sequence[str]) -> list[str]:
+    """The lines of an output that a page shows, with `...` for the others.
+
+    Raises:
+        ValueError: a line of the page is not in the output.
+    """
+    found: list[str] = []
+    place = 0
+    for k, line in enumerate(shown):
+        if line == _REST:
+            found.append(line)
+            continue
+        free = k > 0 and shown[k - 1] == _REST
+        there = [n for n in range(place, len(lines)) if _words(lines[n]) == _words(line)]
+        if not there or (not free and there[0] != place):
+            raise ValueError(f"the page shows {line!r}, the command printed:\n" + "\n".join(lines))
+        found.append(lines[there[0]])
+        place = there[0] + 1
+    if place < len(lines) and (not shown or shown[-1] != _REST):
+        raise ValueError("the page does not show:\n" + "\n".join(lines[place:]))
+    return found
+
+
+def far_off(shown: str, line: str) -> bool:
+    """Whether a number of a line differs from the page's by more than `TOLERANCE`."""
+    pairs = zip(_NUMBER.findall(shown), _NUMBER.findall(line), strict=True)
+    return any(abs(float(a) - float(b)) > TOLERANCE * abs(float(a)) for a, b in pairs)
+
+
+def _words(line: str) -> str:
+    return " ".join(_NUMBER.sub("#", line).split()).replace("─", "")
+
+
+def rewritten(page: str, folder: Path) -> str:
+    """The page with the outputs that its commands have now."""
+
+    def block(match: re.Match[str]) -> str:
+        lines: list[str] = []
+        for step in steps_of(f"```console\n{match[1]}```\n"):
+            output = printed(step.command, folder)
+            shown = matched(step.shown, output) if step.shown else output
+            lines += [f"$ {step.command}", *shown]
+        return "".join(f"{line}\n" for line in lines)
+
+    return _BLOCK.sub(block, page)
+
+
+if __name__ == "__main__":
+    import tempfile
+
+    for name in sys.argv[1:]:
+        with tempfile.TemporaryDirectory() as place:
+            text = rewritten(Path(name).read_text(encoding="utf-8"), Path(place))
+        Path(name).write_text(text, encoding="utf-8")

@@ -1,0 +1,180 @@
+"""Kinematics of a serial chain: pose, twist and twist rate of the sensor frame from positions of joints.
+
+One recursion from the base to the sensor, all vectors in {B}: a joint at r from the one before it moves with it, and
+adds its own rate about or along its axis (Siciliano et al., Robotics, 2009, chapter 7; with Coriolis's term where it
+slides).
+"""
+
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cases.chain import Chain
+from cases.schema import Case
+from identification.evaluate import over_samples
+from identification.hexapod import Kinematics
+from identification.machine import Frame, Share
+from identification.pose import rpy, skew
+
+Array = NDArray[np.float64]
+UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only
+ROUNDING = 1e-15  # entries of a rotation below which they are 0, above one minus which they are 1
+
+
+class SerialChain:
+    """The kinematics of a chain of n joints.
+
+    Args:
+        chain: geometry, from the base to the sensor.
+    """
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+        self.home = chain.home
+        self.count = len(chain.joints)
+
+    @classmethod
+    def of(cls, case: Case) -> "SerialChain":
+        """The chain of a case; raises CaseError where its machine is none."""
+        return cls(case.need_chain("the kinematics")[0])
+
+    @property
+    def of_pose(self) -> bool:
+        """They are those of the joints."""
+        return False
+
+    @property
+    def elastic(self) -> bool:
+        """The error terms are those of a hexapod's platform."""
+        return False
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which joints turn, shape (n,)."""
+        return np.array([joint.turns for joint in self.chain.joints])
+
+    def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
+        """Motion of {P} in {B}."""
+        return Frame(*self._motion(q, rates, accelerations))
+
+    def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
+        """A chain has no limits yet beside those of its joints."""
+        del case, q, rates, accelerations
+        return []
+
+    def positions(self, coordinates: Array) -> Array:
+        """Of the sensor, shape (k, 3) [m]."""
+        return over_samples(self.pose, coordinates)[0][:, :3]
+
+    def drives(self, coordinates: ArrayLike) -> Array:
+        """Encoders measure the joints themselves, shape (k, n) [rad or m]."""
+        return np.asarray(coordinates, dtype=float)
+
+    def coordinates(self, drives: ArrayLike) -> Array:
+        """Of joints, which are the coordinates, shape (k, n) [rad or m]."""
+        return np.asarray(drives, dtype=float)
+
+    def _motion(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        """Position, R, twist and twist rate of {P} in {B}."""
+        p, v, a, omega, alpha = (ca.SX(3, 1) for _ in range(5))
+        turn = ca.SX.eye(3)
+        for k, joint in enumerate(self.chain.joints):
+            r = turn @ ca.sparsify(ca.DM(joint.origin))
+            a, v, p = a + _carried(r, omega, alpha), v + ca.cross(omega, r), p + r
+            turn = turn @ ca.sparsify(ca.DM(_turned(joint.rpy)))
+            axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
+            e = turn @ ca.sparsify(ca.DM(axis))
+            drift = ca.cross(omega, e) * rates[k]
+            if joint.turns:
+                alpha = alpha + e * accelerations[k] + drift
+                omega = omega + e * rates[k]
+                turn = turn @ _about(axis, q[k])
+            else:
+                r = e * q[k]
+                a = a + _carried(r, omega, alpha) + 2 * drift + e * accelerations[k]
+                v, p = v + ca.cross(omega, r) + e * rates[k], p + r
+        r = turn @ ca.sparsify(ca.DM(self.chain.sensor.origin))
+        a, v, p = a + _carried(r, omega, alpha), v + ca.cross(omega, r), p + r
+        return p, turn @ ca.sparsify(ca.DM(_turned(self.chain.sensor.rpy))), ca.vertcat(v, omega), ca.vertcat(a, alpha)
+
+    @cached_property
+    def motion(self) -> ca.Function:
+        """(q, q', q'') -> position [m], R column by column, twist [m/s, rad/s], twist rate [m/s^2, rad/s^2], in {B}."""
+        q, rates, accelerations = (ca.SX.sym(name, self.count) for name in ("q", "rates", "accelerations"))
+        position, turn, twist, twist_rate = self._motion(q, rates, accelerations)
+        outputs = [position, ca.vec(turn), twist, twist_rate]
+        return ca.Function(
+            "chain_motion",
+            [q, rates, accelerations],
+            [ca.densify(value) for value in outputs],
+            ["q", "rates", "accelerations"],
+            ["position", "rotation", "twist", "twist_rate"],
+            {"cse": True},
+        )
+
+    @cached_property
+    def pose(self) -> ca.Function:
+        """Positions of the joints -> pose (x, y, z, roll, pitch, yaw) of {P} [m, rad].
+
+        Where the pitch is a right angle, roll and yaw are not unique, see `kinematics`.
+        """
+        q, still = ca.SX.sym("q", self.count), ca.SX(self.count, 1)
+        position, turn, _, _ = self._motion(q, still, still)
+        return ca.Function(
+            "chain_pose", [q], [ca.densify(ca.vertcat(position, rpy(turn)))], ["q"], ["pose"], {"cse": True}
+        )
+
+    def kinematics(
+        self, q: ArrayLike, rates: ArrayLike, accelerations: ArrayLike, start: Array | None = None
+    ) -> Kinematics:
+        """Pose, twist and twist rate of {P}, one row a sample; of a pitch of a right angle the roll is 0.
+
+        Args:
+            q: positions of the joints, shape (n, count) [rad or m].
+            rates: their first derivatives in time.
+            accelerations: their second derivatives.
+            start: not needed.
+        """
+        del start
+        position, columns, twist, twist_rate = over_samples(self.motion, q, rates, accelerations)
+        turns = columns.reshape(-1, 3, 3).transpose(0, 2, 1)
+        return Kinematics(np.hstack([position.reshape(-1, 3), _angles(turns)]), twist, twist_rate)
+
+    def earlier(self, motion: Kinematics, time: float) -> None:
+        """Nothing is searched for."""
+        del motion, time
+
+
+def _angles(turns: Array) -> Array:
+    """Roll, pitch, yaw of rotation matrices, shape (n, 3, 3) -> (n, 3) [rad]."""
+    level = np.hypot(turns[:, 2, 1], turns[:, 2, 2])
+    upright = level < UPRIGHT
+    roll = np.where(upright, 0.0, np.arctan2(turns[:, 2, 1], turns[:, 2, 2]))
+    yaw = np.where(upright, np.arctan2(-turns[:, 0, 1], turns[:, 1, 1]), np.arctan2(turns[:, 1, 0], turns[:, 0, 0]))
+    return np.column_stack([roll, np.arctan2(-turns[:, 2, 0], level), yaw])
+
+
+def _carried(r: ca.SX, omega: ca.SX, alpha: ca.SX) -> ca.SX:
+    """Acceleration of the end of r, fixed to a turning body, against that of its beginning."""
+    return ca.cross(alpha, r) + ca.cross(omega, ca.cross(omega, r))
+
+
+def _turned(angles: Array) -> Array:
+    """R = Rz(yaw) Ry(pitch) Rx(roll); right angles give zeros and ones without rounding."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(angles), np.cos(angles)
+    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    turn: Array = about_z @ about_y @ about_x
+    whole = np.round(turn)
+    close = np.abs(turn - whole) < ROUNDING
+    turn[close] = whole[close]
+    return turn
+
+
+def _about(axis: Array, angle: ca.SX) -> ca.SX:
+    """Rodrigues' rotation about a unit vector."""
+    cross = skew(ca.sparsify(ca.DM(axis)))
+    return ca.SX.eye(3) + ca.sin(angle) * cross + (1 - ca.cos(angle)) * (cross @ cross)

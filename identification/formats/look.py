@@ -1,0 +1,251 @@
+"""A file of unknown format: what its columns are likely to mean, and the table `[recording]` that reads it."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from cases.errors import RecordingError
+from cases.recording_format import (
+    BAR_FORCES,
+    CLOCK,
+    COLUMNS,
+    DRIVES,
+    GROUP_UNITS,
+    POSE,
+    ROTATION,
+    STRUTS,
+    TRIGGER,
+    WRENCH,
+    RecordingFormat,
+    group_of,
+    units_of,
+)
+from cases.schema import Case
+from identification.formats.layout import Layout, layout_of
+from identification.formats.looked import CLOCKS, RATES, Column, Look, oddities
+from identification.formats.naming import matched, sixes
+from identification.formats.reading import read_run, read_tables
+from identification.formats.table import Array
+from identification.formats.text import Fields, parse, read_blocks, require_file
+
+CUTOFF_HZ = 40.0  # of a proposal where the case states none
+_USUAL_RATE = 1000.0
+_FORCES_OVER_WEIGHT = (0.02, 50.0)  # how much forces change in a motion, over the weight that is moved
+_STANDSTILLS = 300  # rows without a clock, from which on they are taken for a motion
+
+
+def look(file: Path | str, case: Case | None = None) -> Look:
+    """What a file of unknown format is likely to be.
+
+    Args:
+        file: text or Parquet.
+        case: the machine that it was recorded on; without one, units and completeness are told by names alone.
+
+    Raises:
+        RecordingError: the file cannot be read, or holds no table of numbers.
+    """
+    file = Path(file)
+    require_file(file)
+    with file.open("rb") as stream:
+        parquet = stream.read(4) == b"PAR1"
+    layout = None if parquet else layout_of(file)
+    names, columns = _parquet(file) if layout is None else _numbers(file, layout)
+    places, units = matched(names, layout.units if layout is not None else ())
+    places = {ours: k for ours, k in places.items() if k in columns}
+    scope = layout is not None and layout.format == "twincat-scope"
+    if scope:
+        places = {CLOCK: names.index("Name")} | {ours: k for ours, k in places.items() if ours != CLOCK}
+    guessed = _by_values(names, columns, places, case)
+    units |= _units(columns, places, units, case, guessed)
+    settings = _layout_settings(layout) | _meaning_settings(names, places, units, scope, layout)
+    settings["filter_cutoff_Hz"] = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
+    ours = {k: name for name, k in places.items()}
+    shown_columns = tuple(
+        Column(name, ours.get(k), _unit(ours.get(k), units), ours.get(k) in guessed, columns.get(k, np.zeros(0)))
+        for k, name in enumerate(names)
+        if name or k in columns
+    )
+    rows = max((len(values) for values in columns.values()), default=0)
+    found = Look(file, rows, shown_columns, settings, (), True)
+    if found.rate is not None and not 0.99 < found.rate / _USUAL_RATE < 1.01:
+        settings["rate_Hz"] = float(f"{found.rate:.4g}")
+    elif found.rate is None and rows > _STANDSTILLS:
+        settings["clock"] = {"period_ms": 1e3 / (case.recording.rate_Hz if case is not None else _USUAL_RATE)}
+    problem = _problem(file, settings, case)
+    odd = (*oddities(found, layout, case), *([f"not read with these settings: {problem}"] if problem else []))
+    return Look(file, rows, shown_columns, settings, odd, problem is None)
+
+
+def _numbers(file: Path, layout: Layout) -> tuple[tuple[str, ...], dict[int, Array]]:
+    """Names, and position -> numbers of the columns that hold such."""
+    chosen = [k for k, numeric in enumerate(layout.numeric) if numeric and (layout.names[k] or layout.names_row == 0)]
+    last_blank = layout.format == "halsampler" and not layout.numeric[-1]
+    names = layout.names[:-1] if last_blank else layout.names
+    piles: dict[int, list[Array]] = {k: [] for k in chosen}
+    trailing = 0 if layout.format == "twincat-scope" else layout.trailing_rows
+    for block in read_blocks(file, layout.header_rows, trailing or layout.trailing_rows):
+        table = parse(file, block, Fields(layout.names, chosen, []), layout.dialect)
+        for k in chosen:
+            piles[k].append(table[k].to_numpy())
+    joined = {k: np.concatenate(parts) for k, parts in piles.items() if parts}
+    return names, {k: values for k, values in joined.items() if np.isfinite(values).any()}
+
+
+def _parquet(file: Path) -> tuple[tuple[str, ...], dict[int, Array]]:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        table = pq.read_table(file)
+    except (pa.ArrowException, OSError) as error:
+        raise RecordingError(file, "is a damaged Parquet file", "copy or export it again") from error
+    kinds = {k: field.type for k, field in enumerate(table.schema)}
+    plain = {k for k, t in kinds.items() if pa.types.is_integer(t) or pa.types.is_floating(t) or pa.types.is_boolean(t)}
+    columns = {k: np.asarray(table.column(k).cast(pa.float64(), safe=False).to_numpy()) for k in plain}
+    return tuple(table.schema.names), columns
+
+
+def _by_values(
+    names: tuple[str, ...], columns: Mapping[int, Array], places: dict[str, int], case: Case | None
+) -> set[str]:
+    """Adds to `places` what the names do not say but the values do; our names of what was added."""
+    before = set(places)
+
+    def free() -> list[int]:
+        return [k for k in columns if k not in places.values() and np.ptp(columns[k][np.isfinite(columns[k])]) > 0.0]
+
+    if CLOCK not in places:
+        clock = next((k for k in free() if _is_clock(columns[k])), None)
+        places |= {} if clock is None else {CLOCK: clock}
+    if TRIGGER not in places and len(switches := [k for k in free() if _is_switch(columns[k])]) == 1:
+        places[TRIGGER] = switches[0]
+    if not {STRUTS[0], ROTATION[0], POSE[0]} & places.keys():
+        drives = tuple(places[name] for name in DRIVES if name in places)
+        if len(drives) == 6 and _strut_unit([columns[k] for k in drives], case):  # the positions are lengths
+            places |= {strut: places.pop(drive) for strut, drive in zip(STRUTS, DRIVES, strict=True)}
+        elif not drives:
+            struts = (six for six in sixes(names, free()) if _strut_unit([columns[k] for k in six], case))
+            places |= dict(zip(STRUTS, next(struts, ()), strict=False))
+    forces = WRENCH if case is not None and case.sensor_frame.transducer is not None else BAR_FORCES
+    if forces[0] not in places:
+        places |= dict(zip(forces, next(sixes(names, free()), ()), strict=False))
+    return set(places) - before
+
+
+def _strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
+    """The unit in which six columns are strut lengths that the machine has; None: there is none."""
+    if case is None or case.workspace is None:
+        return None
+    low, high = case.workspace.strut_length
+    least, most = min(map(np.nanmin, columns)), max(map(np.nanmax, columns))
+    inside = (u for u, factor in GROUP_UNITS["struts"].items() if low <= least * factor and most * factor <= high)
+    return next(inside, None)
+
+
+def _is_clock(values: Array) -> bool:
+    steps = np.diff(values)
+    return len(steps) > 2 and bool(np.all(steps > 0.0) and np.median(steps) > 0.5 * np.mean(steps))
+
+
+def _is_switch(values: Array) -> bool:
+    return len(set(values[np.isfinite(values)])) == 2 and bool(np.count_nonzero(np.diff(values)) < len(values) / 50)
+
+
+def _units(
+    columns: Mapping[int, Array],
+    places: Mapping[str, int],
+    stated: Mapping[str, str],
+    case: Case | None,
+    guessed: set[str],
+) -> dict[str, str]:
+    """Units that names do not state, from the values; what is a guess is added to `guessed`."""
+    units: dict[str, str] = {}
+    if CLOCK in places and CLOCK not in stated:
+        steps = np.diff(columns[places[CLOCK]])
+        step = float(np.median(steps)) if len(steps) else 0.0
+        start = float(columns[places[CLOCK]][0]) if len(steps) else 0.0
+        names = ("filetime",) if start > 1e17 and start < 1e18 else ("s", "ms", "us", "ns")
+        rates = {u: 1.0 / (step * CLOCKS[u]) for u in names if step > 0.0}
+        likely = [u for u, rate in rates.items() if RATES[0] <= rate <= RATES[1]]
+        if likely:
+            units[CLOCK] = min(likely, key=lambda u: abs(np.log(rates[u] / _USUAL_RATE)))
+            guessed |= {CLOCK} if units[CLOCK] != "s" else set()
+    if STRUTS[0] in places and STRUTS[0] not in stated:
+        unit = _strut_unit([columns[places[name]] for name in STRUTS], case)
+        units |= dict.fromkeys(STRUTS, unit) if unit else {}
+        guessed |= set(STRUTS) if unit not in (None, "mm") else set()
+    for group in (BAR_FORCES, WRENCH[:3]):
+        if group[0] in places and group[0] not in stated and case is not None and case.nominal is not None:
+            weight = case.nominal.mass_kg * float(np.linalg.norm(case.gravity))
+            span = max(float(np.ptp(columns[places[name]][np.isfinite(columns[places[name]])])) for name in group)
+            low, high = (share * weight for share in _FORCES_OVER_WEIGHT)
+            fits = [u for u, factor in GROUP_UNITS["forces"].items() if low <= span * factor <= high]
+            if fits and fits[0] != "N":
+                units |= dict.fromkeys(group, fits[0])
+                guessed |= set(group)
+    return units
+
+
+def _unit(ours: str | None, units: Mapping[str, str]) -> str:
+    if ours is None:
+        return ""
+    return units.get(ours, "s" if ours == CLOCK else next(iter(units_of(ours)), ""))
+
+
+def _layout_settings(layout: Layout | None) -> dict[str, Any]:
+    """What of the layout differs from what `csv` is by default."""
+    if layout is None:
+        return {}
+    settings: dict[str, Any] = {} if layout.format == "csv" else {"format": layout.format}
+    usual = {"csv": ",", "halsampler": " "}.get(layout.format, layout.dialect.delimiter)
+    if layout.dialect.delimiter != usual:
+        settings["delimiter"] = layout.dialect.delimiter
+    if layout.dialect.decimal != "." or layout.format == "twincat-scope":
+        settings["decimal"] = layout.dialect.decimal
+    if layout.format == "csv":
+        settings |= {"header_rows": layout.header_rows} if layout.header_rows != 1 else {}
+        settings |= {"names_row": layout.names_row} if layout.names_row not in (0, layout.header_rows) else {}
+        settings |= {"trailing_rows": layout.trailing_rows} if layout.trailing_rows else {}
+    return settings | ({"encoding": layout.dialect.encoding} if layout.dialect.encoding != "utf-8" else {})
+
+
+def _meaning_settings(
+    names: tuple[str, ...], places: Mapping[str, int], units: Mapping[str, str], scope: bool, layout: Layout | None
+) -> dict[str, Any]:
+    """Columns, units and clock of `[recording]`."""
+    settings: dict[str, Any] = {}
+    unnamed = layout is not None and layout.names_row == 0
+    if unnamed:  # the columns get our names where they have a meaning, and others where not
+        ours = {k: name for name, k in places.items()}
+        settings["column_names"] = [ours.get(k, name) for k, name in enumerate(names)]
+    ordered = [ours for ours in COLUMNS if ours in places and (not scope or ours != CLOCK)]
+    renamed = {ours: names[places[ours]] for ours in ordered if names[places[ours]] != ours and not unnamed}
+    settings |= {"columns": renamed} if renamed else {}
+    differing: dict[str, str] = {}
+    for group in GROUP_UNITS:
+        members = [ours for ours in ordered if group_of(ours) == group]
+        used = {units[ours] for ours in members if ours in units}
+        if len(used) == 1 and used != {next(iter(GROUP_UNITS[group]))} and used <= GROUP_UNITS[group].keys():
+            differing[group] = used.pop()
+    settings |= {"units": differing} if differing else {}
+    if CLOCK in places and units.get(CLOCK, "s") != "s" and not scope:
+        settings["clock"] = {"unit": units[CLOCK]}
+    return settings
+
+
+def _problem(file: Path, settings: Mapping[str, Any], case: Case | None) -> str | None:
+    """Why the file is not read with these settings; None: it is."""
+    try:
+        form = RecordingFormat.model_validate(settings)
+        if case is None:
+            read_tables(file, form)
+        else:
+            read_run([file], case.model_copy(update={"recording": form}))
+    except ValidationError as error:
+        return "; ".join(str(problem["msg"]).removeprefix("Value error, ") for problem in error.errors())
+    except RecordingError as error:
+        return str(error).removeprefix(f"{file}").lstrip(":, ")
+    return None

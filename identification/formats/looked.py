@@ -1,0 +1,181 @@
+"""What a look at a file of unknown format found: columns, proposed settings, and what is odd."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cases.recording_format import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
+from cases.schema import Case
+from cases.units import MM, as_html
+from identification.formats.clock import lost_samples
+from identification.formats.layout import Layout
+from identification.formats.table import Array, shown
+
+RATES = (20.0, 50_000.0)  # rows per second that recorders have
+CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}
+_MOST_BLANK = 1e-3  # of a column, from which on its empty fields are worth a word
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of the file.
+
+    Args:
+        name: as the file has it.
+        ours: our name of it; None: it means nothing to hexcite, or nobody knows what.
+        unit: that the file is taken to use; empty where there is none.
+        guessed: whether meaning or unit follow from the values alone.
+        values: numbers, shape (n,); empty where the column holds text.
+    """
+
+    name: str
+    ours: str | None
+    unit: str
+    guessed: bool
+    values: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a file is likely to be.
+
+    Args:
+        file: the file.
+        rows: of numbers.
+        columns: in the order of the file.
+        settings: proposal for `[recording]` of the case, by key.
+        odd: what to look at, one sentence each.
+        reads: whether the file is read with these settings.
+    """
+
+    file: Path
+    rows: int
+    columns: tuple[Column, ...]
+    settings: Mapping[str, Any]
+    odd: tuple[str, ...]
+    reads: bool
+
+    @property
+    def rate(self) -> float | None:
+        """Rows per second; None where there is no clock."""
+        clock = next((c for c in self.columns if c.ours == CLOCK), None)
+        tick = self.settings.get("clock", {})
+        if clock is None or len(clock.values) < 2:
+            return 1e3 / tick["period_ms"] if "period_ms" in tick else None
+        default = "ms" if self.settings.get("format") == "twincat-scope" else "s"
+        step = float(np.median(np.diff(clock.values))) * CLOCKS[tick.get("unit", default)]
+        return 1.0 / step if step > 0.0 else None
+
+    @property
+    def toml(self) -> str:
+        """The settings as a case file has them."""
+        plain = {key: value for key, value in self.settings.items() if key != "columns"}
+        lines = ["[recording]", *(f"{key} = {_toml(value)}" for key, value in plain.items())]
+        if "columns" in self.settings:
+            columns = self.settings["columns"].items()
+            lines += ["", "[recording.columns]", *(f"{ours} = {_toml(theirs)}" for ours, theirs in columns)]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        """What it found, in a few lines."""
+        known = ", ".join(c.ours for c in self.columns if c.ours is not None) or "none that hexcite knows"
+        return "\n".join([f"{self.file}: {self.rows} rows; columns: {known}", *self.odd, self.toml])
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return as_html(repr(self))
+
+
+def oddities(found: Look, layout: Layout | None, case: Case | None) -> Iterator[str]:
+    """What a person should look at."""
+    known = {c.ours: c for c in found.columns if c.ours is not None}
+    if layout is not None and layout.cut_off:
+        yield "the last line ends early: the recorder was stopped while it wrote; the settings leave this line out"
+    elif layout is not None and layout.trailing_rows and layout.format == "csv":
+        yield f"lines without numbers at the end: {layout.trailing_rows}; the settings leave them out"
+    clock = known.get(CLOCK)
+    if clock is None and "clock" in found.settings:
+        period = found.settings["clock"]["period_ms"]
+        yield f"no clock: {period:g} ms between rows is a guess; state the recorder's period in clock.period_ms"
+    elif clock is None:
+        yield "no clock: each row is taken for an averaged standstill; of a motion state clock.period_ms"
+    else:
+        yield from _clock_oddities(clock, found.rate)
+    if clock is not None and clock.guessed:
+        yield (
+            f"{shown(clock.name)}: its unit {clock.unit} is a guess from its steps; if it counts samples, leave it out "
+            "and state clock.period_ms"
+        )
+    if TRIGGER not in known and (clock is not None or "clock" in found.settings):
+        yield "no trigger: the whole motion is evaluated, the ways from and to home too"
+    if TRIGGER in known:
+        on = np.nan_to_num(known[TRIGGER].values) > 0.0
+        if not on.any():
+            yield f"{shown(known[TRIGGER].name)}: is never on, so nothing would be evaluated; leave it out of columns"
+        elif on[-1]:
+            yield f"{shown(known[TRIGGER].name)}: is still on in the last row; was the recorder stopped too early?"
+    if DRIVES[0] in known:
+        yield (
+            "drive positions: state drives = { sign = [1.0, ..], offset_mm = [..] }, for strut length = sign times "
+            "position plus offset"
+        )
+    for column in found.columns:
+        if not len(column.values):
+            yield f"{shown(column.name)}: holds text; where it is the time, export it as a number"
+    for column in found.columns:
+        yield from _column_oddities(column)
+    guesses = [c.name for c in found.columns if c.guessed and c.ours != CLOCK]
+    if guesses:
+        names = ", ".join(map(shown, guesses))
+        yield f"guessed from values, not from names: {names}; compare order and unit with the recorder's settings"
+    if case is not None and case.workspace is not None and STRUTS[0] in known:
+        low, high = (limit / MM for limit in case.workspace.strut_length)
+        factor = units_of(STRUTS[0])[known[STRUTS[0]].unit] / MM
+        middle = float(np.nanmedian([known[name].values for name in STRUTS])) * factor
+        if not low <= middle <= high:
+            yield (
+                f"struts of {middle:.4g} mm are outside the workspace of the case ({low:g} to {high:g} mm): another "
+                "machine, or drive positions?"
+            )
+
+
+def _clock_oddities(clock: Column, rate: float | None) -> Iterator[str]:
+    steps = np.diff(clock.values)
+    if len(steps) and not np.all(steps > 0.0):
+        row = int(np.argmin(steps > 0.0)) + 1
+        now, then = clock.values[row], clock.values[row - 1]
+        yield f"{shown(clock.name)}: {now:.10g} comes after {then:.10g} in row {row + 1} of the numbers"
+        return
+    lost = lost_samples(clock.values)
+    if lost.any():
+        count, places = int(lost.sum()), int(np.count_nonzero(lost))
+        first = int(np.argmax(lost > 0)) + 1
+        yield f"{shown(clock.name)}: {count} samples are missing at {places} places, first after row {first}"
+    if rate is not None and not RATES[0] <= rate <= RATES[1]:
+        yield f"{rate:.3g} rows per second, by this clock: is its unit right?"
+
+
+def _column_oddities(column: Column) -> Iterator[str]:
+    values = column.values
+    if not len(values) or column.ours is None:
+        return
+    blank = 1.0 - float(np.isfinite(values).mean())
+    if blank > _MOST_BLANK:
+        yield f"{shown(column.name)}: {100 * blank:.2g} % of its fields hold no number"
+    good = values[np.isfinite(values)]
+    if column.ours not in (TRIGGER, CLOCK) and len(good) > 1 and not np.ptp(good):
+        yield f"{shown(column.name)}: never changes ({good[0]:g}); a channel that is not connected?"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_toml(inner) for inner in value) + "]"
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"').replace("\t", "\\t") + '"'
+    return repr(value)

@@ -1,0 +1,168 @@
+"""What the columns of an unknown file are likely to mean by their names."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from cases.recording_format import (
+    ACCELEROMETER,
+    BAR_FORCES,
+    CLOCK,
+    COLUMNS,
+    DRIVE_VELOCITIES,
+    DRIVES,
+    OVERRIDE,
+    POSE,
+    ROTATION,
+    STRUT_VELOCITIES,
+    STRUTS,
+    TRIGGER,
+    WRENCH,
+)
+
+_UNITS = {
+    "µm": "um", "µs": "us", "μm": "um", "μs": "us", "sec": "s", "msec": "ms", "°": "deg", "grad": "deg", "N*m": "Nm",
+    "N m": "Nm", "N·m": "Nm", "N*mm": "Nmm",
+}  # fmt: skip
+_KNOWN = ("s", "ms", "us", "ns", "mm", "m", "um", "nm", "cm", "in", "N", "kN", "mN", "Nm", "Nmm", "kNm", "deg", "rad",
+          "mrad", "%", "mm/s", "m/s", "mm/min", "m/min")  # fmt: skip
+_BRACKETED = re.compile(r"[\[(<]\s*([^\])>]*?)\s*[\])>]")
+_SUFFIX = re.compile(r"(?<=[A-Za-z0-9])[_ /]+([A-Za-zµμ%/]+)$")
+_COMMANDED = re.compile(r"soll|target|cmd|command|setp|desired|_ref")
+_RATE = re.compile(r"vel|speed|geschw|ld\d|qd\d")
+_NUMBERED: tuple[tuple[str, Sequence[str], Sequence[str]], ...] = (
+    (r"(?:strut|leg|bein|strebe)\D*(\d)|^(?:l|ld|len|length|laenge)(\d)", STRUTS, STRUT_VELOCITIES),
+    (r"(?:force|kraft|loadcell|dms)\D*(\d)|^(?:f|fs|lc|sensor)(\d)", BAR_FORCES, ()),
+    (r"(?:axis|achse|drive|antrieb|joint|motor|actpos|enc)\D*(\d)|^(?:q|qd|j)(\d)", DRIVES, DRIVE_VELOCITIES),
+)
+_LETTERED: tuple[tuple[str, Sequence[str]], ...] = (
+    (r"(?:^|\W|_)(?:f|force|kraft)[_ ]?([xyz])$", WRENCH[:3]),
+    (r"(?:^|\W|_)(?:m|t|moment|torque|drehmoment)[_ ]?([xyz])$", WRENCH[3:]),
+    (r"(?:^|\W|_)(?:a|acc|accel)[_ ]?([xyz])$", ACCELEROMETER),
+    (r"(?:^|\W|_)(?:r|rot)[_ ]?([xyz])$", POSE[3:]),
+    (r"^([xyz])(?:_?(?:pos|act|ist))?$", POSE[:3]),
+)
+_SINGLE = (
+    (r"^(?:t|ts|time|zeit|timestamp|stamp|zeitstempel|elapsed.*)$", CLOCK),
+    (r"^(?:trig.*|gate|marker|.*digital-?out.*|.*a_out.*)$", TRIGGER),
+    (r"^(?:ovr|.*override.*)$", OVERRIDE),
+    (r"^(?:a|roll|phi)$", POSE[3]),
+    (r"^(?:b|pitch|theta)$", POSE[4]),
+    (r"^(?:c|yaw|psi)$", POSE[5]),
+)
+GROUPS = (STRUTS, STRUT_VELOCITIES, DRIVES, DRIVE_VELOCITIES, POSE, ROTATION, ACCELEROMETER, BAR_FORCES, WRENCH)
+"""Columns that belong together: one of them is nothing without the others."""
+
+
+class Named(NamedTuple):
+    """What the name of a column says.
+
+    Args:
+        ours: our name of it; None: it says nothing.
+        unit: that it states; None: none.
+        commanded: whether it is what was asked for, not what was measured.
+    """
+
+    ours: str | None
+    unit: str | None
+    commanded: bool = False
+
+
+def named(theirs: str, unit: str = "") -> Named:
+    """What a name says.
+
+    Args:
+        theirs: the name in the file.
+        unit: what a line of units says of it.
+    """
+    if theirs in COLUMNS:
+        return Named(theirs, None)
+    match = _BRACKETED.search(theirs)
+    stated = unit_of(unit.strip("[]() ")) or (unit_of(match[1]) if match else None)
+    bare = _BRACKETED.sub("", theirs).strip()
+    suffix = _SUFFIX.search(bare)
+    if stated is None and suffix and unit_of(suffix[1]):
+        stated, bare = unit_of(suffix[1]), bare[: suffix.start()]
+    key = bare.lower()
+    commanded = _COMMANDED.search(key) is not None
+    return Named(_ours(key), stated, commanded)
+
+
+def unit_of(text: str) -> str | None:
+    """A unit as hexcite writes it; None where it is not known."""
+    unit = _UNITS.get(text, text)
+    return unit if unit in _KNOWN else None
+
+
+def _ours(key: str) -> str | None:
+    rotation = re.fullmatch(r"(?:r|rot)_?([123])_?([123])", key)
+    if rotation:
+        return f"r{rotation[1]}{rotation[2]}"
+    for pattern, ours in _SINGLE:
+        if re.search(pattern, key):
+            return ours
+    for pattern, columns in _LETTERED:
+        if match := re.search(pattern, key):
+            return columns["xyz".index(match[1])]
+    for pattern, columns, rates in _NUMBERED:
+        match = re.search(pattern, re.sub(r"[_ .\-#]+", "", key))
+        if match:
+            number = int(next(group for group in match.groups() if group is not None))
+            chosen = rates if rates and _RATE.search(key) else columns
+            return f"{chosen[0][: chosen[0].index('1')]}{number}{chosen[0][chosen[0].index('1') + 1 :]}"
+    return None
+
+
+def matched(names: Sequence[str], units: Sequence[str]) -> tuple[dict[str, int], dict[str, str]]:
+    """Our columns among a file's, and the units that names state.
+
+    Args:
+        names: of the file's columns.
+        units: of the file's columns, or empty.
+
+    Returns:
+        Our name -> position in the file; our name -> unit. Numbers that count from 0 are shifted; of two columns for
+        one of ours the first that is not a command counts; groups that are not whole are left out.
+    """
+    said = [named(name, units[k] if units else "") for k, name in enumerate(names)]
+    order = sorted(range(len(said)), key=lambda k: said[k].commanded)  # stable: measured ones first
+    places: dict[str, int] = {}
+    for k in order:
+        ours = said[k].ours
+        if ours is not None:
+            places.setdefault(ours, k)
+    shifted = dict(_from_one(places))
+    whole = {ours: k for ours, k in shifted.items() if _is_whole(ours, shifted)}
+    stated = {ours: unit for ours, k in whole.items() if (unit := said[k].unit) is not None}
+    return whole, stated
+
+
+def _from_one(places: Mapping[str, int]) -> Iterator[tuple[str, int]]:
+    """The same with groups that count from 0 counted from 1."""
+    for group in (STRUTS, STRUT_VELOCITIES, DRIVES, DRIVE_VELOCITIES, BAR_FORCES):
+        zeroth = group[0].replace("1", "0")
+        if zeroth in places:
+            theirs = (zeroth, *group[:-1])
+            yield from ((ours, places[old]) for ours, old in zip(group, theirs, strict=True) if old in places)
+        else:
+            yield from ((ours, places[ours]) for ours in group if ours in places)
+    numbered = {*STRUTS, *STRUT_VELOCITIES, *DRIVES, *DRIVE_VELOCITIES, *BAR_FORCES}
+    yield from ((ours, k) for ours, k in places.items() if ours in COLUMNS and ours not in numbered)
+
+
+def _is_whole(ours: str, places: Mapping[str, int]) -> bool:
+    group = next((group for group in GROUPS if ours in group), (ours,))
+    return all(column in places for column in group)
+
+
+def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]]:
+    """Six free columns next to each other, by names that differ in a number only: each of them may be six channels.
+
+    Args:
+        names: of the file's columns.
+        free: positions that mean nothing yet.
+    """
+    for start in range(len(free) - 5):
+        six = tuple(free[start : start + 6])
+        if six[-1] - six[0] == 5 and len({re.sub(r"\d+", "#", names[k]) for k in six}) == 1:
+            yield six

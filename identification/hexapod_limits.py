@@ -1,0 +1,90 @@
+"""Limits of a hexapod beside those of its coordinates, as CasADi expressions: struts, joints, singularity, boxes.
+
+Boxes that are kept out of enter with the platform's origin, its joints and points of struts and tools, with a clearance
+for what is between these; what it does not hold back is left to the proof and to drawing back. Joint angles enter by
+their cosine, which is smooth at zero: (1 - cos angle) / (1 - cos limit).
+"""
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.schema import Case
+from cases.units import DEG, MM
+from identification.machine import Share
+from identification.pose import rotation
+
+if TYPE_CHECKING:
+    from identification.hexapod import Hexapod
+
+Array = NDArray[np.float64]
+
+ALONG_STRUTS = (0.25, 0.5, 0.75)  # shares of a strut's length from the base
+ALONG_TOOLS = (0.0, 0.5, 1.0)  # of a tool's
+ROUNDING = 0.003  # [m] by about which corners of boxes are rounded
+CLEARANCE = 0.02  # [m] from boxes, for what comes near them between two points or instants; less where home is nearer
+VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the ways of motions
+
+
+def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
+    """Shares of the limits that a state uses.
+
+    Args:
+        hexapod: of the case.
+        case: its limits.
+        pose: shape (6,) [m, rad].
+        rates: its first derivative in time.
+        accelerations: its second derivative.
+    """
+    _, workspace, limits = case.need_machine("planning")
+    box = limits.motion
+    length, velocity, acceleration = hexapod.strut_motion.call([pose, rates, accelerations], True, False)
+    shortest = max(box.strut_length[0], workspace.strut_length[0])
+    longest = min(box.strut_length[1], workspace.strut_length[1])
+    at_base, at_platform = hexapod.joint_cosines.call([pose], True, False)
+    jacobian = hexapod.inverse_jacobian.call([pose], True, False)[1]
+    at_home = float(np.linalg.det(hexapod.inverse_jacobian(hexapod.home)[1].full()))
+    joints = ca.vertcat(
+        (1 - at_base) / (1 - np.cos(workspace.base_joint_angle_deg * DEG)),
+        (1 - at_platform) / (1 - np.cos(workspace.platform_joint_angle_deg * DEG)),
+    )
+    return [
+        Share("strut length", 0, (length - (longest + shortest) / 2) / ((longest - shortest) / 2)),
+        Share("strut velocity", 1, velocity / box.strut_velocity_m_s),
+        Share("strut acceleration", 2, acceleration / box.strut_acceleration_m_s2),
+        Share("joint angle", 0, joints),
+        Share("singularity", 0, 1 - ca.det(jacobian) / at_home),
+        *(Share("keep-out box", 0, share) for share in _keep_out(case, hexapod, pose)),
+    ]
+
+
+def _keep_out(case: Case, hexapod: "Hexapod", pose: ca.SX) -> list[ca.SX]:
+    """Shares: 1 where the clearance of a box begins, 0 far away."""
+    _, workspace, limits = case.need_machine("planning")
+    if not workspace.keep_out:
+        return []
+    turn = rotation(pose[3:])
+    arms = turn @ ca.DM(hexapod.platform.T)
+    joints = [pose[:3] + arms[:, k] for k in range(6)]
+    base = ca.DM(hexapod.base.T)
+    along = [base[:, k] + share * (joint - base[:, k]) for k, joint in enumerate(joints) for share in ALONG_STRUTS]
+    around = workspace.strut_radius_mm * MM
+    points = [(pose[:3], 0.0), *((joint, 0.0) for joint in joints), *((point, around) for point in along)]
+    for tool in workspace.tool:
+        low, high = tool.axis
+        places = (pose[:3] + turn @ ca.DM(low + share * (high - low)) for share in ALONG_TOOLS)
+        points += [(place, tool.radius_mm * MM) for place in places]
+    distances = ca.vertcat(
+        *(_distance(point, box.corners) - radius for box in workspace.keep_out for point, radius in points)
+    )
+    at_rest = ca.Function("distances", [pose], [distances])(hexapod.home + limits.motion.pose.mean(axis=0)).full()
+    return [ca.exp((np.clip(at_rest / 2, 0.0, CLEARANCE) - distances) / VICINITY)]
+
+
+def _distance(point: ca.SX, corners: Array) -> ca.SX:
+    """Distance along the axis that separates point and box most, at edges a little less, so that it is smooth [m]."""
+    apart = ca.fabs(point - ca.DM(corners.mean(axis=0))) - ca.DM(np.ptp(corners, axis=0) / 2)
+    most = ca.mmax(apart)
+    return most + ROUNDING * ca.log(ca.sum1(ca.exp((apart - most) / ROUNDING)) / 3)

@@ -1,0 +1,138 @@
+"""What planning, runs and evaluation ask of a machine: from its coordinates to the frame that carries the load.
+
+Coordinates are what motions are planned in, drives what encoders measure: the pose and the struts of a hexapod, for a
+chain both the positions of its joints. Whoever asks for less than a hexapod's struts takes a machine from here, and so
+knows no kind of machine; a new kind is a class with these methods and a line in `machine_of`.
+"""
+
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cases.errors import CaseError
+from cases.schema import Case
+
+if TYPE_CHECKING:
+    from identification.hexapod import Kinematics
+
+Array = NDArray[np.float64]
+
+
+class Frame(NamedTuple):
+    """Motion of the frame {P} of the load in {B}.
+
+    Args:
+        position: of its origin, shape (3,) [m].
+        rotation: R, shape (3, 3).
+        twist: velocity of the origin and angular velocity, shape (6,) [m/s, rad/s].
+        twist_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
+    """
+
+    position: ca.SX
+    rotation: ca.SX
+    twist: ca.SX
+    twist_rate: ca.SX
+
+
+class Share(NamedTuple):
+    """A limit beside those of the coordinates.
+
+    Args:
+        name: of the limit.
+        order: of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations.
+        value: shares that are used; the limit is satisfied between -1 and 1.
+    """
+
+    name: str
+    order: int
+    value: ca.SX
+
+
+class Machine(Protocol):
+    """A machine that moves the frame of the load."""
+
+    @property
+    def count(self) -> int:
+        """Number of coordinates n."""
+        ...
+
+    @property
+    def of_pose(self) -> bool:
+        """Whether its coordinates are the pose (x, y, z, roll, pitch, yaw) of the load's frame."""
+        ...
+
+    @property
+    def elastic(self) -> bool:
+        """Whether its sensors err with the pose as the error terms K1 to K5 say."""
+        ...
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which drives measure angles, shape (n,)."""
+        ...
+
+    def frame(self, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
+        """Motion of the load's frame from coordinates and their derivatives, shapes (n,)."""
+        ...
+
+    def shares(self, case: Case, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
+        """Limits of the case beside those of the coordinates, for the search; the proof has its own."""
+        ...
+
+    def positions(self, coordinates: Array) -> Array:
+        """Where the origin of the load's frame is, shape (k, 3) [m]."""
+        ...
+
+    def drives(self, coordinates: ArrayLike) -> Array:
+        """What encoders measure at coordinates, shape (k, n) [m or rad]."""
+        ...
+
+    def coordinates(self, drives: ArrayLike) -> Array:
+        """The coordinates that belong to measured drives, shape (k, n) [m or rad].
+
+        Raises:
+            IdentificationError: no coordinates do.
+        """
+        ...
+
+    def kinematics(
+        self, drives: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike, start: Array | None = None
+    ) -> "Kinematics":
+        """Motion of the load's frame from that of the drives, shapes (k, n).
+
+        Args:
+            drives: [m or rad].
+            velocities: their first derivatives in time.
+            accelerations: their second derivatives.
+            start: poses near by, where they are known, shape (k, 6).
+
+        Raises:
+            IdentificationError: no coordinates belong to the drives.
+        """
+        ...
+
+    def earlier(self, motion: "Kinematics", time: float) -> Array | None:
+        """Poses about a short time [s] before, for `start`, shape (k, 6); None where they are of no use."""
+        ...
+
+
+def machine_of(case: Case) -> Machine:
+    """The machine of a case.
+
+    Raises:
+        CaseError: the case has no machine, or one that does not move the sensors.
+    """
+    from identification.chain import SerialChain
+    from identification.hexapod import Hexapod
+
+    return SerialChain.of(case) if case.chain is not None else Hexapod.of(case)
+
+
+def machine_if_any(case: Case) -> Machine | None:
+    """The machine of a case; None where it has none that can be planned for."""
+    try:
+        return machine_of(case)
+    except CaseError:
+        return None

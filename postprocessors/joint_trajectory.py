@@ -1,0 +1,146 @@
+"""Writes a ROS 2 `trajectory_msgs/msg/JointTrajectory` as YAML: points with position, rate and acceleration.
+
+`joint_trajectory_controller` joins such points by quintic pieces and checks no limit. Points stand where the pieces of
+the motion begin and end, and between them as close as the case's blocks: pieces up to the fifth power are met exactly.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from cases.errors import HexciteError, ProgramError
+from cases.schema import Case
+from identification.motion import Array, Joined, Standstill, Trajectory
+from identification.trajectories.polynomial import PolynomialMotion
+from identification.trajectories.profile import Profile, StraightMove
+from postprocessors.program import (
+    Comment,
+    Dwell,
+    NeutralProgram,
+    PointToPoint,
+    SplinePath,
+    TimedPath,
+    ToHome,
+    Trigger,
+)
+from postprocessors.proving.stretches import Still, Timed, stretches
+from postprocessors.reading.words import Reading
+from postprocessors.wording import comment_lines
+
+DECIMALS = 9  # of rad, m and their derivatives
+SAME = 1e-7  # [rad, m] between points, of a motion that is no polynomial
+CLOSEST = 2e-3  # [s] between points: rounding of closer ones makes jerks
+FIRST = 0.02  # [s] the first point's time: at 0 the controller would jump to it
+
+
+def write_joint_trajectory(program: NeutralProgram, case: Case) -> bytes:
+    """The message, plain ASCII.
+
+    Args:
+        program: what to do; the machine stands at home when it starts.
+        case: its chain names the joints; `controller.block_ms` is the distance of points.
+
+    Raises:
+        HexciteError: a block that has no place in a joint trajectory.
+        CaseError: the case has no chain or no controller.
+    """
+    chain, _ = case.need_chain("a joint trajectory")
+    controller = case.need_controller("a joint trajectory")
+    lines = [f"# {line}" for text in program.header for line in comment_lines(text)]
+    lines += [f"joint_names: [{', '.join(chain.names)}]", "points:"]
+    motion = _motion(program)
+    points = motion.at(_instants(motion, controller.block))
+    for t, *values in zip(points.t + FIRST, points.pose, points.rates, points.accelerations, strict=True):
+        for mark, name, row in zip("-  ", ("positions", "velocities", "accelerations"), values, strict=True):
+            lines.append(f"{mark} {name}: [{', '.join(_number(v) for v in row)}]")
+        seconds, nanoseconds = divmod(round(float(t) * 1e9), 10**9)
+        lines.append(f"  time_from_start: {{sec: {seconds}, nanosec: {nanoseconds}}}")
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def require_same(program: NeutralProgram, reading: Reading, case: Case) -> None:
+    """Raises ProgramError unless the message, as read back, is the program's motion, at its points and between them."""
+    motion, clock = _motion(program), -FIRST
+    for part in stretches(reading):
+        if isinstance(part, Still):
+            clock += part.duration
+            continue
+        assert isinstance(part, Timed)
+        times = part.points.times
+        t = np.sort(np.append(times, (times[1:] + times[:-1]) / 2))
+        planned = motion.at(np.clip(t + clock, 0.0, motion.duration)).pose
+        if not np.all(np.abs(part.points.at(t).pose - planned) <= SAME):
+            raise ProgramError(reading.file, part.lines[0], 0, "the motion reads back differently; report this")
+        clock += part.points.duration
+    if abs(clock - motion.duration) > SAME:
+        raise ProgramError(reading.file, 0, 0, f"lasts {clock:.6f} s of {motion.duration:.6f} s; report this")
+
+
+def _motion(program: NeutralProgram) -> Joined:
+    return Joined(tuple(_parts(program)))
+
+
+def _parts(program: NeutralProgram) -> Iterator[Trajectory]:
+    """Each block's motion; the trigger has no place in the message, the whole motion is evaluated."""
+    here: Array | None = None
+    for block in program.blocks:
+        part: Trajectory
+        match block:
+            case ToHome():
+                here = block.pose
+                continue
+            case Comment() | Trigger():
+                continue
+            case Dwell():
+                assert here is not None
+                part = Standstill(here, block.duration)
+            case PointToPoint():
+                part = block.move
+            case SplinePath():
+                part = block.motion
+            case TimedPath() if block.source is not None:
+                part = block.source
+            case _:
+                raise HexciteError("a joint trajectory has no arcs and no moves straight in struts; plan without them")
+        if part.duration > 0.0:
+            yield part
+            here = part.at([part.duration]).pose[0]
+
+
+def _instants(motion: Joined, step: float) -> Array:
+    """Ends of all pieces, and instants between them, shape (n,) [s]; none within a standstill."""
+    found = [np.zeros(1)]
+    for part, start in zip(motion.parts, motion.starts, strict=False):
+        if isinstance(part, Standstill):
+            found.append(np.array([start + part.duration]))
+            continue
+        for a, b in pairwise(_apart(_ends(part))):
+            count = max(1, int(np.ceil((b - a) / step - 1e-9)))
+            found.append(start + np.linspace(a, b, count + 1)[1:])
+    return np.concatenate(found)
+
+
+def _apart(ends: list[float]) -> list[float]:
+    """Ends of pieces without those that are too close to another one: the first and the last stay."""
+    kept = ends[:1]
+    for end in ends[1:]:
+        if end - kept[-1] >= CLOSEST:
+            kept.append(end)
+        elif end == ends[-1] and len(kept) > 1:
+            kept[-1] = end
+    return kept if len(kept) > 1 else [ends[0], ends[-1]]
+
+
+def _ends(part: Trajectory) -> list[float]:
+    """Where the polynomials of a motion begin and end [s]; of another motion its ends."""
+    if isinstance(part, PolynomialMotion):
+        return [float(t) for t in part.times]
+    if isinstance(part, StraightMove) and isinstance(part.profile, Profile):
+        ends = np.cumsum([0.0, *(length for length in part.profile.lengths if length > 1e-9)])
+        return [float(t) for t in ends]
+    return [0.0, part.duration]
+
+
+def _number(value: float) -> str:
+    return f"{round(float(value), DECIMALS) + 0.0:.{DECIMALS}f}"

@@ -1,0 +1,142 @@
+"""Reads a ROS 2 `trajectory_msgs/msg/JointTrajectory` in YAML, in the layout that `ros2 topic echo` and hexcite write.
+
+Between points with position, rate and acceleration `joint_trajectory_controller` interpolates with a quintic polynomial
+(ros2_controllers, trajectory.cpp). It reaches the first point from wherever the machine stands.
+"""
+
+import re
+from itertools import pairwise
+from typing import NamedTuple, NoReturn
+
+import numpy as np
+
+from cases.errors import ProgramError
+from cases.schema import Case
+from identification.motion import Array
+from postprocessors.reading.words import Event, Pause, Polynomial, Reading, Stand, Switch, program_lines
+
+LARGEST = 1e6  # rad, m and their derivatives: no machine has such numbers
+LONGEST_LINE = 4096
+_KEYS = ("positions", "velocities", "accelerations", "time_from_start")
+_LIST = re.compile(r"\[([^\[\]]*)\]$")
+_TIME = re.compile(r"\{\s*sec:\s*(\d+)\s*,\s*nanosec:\s*(\d+)\s*\}$")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
+    """Reads a message.
+
+    The recording has no trigger: the whole motion counts as the excitation.
+
+    Args:
+        content: of the file.
+        file: its name, for messages.
+        case: its chain names the joints.
+
+    Raises:
+        ProgramError: anything that is not such a message, with its line; points out of order, a motion that does not
+            begin and end at rest.
+        CaseError: the case has no chain.
+    """
+    chain, _ = case.need_chain("a joint trajectory")
+    reader = _Reader(file, program_lines(content.decode("latin-1"), file, LONGEST_LINE))
+    names, points = reader.message()
+    if names != list(chain.names):
+        reader.fail(reader.named, f"joints {', '.join(names)} are not those of the case, {', '.join(chain.names)}")
+    return Reading(file, tuple(_events(reader, points, len(names))), len(points))
+
+
+class _Point(NamedTuple):
+    line: int
+    state: Array  # position, rate, acceleration: shape (3, joints)
+    time: float
+
+
+class _Reader:
+    """Lines of the message, one key each; positions of what is wrong."""
+
+    def __init__(self, file: str, lines: list[str]) -> None:
+        self.file, self.named = file, 0
+        self.lines = [
+            (number, code) for number, text in enumerate(lines, 1) if (code := text.split("#", 1)[0].rstrip()).strip()
+        ]
+
+    def fail(self, line: int, problem: str) -> NoReturn:
+        raise ProgramError(self.file, line, 0, problem)
+
+    def message(self) -> tuple[list[str], list[_Point]]:
+        if len(self.lines) < 3:
+            self.fail(0, "has no joint_names and points; is this a JointTrajectory?")
+        (self.named, first), (where, second), *rest = self.lines
+        names = [name.strip().strip("'\"") for name in self.list_of(self.named, first, "joint_names: ")]
+        if second != "points:":
+            self.fail(where, f"{second.strip()[:24]!r} where `points:` is expected; write joint_names, then points")
+        if len(rest) % len(_KEYS):
+            self.fail(rest[-1][0], f"the last point is not complete; a point has {', '.join(_KEYS)}")
+        groups = [rest[k : k + len(_KEYS)] for k in range(0, len(rest), len(_KEYS))]
+        return names, [self.point(group, len(names)) for group in groups]
+
+    def point(self, group: list[tuple[int, str]], count: int) -> _Point:
+        rows = []
+        for mark, key, (line, code) in zip("-  ", _KEYS[:3], group, strict=False):
+            words = self.list_of(line, code, f"{mark} {key}: ")
+            if len(words) != count:
+                self.fail(line, f"{key} has {len(words)} numbers for {count} joints; correct it")
+            rows.append([self.number(line, word.strip()) for word in words])
+        line, code = group[3]
+        time = _TIME.match(code.removeprefix("  time_from_start: ")) if code.startswith("  time_from_start: ") else None
+        if time is None or int(time[2]) >= 10**9:
+            self.fail(line, "expected `  time_from_start: {sec: .., nanosec: ..}` with less than 10^9 nanoseconds")
+        return _Point(group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9)
+
+    def list_of(self, line: int, code: str, start: str) -> list[str]:
+        found = _LIST.match(code.removeprefix(start)) if code.startswith(start) else None
+        if found is None:
+            self.fail(line, f"{code.strip()[:24]!r} where `{start}[..]` is expected; write the keys in this order")
+        return found[1].split(",")
+
+    def number(self, line: int, word: str) -> float:
+        if not _NUMBER.fullmatch(word) or abs(float(word)) > LARGEST:
+            self.fail(line, f"{word[:24]!r} is not a plain number below {LARGEST:g}; correct it")
+        return float(word)
+
+
+def _events(reader: _Reader, points: list[_Point], count: int) -> list[Event]:
+    """Quintic pieces, and pauses where the machine stands; the trigger is on from the first movement to the last."""
+    first, last = points[0], points[-1]
+    if not first.time > 0.0:
+        reader.fail(first.line, "the first point is at 0 s, to which the controller would jump; give it some time")
+    for point, what in ((first, "begins"), (last, "ends")):
+        if point.state[1:].any():
+            reader.fail(point.line, f"the motion {what} with a velocity or acceleration; it must be at rest there")
+    events: list[Event] = [Stand(first.line, first.state[0]), Pause(first.line, first.time)]
+    for before, after in pairwise(points):
+        duration = after.time - before.time
+        if not duration > 0.0:
+            reader.fail(after.line, f"time_from_start {after.time:g} s is not after the point before; correct it")
+        resting = not (before.state[1:].any() or after.state[1:].any())
+        if resting and np.array_equal(before.state[0], after.state[0]):
+            events.append(Pause(after.line, duration))
+        else:
+            events.append(Polynomial(after.line, _quintic(before.state, after.state, duration), duration))
+    moving = [k for k, event in enumerate(events) if isinstance(event, Polynomial)]
+    if moving:
+        begin, end = moving[0], moving[-1] + 1
+        on, off = (Switch(events[k].line, state, at_once=True) for k, state in ((begin, True), (end - 1, False)))
+        events = [*events[:begin], on, *events[begin:end], off, *events[end:]]
+    return events
+
+
+def _quintic(before: Array, after: Array, duration: float) -> Array:
+    """Coefficients in p = t / duration of the polynomial with these ends, shape (6, joints).
+
+    Args:
+        before: position, rate and acceleration, shape (3, joints).
+        after: the same at its end.
+        duration: [s].
+    """
+    scale = duration ** np.arange(3)[:, None]
+    (p, v, a), (q, w, b) = before * scale, after * scale
+    c0, c1, c2 = p, v, a / 2
+    d, e, f = q - c0 - c1 - c2, w - c1 - 2 * c2, b - 2 * c2
+    return np.array([c0, c1, c2, 10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2])

@@ -1,0 +1,208 @@
+"""Robots from URDF files: the same geometry as MuJoCo reads, and one line for each file that is not sound."""
+
+import re
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cases.errors import CaseError, FileProblem
+from cases.loading import load_case
+from cases.scaffold import new_arm
+from cases.urdf import read_urdf
+from identification.chain import SerialChain
+from identification.evaluate import over_samples
+from tests.helpers import one_line
+from tests.robots import MIMIC, panda, ur10, urdf
+
+ROBOTS = {"ur10": (ur10(), "tool0"), "panda": (panda(), "tool")}
+HOMES = {"ur10": [0.0, -90.0, 90.0, -90.0, -90.0, 0.0], "panda": [0.0, -40.0, 0.0, -120.0, 0.0, 90.0, 45.0]}
+
+
+def file_with(folder: Path, text: str) -> Path:
+    file = folder / "robot.urdf"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def filled_in(text: str, homes: list[float]) -> str:
+    """The text of a new case with what a URDF does not say."""
+    values = iter(homes)
+    text = re.sub(r"# home_deg = .*", lambda _: f"home_deg = {next(values)}", text)
+    for key, value in {"position_deg": "[-5.0, 5.0]", "acceleration_rad_s2": "5.0", "jerk_rad_s3": "50.0"}.items():
+        text = re.sub(rf"# {key} = .*", f"{key} = {value}", text)
+    return text.replace('# sense = "load_on_sensor"', 'sense = "load_on_sensor"')
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_mujoco_reads_the_same_robot(robot: str, tmp_path: Path) -> None:
+    text, flange = ROBOTS[robot]
+    case_file = new_arm("arm", file_with(tmp_path, text), flange, tmp_path / "arm")
+    case_file.write_text(filled_in(case_file.read_text(), HOMES[robot]))
+    case = load_case(str(tmp_path / "arm"))
+    chain, limits = case.need_chain("a test")
+    kept = text.replace("<link ", '<mujoco><compiler fusestatic="false"/></mujoco><link ', 1)
+    model = mujoco.MjModel.from_xml_string(kept)
+    data = mujoco.MjData(model)
+    n = len(chain.joints)
+    names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, k) for k in range(n)]
+    assert list(chain.names) == names
+    np.testing.assert_allclose(chain.position.T, model.jnt_range[:n], atol=1e-12)
+    np.testing.assert_allclose(np.degrees(chain.home), HOMES[robot], atol=1e-12)
+    assert limits.rate.min() > 2.0
+    q = np.random.default_rng(0).uniform(-3.0, 3.0, (20, n))
+    position, columns, _, _ = over_samples(SerialChain(chain).motion, q, 0 * q, 0 * q)
+    for k in range(len(q)):
+        data.qpos[:n] = q[k]
+        mujoco.mj_kinematics(model, data)
+        np.testing.assert_allclose(position[k], data.body(flange).xpos, atol=1e-12)
+        np.testing.assert_allclose(columns[k].reshape(3, 3).T.ravel(), data.body(flange).xmat, atol=1e-12)
+
+
+def test_what_a_urdf_does_not_say_is_missing_joint_by_joint(tmp_path: Path) -> None:
+    new_arm("arm", file_with(tmp_path, ur10()), "tool0", tmp_path / "arm")
+    with pytest.raises(CaseError) as caught:
+        load_case(str(tmp_path / "arm"))
+    problems = "\n".join(caught.value.problems)
+    for joint in ("shoulder_pan", "elbow", "wrist_3"):
+        assert f"{joint}_joint: home_deg is missing" in problems
+        assert f"{joint}_joint: position_deg, acceleration_rad_s2, jerk_rad_s3 missing" in problems
+    assert "sensor_frame.transducer.sense: is missing" in problems
+    assert len(caught.value.problems) == 13
+
+
+def test_a_case_that_is_there_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text("mine")
+    with pytest.raises(FileProblem, match="exists"):
+        new_arm("arm", file_with(tmp_path, ur10()), "tool0", tmp_path)
+    assert (tmp_path / "case.toml").read_text() == "mine"
+
+
+def test_a_flange_that_does_not_exist_lists_those_that_do(tmp_path: Path) -> None:
+    with pytest.raises(
+        CaseError, match=r"has no link tool1; name one of base_link, .*wrist_3, flange, tool0"
+    ) as caught:
+        read_urdf(file_with(tmp_path, ur10()), "tool1")
+    one_line(caught.value)
+
+
+def test_a_fixed_link_behind_a_joint_weighs_with_it_but_the_load_does_not(tmp_path: Path) -> None:
+    """The hand hangs on the flange, so it is the load's; the camera is part of the forearm."""
+    camera = ("camera_joint", "fixed", "link3", "camera", "0.1 0 0", "0 0 0", "")
+    text = panda()
+    more = text.replace("</robot>", urdf([camera]).split("<robot")[1].split("\n", 1)[1].replace(LINK3, ""))
+    before, after = (read_urdf(file_with(tmp_path, t), "tool").joints for t in (text, more))
+    masses = [(b.link.mass_kg, a.link.mass_kg) for b, a in zip(before, after, strict=True)]
+    assert [a - b for b, a in masses] == [0, 0, 1.25, 0, 0, 0, 0]
+    assert after[6].link.mass_kg == pytest.approx(2.75)
+
+
+LINK3 = urdf([("camera_joint", "fixed", "link3", "camera", "0.1 0 0", "0 0 0", "")]).splitlines()[2] + "\n"
+ELBOW = '<joint name="elbow_joint" type="revolute">'
+ELBOW_LIMIT = re.search(r'<limit lower="-3\.14[^>]*>', ur10())[0]
+AXIS = '<axis xyz="0 0 1"/>'
+WRIST = '<child link="wrist_1"/>'
+BROKEN = {
+    "no limit": (ELBOW_LIMIT, "", "joint elbow_joint has no limit"),
+    "no velocity": (ELBOW_LIMIT, '<limit lower="-3" upper="3" effort="3"/>', "joint elbow_joint has no velocity"),
+    "no lower": (ELBOW_LIMIT, '<limit upper="3" effort="3" velocity="3"/>', "limit of joint elbow_joint has no lower"),
+    "reversed": (ELBOW_LIMIT, '<limit lower="3" upper="-3" effort="3" velocity="3"/>', "3, not below upper = -3"),
+    "velocity 0": (ELBOW_LIMIT, '<limit lower="-3" upper="3" effort="3" velocity="0"/>', "velocity 0"),
+    "effort below 0": (ELBOW_LIMIT, '<limit lower="-3" upper="3" effort="-3" velocity="1"/>', "effort -3"),
+    "nan": (ELBOW_LIMIT, '<limit lower="-3" upper="3" effort="3" velocity="nan"/>', "'nan', not a number"),
+    "a decimal comma": ('xyz="-0.612 0 0"', 'xyz="-0,612 0 0"', "'-0,612', not a number"),
+    "beyond any machine": ('xyz="-0.612 0 0"', 'xyz="-6e99 0 0"', "beyond any machine"),
+    "two numbers": ('xyz="-0.612 0 0"', 'xyz="-0.612 0"', "origin of joint elbow_joint is '-0.612 0'; give three"),
+    "axis 0": (AXIS, '<axis xyz="0 0 0"/>', "axis of joint shoulder_pan_joint has no direction"),
+    "two parents": (WRIST, '<child link="forearm"/>', "forearm has two parents, joints elbow_joint and wrist_1_joint"),
+    "a loop": (WRIST, '<child link="base_link"/>', "form a loop"),
+    "unknown child": (WRIST, '<child link="wrist"/>', "has the child wrist, but there is no such link"),
+    "no child": (WRIST, "", "joint wrist_1_joint has no child"),
+    "mimic": (ELBOW, ELBOW + MIMIC, "elbow_joint mimics"),
+    "floating": (ELBOW, ELBOW.replace("revolute", "floating"), "elbow_joint is floating"),
+    "planar": (ELBOW, ELBOW.replace("revolute", "planar"), "elbow_joint is planar"),
+    "unknown type": (ELBOW, ELBOW.replace("revolute", "hinge"), "type 'hinge'; URDF knows revolute"),
+    "joint twice": (ELBOW, ELBOW.replace("elbow", "wrist_3"), "joint wrist_3_joint is there twice, first in line"),
+    "link twice": ('<link name="tool0"/>', '<link name="flange"/>', "link flange is there twice, first in line"),
+    "no name": ('<link name="tool0"/>', "<link/>", "a link has no name"),
+    "two roots": ('<link name="tool0"/>', '<link name="tool0"/><link name="stand"/>', "base_link, stand have no"),
+    "negative mass": ("value='1.5'", "value='-1.5'", "link shoulder: mass -1.5"),
+    "no body has it": ("ixx='0.04'", "ixx='0.4'", "no rigid body has the principal inertias"),
+    "DOCTYPE": ("<robot", '<!DOCTYPE robot [<!ENTITY a "b">]><robot', "has a DOCTYPE"),
+    "xacro": ("<robot", "<robot><xacro:include filename='x'/></robot><robot", "is xacro, not URDF; expand it"),
+    "a property of xacro": ('xyz="-0.612 0 0"', 'xyz="${a} 0 0"', "is xacro, not URDF; expand it"),
+    "not closed": ("</robot>", "", "is not XML"),
+    "not a robot": ("robot", "sdf", "holds <sdf>, not <robot>"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", BROKEN)
+def test_a_broken_file_is_one_line_with_its_line(what: str, tmp_path: Path) -> None:
+    old, new, words = BROKEN[what]
+    text = ur10()
+    assert old in text
+    every = what in ("not a robot",)
+    file = file_with(tmp_path, text.replace(old, new) if every else text.replace(old, new, 1))
+    with pytest.raises(CaseError, match=words) as caught:
+        read_urdf(file, "tool0")
+    assert re.match(rf"{re.escape(str(file))}: line \d+: ", one_line(caught.value))
+
+
+def test_what_stands_beside_the_way_may_be_broken(tmp_path: Path) -> None:
+    """A mimicking finger is nothing to the arm; that the arm ends at it is refused."""
+    file = file_with(tmp_path, panda())
+    assert len(read_urdf(file, "hand").joints) == 7
+    assert read_urdf(file, "finger1").joints[-1].kind == "prismatic"
+    with pytest.raises(CaseError, match="finger_joint2 mimics another one"):
+        read_urdf(file, "finger2")
+
+
+def test_an_axis_of_any_length_is_a_direction(tmp_path: Path) -> None:
+    text = ur10().replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -2.5"/>', 1)
+    np.testing.assert_array_equal(read_urdf(file_with(tmp_path, text), "tool0").joints[0].axis, [0.0, 0.0, -1.0])
+
+
+def test_a_continuous_joint_needs_no_limit_and_has_no_ends(tmp_path: Path) -> None:
+    text = ur10().replace(ELBOW, ELBOW.replace("revolute", "continuous")).replace(ELBOW_LIMIT, "")
+    elbow = read_urdf(file_with(tmp_path, text), "tool0").joints[2]
+    assert (elbow.kind, elbow.position, elbow.velocity, elbow.effort) == ("continuous", None, None, None)
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00\xff\xfe", b"<robot/>", b"<robot name='a'><link name='b'/></robot>"])
+def test_files_with_next_to_nothing(content: bytes, tmp_path: Path) -> None:
+    file = tmp_path / "robot.urdf"
+    file.write_bytes(content)
+    for flange in ("b", None):
+        with pytest.raises(CaseError) as caught:
+            read_urdf(file, flange)
+        one_line(caught.value)
+    with pytest.raises(CaseError, match="cannot be read"):
+        read_urdf(tmp_path, "b")
+
+
+PIECES = re.findall(r'<[^>]+>|"[^"]*"', panda())
+
+
+@settings(
+    max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture], derandomize=True, deadline=None
+)
+@given(
+    edits=st.lists(st.tuples(st.sampled_from(PIECES), st.sampled_from([*PIECES, "", '"nan"', '"0 0 0"'])), max_size=3)
+)
+def test_a_file_with_pieces_put_elsewhere_is_read_or_refused_in_one_line(
+    edits: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    text = panda()
+    for old, new in edits:
+        text = text.replace(old, new, 1)
+    try:
+        arm = read_urdf(file_with(tmp_path, text), "tool")
+    except CaseError as error:
+        one_line(error)
+    else:
+        for joint in arm.joints:
+            assert np.isclose(np.linalg.norm(joint.axis), 1.0)
+            np.testing.assert_allclose(joint.place.turn @ joint.place.turn.T, np.eye(3), atol=1e-12)

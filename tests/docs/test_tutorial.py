@@ -1,0 +1,35 @@
+"""What the tutorial shows is what its commands print today, word for word and in figures."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+spec = importlib.util.spec_from_file_location("transcript", DOCS / "transcript.py")
+assert spec is not None
+assert spec.loader is not None
+transcript = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(transcript)
+
+
+@pytest.mark.slow
+def test_the_tutorial_shows_what_its_commands_print(tmp_path: Path) -> None:
+    page = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+    commands = list(transcript.steps_of(page))
+    assert len(commands) >= 8
+    for step in commands:
+        now = transcript.matched(step.shown, transcript.printed(step.command, tmp_path))
+        for shown, line in zip(step.shown, now, strict=True):
+            assert not transcript.far_off(shown, line), f"{step.command}: shows {shown!r}, prints {line!r}"
+
+
+def test_a_page_is_compared_by_words_and_figures() -> None:
+    shown = ["first 1.0 mm", "...", "last 3"]
+    assert transcript.matched(shown, ["first 1.1 mm", "more", "last 4"]) == ["first 1.1 mm", "...", "last 4"]
+    with pytest.raises(ValueError, match="first"):
+        transcript.matched(shown, ["other 1.1 mm", "more", "last 4"])
+    with pytest.raises(ValueError, match="does not show"):
+        transcript.matched(["first 1"], ["first 1", "second"])
+    assert not transcript.far_off("off 1.0 of 12.0 s", "off 1.1 of 12.2 s")
+    assert transcript.far_off("off 1.0 of 12.0 s", "off 1.9 of 12.2 s")

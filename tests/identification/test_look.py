@@ -1,0 +1,176 @@
+"""A look at files of unknown format: whatever names and units a recorder uses, the proposal reads the same run."""
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.errors import RecordingError
+from cases.recording_format import RecordingFormat
+from cases.schema import Case
+from identification.formats.look import look
+from identification.hexapod import Hexapod
+from identification.recording import read_run
+
+ROWS = 1200
+KEYS = ("t", *(f"l{k}" for k in range(1, 7)), *(f"f{k}" for k in range(1, 7)), "trigger")
+
+
+def run(case: Case) -> np.ndarray:
+    """A smooth run at 1 kHz: time [s], strut lengths [mm], forces [N], trigger; shape (n, 14)."""
+    t = np.arange(ROWS) * 1e-3
+    phases = np.arange(6)
+    assert case.machine is not None
+    poses = case.machine.home.vector + 0.05 * np.sin(2 * np.pi * t[:, None] + phases)
+    forces = 100.0 * np.sin(2 * np.pi * t[:, None] + phases) + 20.0 * phases
+    trigger = (t > 0.2) & (t < 1.0)
+    return np.column_stack([t, Hexapod.of(case).strut_lengths(poses) * 1e3, forces, trigger])
+
+
+@dataclass(frozen=True)
+class Written:
+    """How a recorder writes a run: header lines, factors of time, lengths and forces, separator, decimal sign."""
+
+    name: str
+    head: Sequence[str]
+    time: float = 1.0
+    length: float = 1.0
+    force: float = 1.0
+    separator: str = ","
+    decimal: str = "."
+    encoding: str = "utf-8"
+    end: str = ""
+    tail: str = ""
+    columns: Sequence[str] = field(default=KEYS)
+
+    def write(self, table: np.ndarray, folder: Path) -> Path:
+        scale = np.r_[self.time, np.full(6, self.length), np.full(6, self.force), 1.0]
+        chosen = [KEYS.index(key) for key in self.columns]
+        lines = [*self.head]
+        for row in (table * scale)[:, chosen]:
+            text = self.separator.join(f"{v:.9g}" for v in row) + self.end
+            lines.append(text.replace(".", self.decimal) if self.decimal != "." else text)
+        file = folder / self.name
+        file.write_bytes(("\n".join(lines) + "\n" + self.tail).encode(self.encoding))
+        return file
+
+
+def _named(time: str, strut: str, force: str, trigger: str, separator: str = ",", first: int = 1) -> str:
+    numbers = range(first, first + 6)
+    names = [time, *(strut.replace("#", str(k)) for k in numbers), *(force.replace("#", str(k)) for k in numbers)]
+    return separator.join([*names, trigger])
+
+
+RECORDERS = [
+    Written("ours.csv", [_named("t_s", "l#_mm", "f#_N", "trigger")]),
+    Written(
+        "german.csv", [_named("Zeit [ms]", "Strebe # [m]", "Kraft # [kN]", "Trigger", ";")],
+        time=1e3, length=1e-3, force=1e-3, separator=";", decimal=",",
+    ),
+    Written(
+        "units.txt",
+        ["Recorder 2.1", _named("time", "Leg#", "F#", "gate", "\t"), "\t".join(["µs", *["mm"] * 6, *["N"] * 6, "-"])],
+        time=1e6, separator="\t", encoding="cp1252", tail="EOF\n",
+    ),
+    Written("ticks.csv", [_named("stamp", "joint.#.pos-fb", "loadcell-#", "motion.digital-out-00", first=0)], time=1e3),
+    Written("channels.csv", [_named("t", "enc_#", "ai#", "di1")], length=1e3),
+    Written("unnamed.csv", []),
+    Written("cut.csv", [_named("t_s", "l#_mm", "f#_N", "trigger")], tail="1.2,853.1,91"),
+    Written("sampler.txt", [], separator=" ", end=" ", columns=KEYS[1:]),
+    Written("volts.csv", [_named("t_s", "l#_mm", "f#_N", "trigger")]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("recorder", RECORDERS, ids=lambda recorder: recorder.name)
+def test_the_proposal_reads_the_run_that_was_recorded(recorder: Written, hexapod_case: Case, tmp_path: Path) -> None:
+    table = run(hexapod_case)
+    if recorder.name == "volts.csv":
+        table[:, -1] *= 5.0
+    file = recorder.write(table, tmp_path)
+    found = look(file, hexapod_case)
+    assert found.reads, found.odd
+    settings = tomllib.loads(found.toml)["recording"]  # what a user pastes
+    form = RecordingFormat.model_validate(settings)
+    recording = read_run([file], hexapod_case.model_copy(update={"recording": form}))
+    assert recording.t is not None
+    assert recording.struts is not None
+    assert recording.trigger is not None
+    assert np.allclose(recording.t - recording.t[0], np.arange(ROWS) * 1e-3, atol=1e-6)
+    assert np.allclose(recording.struts, table[:, 1:7] * 1e-3, atol=1e-7)
+    assert np.allclose(recording.forces, table[:, 7:13], atol=1e-5)
+    assert np.array_equal(recording.trigger, table[:, -1] > 0.5)
+    assert found.rate == pytest.approx(1000.0, rel=1e-3)
+
+
+def test_twincat_scope_is_known_by_its_header(hexapod_case: Case, tmp_path: Path) -> None:
+    table = run(hexapod_case)
+    names = [*(f"Strut{k}.ActPos" for k in range(1, 7)), *(f"Force{k}" for k in range(1, 7)), "Trigger"]
+    lines = ["Name\tScope", "", "\t".join(["Name", *names]), "\t".join(["Offset", *["0"] * 13])]
+    lines += ["\t".join(f"{v:.9g}".replace(".", ",") for v in row * np.r_[1e3, np.ones(13)]) for row in table]
+    file = tmp_path / "scope.csv"
+    file.write_text("\n".join([*lines, "EOF"]) + "\n")
+    found = look(file, hexapod_case)
+    assert found.reads, found.odd
+    assert found.settings["format"] == "twincat-scope"
+    assert found.settings["decimal"] == ","
+    assert found.rate == pytest.approx(1000.0, rel=1e-3)
+
+
+def test_guesses_are_marked_and_names_are_not(hexapod_case: Case, tmp_path: Path) -> None:
+    plain, channels = RECORDERS[0], next(r for r in RECORDERS if r.name == "channels.csv")
+    table = run(hexapod_case)
+    assert not any(c.guessed for c in look(plain.write(table, tmp_path), hexapod_case).columns)
+    guessed = {c.ours for c in look(channels.write(table, tmp_path), hexapod_case).columns if c.guessed}
+    assert {"l1_mm", "f1_N"} <= guessed
+
+
+def test_what_is_odd_is_named(hexapod_case: Case, tmp_path: Path) -> None:
+    table = np.delete(run(hexapod_case), np.s_[300:340], axis=0)
+    table[:, 9] = 17.0
+    table[:, 13] = 0.0
+    odd = "\n".join(look(RECORDERS[0].write(table, tmp_path), hexapod_case).odd)
+    assert "40 samples are missing" in odd
+    assert "f3_N: never changes (17)" in odd
+
+
+def test_another_machine_is_noticed(hexapod_case: Case, tmp_path: Path) -> None:
+    table = run(hexapod_case)
+    table[:, 1:7] *= 20.0
+    assert "outside the workspace" in "\n".join(look(RECORDERS[0].write(table, tmp_path), hexapod_case).odd)
+
+
+def test_standstills_have_no_clock_and_need_none(wrist_case: Case, tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    turns = np.linalg.qr(rng.normal(size=(12, 3, 3)))[0]
+    turns *= np.sign(np.linalg.det(turns))[:, None, None]
+    names = ["fx", "fy", "fz", "tx", "ty", "tz", *(f"r{i}{j}" for i in "123" for j in "123")]
+    rows = np.column_stack([rng.normal(size=(12, 6)), turns.reshape(12, 9)])
+    file = tmp_path / "standstills.csv"
+    file.write_text("\n".join([",".join(names), *(",".join(f"{v:.8f}" for v in row) for row in rows)]) + "\n")
+    found = look(file, wrist_case)
+    assert found.reads, found.odd
+    assert found.settings["columns"]["mx_Nm"] == "tx"
+    assert found.rate is None
+
+
+@pytest.mark.parametrize(
+    ("content", "fact"),
+    [
+        (b"this is\nno recording, at all\n", "no table of numbers"),
+        ("t,f1\n1,2\n".encode("utf-16"), "UTF-16"),
+        (bytes(range(256)) * 20, "not text"),
+        (b"", "empty"),
+        (b"  1.0   2.0   3.0\n  2.0   3.0   4.0\n  3.0   4.0   5.0\n", "several blanks"),
+    ],
+    ids=["prose", "utf-16", "binary", "empty", "aligned"],
+)
+def test_what_is_not_a_table_is_refused_in_a_line(content: bytes, fact: str, tmp_path: Path) -> None:
+    file = tmp_path / "file.csv"
+    file.write_bytes(content)
+    with pytest.raises(RecordingError, match=fact) as error:
+        look(file)
+    assert str(file) in str(error.value)
+    assert "\n" not in str(error.value)

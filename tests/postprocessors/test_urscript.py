@@ -1,0 +1,162 @@
+"""URScript programs: the law of `movej` recomputed from the text, and every edit that would break the proof."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cases.errors import CaseError, ProgramError
+from cases.loading import load_case
+from postprocessors.dialects import dialect
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.proof import prove_program
+from postprocessors.proving.stretches import Untimed, stretches
+from postprocessors.writing import Written, proven_program
+from tests.helpers import one_line
+from tests.postprocessors.joint_walks import robot, walk
+
+CASE = robot()
+LANGUAGE = dialect("urscript").load()
+
+
+def written(jerk: bool = False, speed: float = 1.0) -> Written:
+    return proven_program(walk(CASE, jerk=jerk), CASE, LANGUAGE, "walk.script", ("a walk",), speed, ("jerk",))
+
+
+TEXT = written().content.decode()
+MOVEJ = re.compile(r"movej\(\[(.*)\], a=(.*), v=(.*), r=0\)")
+
+
+def judged(text: str, case=CASE):
+    reading = LANGUAGE.read(text.encode(), "walk.script", case)
+    return prove_program(reading, case, LANGUAGE.guarantees(reading, case))
+
+
+@pytest.mark.parametrize("jerk", [False, True])
+@pytest.mark.parametrize("speed", [1.0, 0.1])
+def test_moves_last_as_long_as_planned_by_the_trapezoid_of_the_text(jerk: bool, speed: float) -> None:
+    """D / v + v / a for the joint that moves most, 2 sqrt(D / a) where v is not reached."""
+    program = written(jerk, speed)
+    text = program.content.decode().partition("True)")[2].partition("set_standard")[0]
+    before = program.content.decode().partition("True)")[0]
+    at = np.array([float(v) for v in MOVEJ.findall(before)[-1][0].split(",")])
+    total = 0.0
+    for q, a, v in MOVEJ.findall(text):
+        end = np.array([float(word) for word in q.split(",")])
+        way, a, v = np.abs(end - at).max(), float(a), float(v)
+        total += way / v + v / a if way >= v**2 / a else 2.0 * np.sqrt(way / a)
+        at = end
+    assert total == pytest.approx(walk(CASE, jerk=jerk).duration / speed, rel=1e-6)
+    assert program.proof.excitation == pytest.approx(total, rel=1e-9)
+
+
+def test_a_planned_trapezoid_is_executed_as_it_is() -> None:
+    planned = walk(CASE, jerk=False)
+    moves = [part for part in stretches(written().reading) if isinstance(part, Untimed) and part.trigger]
+    _, limits = CASE.need_motion("a test")
+    for part, plan in zip(moves, planned.parts, strict=True):
+        t = np.linspace(0.0, plan.duration, 200)
+        made = predicted(part, limits, LANGUAGE.guarantees(written().reading, CASE))
+        np.testing.assert_allclose(made.at(t).pose, plan.at(t).pose, atol=1e-7)
+        np.testing.assert_allclose(made.at(t[1:-1]).rates, plan.at(t[1:-1]).rates, atol=1e-6)
+
+
+def test_only_the_jerk_of_the_ramps_is_nobodys() -> None:
+    proof = written().proof
+    assert proof.relies_on == ("jerk",)
+    names = {c.name.split(" (")[0]: str(c.status) for c in proof.limits.checks if c.binding}
+    for name in ("angle", "joint angle", "angular velocity", "angular acceleration", "sensor force", "sensor moment"):
+        assert names[name] == "proven"
+    with pytest.raises(ProgramError, match="does not enforce jerk") as caught:
+        proven_program(walk(CASE), CASE, LANGUAGE, "walk.script", ())
+    one_line(caught.value)
+
+
+def test_the_first_move_is_slow_whichever_joint_leads() -> None:
+    _, limits = CASE.need_motion("a test")
+    _, a, v = MOVEJ.findall(TEXT)[0]
+    share = CASE.controller.safe_share
+    assert float(v) == pytest.approx(share * limits.rate.min())
+    assert float(a) == pytest.approx(share * limits.acceleration.min())
+
+
+FIRST, SECOND = (m.group() for m in list(MOVEJ.finditer(TEXT))[2:4])
+REFUSED = {
+    "a time": (FIRST, FIRST.replace("r=0", "t=2.0, r=0"), "time t, which outranks"),
+    "a blend": (FIRST, FIRST.replace("r=0", "r=0.05"), "blend radius"),
+    "no acceleration": (FIRST, re.sub(r" a=[^,]*,", "", FIRST), "a of movej is not stated"),
+    "no speed": (FIRST, re.sub(r" v=[^,]*,", "", FIRST), "v of movej is not stated"),
+    "negative speed": (FIRST, FIRST.replace("v=", "v=-"), "above 0"),
+    "five joints": (FIRST, re.sub(r"\[[^,]*, ", "[", FIRST), "5 joints, the robot has 6"),
+    "a pose": (FIRST, FIRST.replace("movej([", "movej(p["), "cannot read|joint positions"),
+    "an expression": (FIRST, FIRST.replace("[", "[1+"), "not a plain number"),
+    "twice a": (FIRST, FIRST.replace("v=", "a="), "no argument a here|has no argument"),
+    "servoj": (FIRST, FIRST.replace("movej", "servoj"), "servoj is a loop of its own"),
+    "movel": (FIRST, FIRST.replace("movej", "movel"), "movel is straight in space"),
+    "something else": (FIRST, "textmsg(1)", "textmsg is not a statement"),
+    "an assignment": (FIRST, "x = 1", "not a statement of an excitation"),
+    "another output": ("digital_out(3, True)", "digital_out(4, True)", "output 4 is not the trigger's, 3"),
+    "half on": ("digital_out(3, True)", "digital_out(3, 0.5)", "True or False"),
+    "asleep backwards": ("sleep(0.3)", "sleep(-0.3)", "not negative"),
+    "no end": ("\nend\n", "\n", "no `end`"),
+    "no beginning": ("def walk():\n", "", "does not begin with"),
+    "not indented": (f"  {SECOND}", SECOND, "in the first column"),
+    "after the end": ("\nend\n", "\nend\nmovej([0])\n", "after the end"),
+    "not ASCII": (FIRST, FIRST.replace("0", "\N{DEGREE SIGN}", 1), "not plain ASCII"),
+    "too large": (FIRST, FIRST.replace("a=", "a=1e9"), "plain number below"),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_is_not_understood_is_refused_with_its_line(what: str) -> None:
+    old, new, words = REFUSED[what]
+    assert old in TEXT
+    with pytest.raises(ProgramError, match=words) as caught:
+        judged(TEXT.replace(old, new, 1))
+    one_line(caught.value)
+
+
+PASSED = {
+    "too fast": (r" v=[\d.]+", " v=9.0", "velocity"),
+    "too hard": (r" a=[\d.]+", " a=9.0", "acceleration"),
+    "out of the box": (r"\[[-\d.]+,", "[2.5,", "angle"),
+    "beyond the joint's end": (r"(\[[^,]*,[^,]*), [-\d.]+,", r"\1, -3.2,", "angle"),
+}
+
+
+@pytest.mark.parametrize("what", PASSED)
+def test_an_edit_beyond_a_limit_is_a_violation_in_its_line(what: str) -> None:
+    pattern, new, limit = PASSED[what]
+    text = TEXT.replace(FIRST, re.sub(pattern, new, FIRST))
+    line = 1 + text[: text.index(re.sub(pattern, new, FIRST))].count("\n")
+    proof = judged(text)
+    assert not proof.ok
+    assert any(v.line in (line, line + 1) and limit in v.check.name for v in proof.violations)
+
+
+def test_a_fast_first_move_is_a_violation() -> None:
+    assert any("feed to home" in v.check.name for v in judged(TEXT.replace("v=0.2094395102", "v=0.5")).violations)
+
+
+def test_arguments_may_stand_without_names() -> None:
+    q, a, v = MOVEJ.match(FIRST).groups()
+    assert judged(TEXT.replace(FIRST, f"movej([{q}], {a}, {v})")).duration == pytest.approx(judged(TEXT).duration)
+    assert judged(TEXT.replace(FIRST, f"movej([{q}], v={v}, a={a}, t=0)")).ok
+
+
+def test_a_case_of_another_machine_is_refused() -> None:
+    with pytest.raises(CaseError, match=r"controller\.urscript: is missing"):
+        LANGUAGE.read(TEXT.encode(), "walk.script", load_case("hexapod"))
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(
+    st.integers(0, len(TEXT) - 1), st.integers(1, 12), st.sampled_from(["", "0", ",", "(", "]", "\n", "#", "e", "."])
+)
+def test_a_damaged_program_is_refused_in_one_line_or_judged(start: int, length: int, put: str) -> None:
+    try:
+        judged(TEXT[:start] + put + TEXT[start + length :])
+    except ProgramError as error:
+        one_line(error)
