@@ -101,7 +101,7 @@ def _parquet(file: Path) -> tuple[tuple[str, ...], dict[int, Array]]:
     try:
         table = pq.read_table(file)
     except (pa.ArrowException, OSError) as error:
-        raise RecordingError(f"{file}: is a damaged Parquet file; copy or export it again") from error
+        raise RecordingError(file, "is a damaged Parquet file", "copy or export it again") from error
     kinds = {k: field.type for k, field in enumerate(table.schema)}
     plain = {k for k, t in kinds.items() if pa.types.is_integer(t) or pa.types.is_floating(t) or pa.types.is_boolean(t)}
     columns = {k: np.asarray(table.column(k).cast(pa.float64(), safe=False).to_numpy()) for k in plain}

@@ -146,14 +146,14 @@ def oddities(found: Look, layout: Layout | None, case: Case | None) -> Iterator[
 
 def strut_range(case: Case | None) -> tuple[float, float] | None:
     """Shortest and longest strut to be expected [m]: the workspace's, or about that at home; None: nothing is known."""
-    if case is None or case.machine is None:
+    if case is None or case.hexapod is None:
         return None
     if case.workspace is not None:
         low, high = case.workspace.strut_length
         return float(low), float(high)
     from identification.hexapod import Hexapod  # CasADi, which few looks need
 
-    usual = float(Hexapod.of(case).strut_lengths(case.machine.home.vector[None]).mean())
+    usual = float(Hexapod.of(case).strut_lengths(case.hexapod.home.vector[None]).mean())
     return usual / AROUND_HOME, usual * AROUND_HOME
 
 

@@ -86,7 +86,7 @@ def _c_folder(calibration: Calibration, output: Path | None, overwrite: bool) ->
     name = default_name(calibration)
     folder = output_place(output, Path(f"{name}-c"), overwrite)
     if folder.suffix in (".c", ".h"):
-        raise FileProblem(f"{folder}: --to c writes a folder with {name}.h and {name}.c; name a folder with -o")
+        raise FileProblem(folder, f"--to c writes a folder with {name}.h and {name}.c", "name a folder with -o")
     names = [f"{name}.c", f"{name}.h"]
     kind = FolderKind("a C model", frozenset((*names, f"{name}.o")))  # what a compiler leaves there may go too
     check_folder(folder, kind, [Path(calibration.result.source)], overwrite)
