@@ -229,8 +229,12 @@ def _place(name: str, folder: Path) -> Path:
 
 def explanations(part: type[Part]) -> Mapping[str, str]:
     """What each key of a table means: the string that stands below its field in the class."""
+    inherited: dict[str, str] = {}
+    for base in part.__bases__:
+        if issubclass(base, Part):
+            inherited |= explanations(base)
     (body,) = (node.body for node in ast.parse(inspect.getsource(part)).body if isinstance(node, ast.ClassDef))
-    return {
+    return inherited | {
         field.target.id: " ".join(str(text.value.value).split())
         for field, text in pairwise(body)
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)

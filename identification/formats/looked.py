@@ -132,7 +132,7 @@ def oddities(found: Look, layout: Layout | None, case: Case | None) -> Iterator[
     guesses = [c.name for c in found.columns if c.guessed and c.ours != CLOCK]
     if guesses:
         names = ", ".join(map(shown, guesses))
-        yield f"guessed from values, not from names: {names}; compare order and unit with the recorder's settings"
+        yield f"meaning or unit guessed from values: {names}; compare order and unit with the recorder's settings"
     if (possible := strut_range(case)) is not None and STRUTS[0] in known:
         low, high = (limit / MM for limit in possible)
         factor = units_of(STRUTS[0])[known[STRUTS[0]].unit] / MM
