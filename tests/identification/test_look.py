@@ -172,7 +172,7 @@ def test_standstills_have_no_clock_and_need_none(wrist_case: Case, tmp_path: Pat
 @pytest.mark.parametrize(
     ("head", "tick", "separator"),
     [
-        (["timestamp", *(f"actual_q_{k}" for k in range(6)), *(f"ft_{c}" for c in ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz"))],
+        (["timestamp", *(f"actual_q_{k}" for k in range(6)), *(f"ft_{c}{axis}" for c in "FT" for axis in "xyz")],
          1.0, " "),
         (["time_ns", *(f"{name}_joint" for name in ("base", "shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3")),
           *(f"wrench.{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")], 1e9, ","),
