@@ -75,9 +75,9 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in.
 
     Args:
-        name: of the new case.
+        name: name of the new case.
         like: name of a built-in case.
-        folder: to make; it must not hold a case yet.
+        folder: folder to make; it must not hold a case yet.
 
     Returns:
         The case file.
@@ -118,10 +118,10 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
     Args:
-        name: of the new case.
+        name: name of the new case.
         urdf: file that describes the robot.
         flange: link that carries the sensor.
-        folder: to make; it must not hold a case yet.
+        folder: folder to make; it must not hold a case yet.
 
     Returns:
         The case file.

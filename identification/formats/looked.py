@@ -27,7 +27,7 @@ class Column:
     Args:
         name: as the file has it.
         ours: our name of it; None: it means nothing to hexcite, or nobody knows what.
-        unit: that the file is taken to use; empty where there is none.
+        unit: unit that the file is taken to use; empty where there is none.
         guessed: whether meaning or unit follow from the values alone.
         values: numbers, shape (n,); empty where the column holds text.
     """
@@ -45,8 +45,8 @@ class Look:
 
     Args:
         file: the file.
-        rows: of numbers.
-        columns: in the order of the file.
+        rows: rows of numbers.
+        columns: columns in the order of the file.
         settings: proposal for `[recording]` of the case, by key.
         odd: what to look at, one sentence each.
         reads: whether the file is read with these settings.

@@ -67,7 +67,7 @@ class Named(NamedTuple):
 
     Args:
         ours: our name of it; None: it says nothing.
-        unit: that it states; None: none.
+        unit: unit that it states; None: none.
         commanded: whether it is what was asked for, not what was measured.
     """
 
@@ -129,8 +129,8 @@ def matched(
     """Our columns among a file's, and the units that names state.
 
     Args:
-        names: of the file's columns.
-        units: of the file's columns, or empty.
+        names: names of the file's columns.
+        units: units of the file's columns, or empty.
         joints: name of each joint of a chain, from the base -> our column; None: the machine is not a chain.
 
     Returns:
@@ -187,7 +187,7 @@ def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]
     """Six free columns next to each other, by names that differ in a number only: each of them may be six channels.
 
     Args:
-        names: of the file's columns.
+        names: names of the file's columns.
         free: positions that mean nothing yet.
     """
     for start in range(len(free) - 5):
