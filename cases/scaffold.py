@@ -217,7 +217,7 @@ def _place(name: str, folder: Path) -> Path:
     """The case file to write; raises CaseError for a name that no case can have, FileProblem where it exists."""
     if not _NAME.fullmatch(name):
         raise CaseError(
-            name or "''", "", "is no name of a case; use small letters, digits and underscores, a letter first"
+            name or "''", "", "is not a name of a case; use small letters, digits and underscores, a letter first"
         )
     if name in built_in_cases():
         raise CaseError(name, "", "is the name of a built-in case; choose another one")

@@ -37,7 +37,7 @@ from identification.runs.evaluation import Run
 Array = NDArray[np.float64]
 
 MOST_LOST = 0.5  # of what a run seems to tell of a parameter; beyond, the estimate of the bias itself is too uncertain
-EXCESS = 1.25  # of s0^2 explained by what is stated: more is no chance, the statement is too pessimistic
+EXCESS = 1.25  # of s0^2 explained by what is stated: more is not chance, the statement is too pessimistic
 GIVEN = 1e-9  # standard deviation over value below which a parameter was given, and only rounding is left
 
 
