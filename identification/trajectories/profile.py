@@ -11,7 +11,7 @@ from identification.motion import Joined, Motion, Trajectory
 
 Array = NDArray[np.float64]
 
-UNLIMITED = np.full(6, np.inf)  # no limit of jerk in any coordinate
+UNLIMITED = math.inf  # no limit of jerk in any coordinate
 
 
 class TimeLaw(Protocol):
@@ -124,10 +124,10 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
 
     Args:
         way: how far each coordinate moves, at least one of them, shape (n,) [m or rad].
-        limits: of rates, accelerations or jerks, shapes (n,).
+        limits: of rates, accelerations or jerks, shapes (n,), or one number for all.
     """
     moves = way > 0.0
-    return [float(np.min(np.asarray(limit)[moves] / way[moves])) for limit in limits]
+    return [float(np.min(np.broadcast_to(limit, way.shape)[moves] / way[moves])) for limit in limits]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,197 @@
+"""Chains of five, six and seven joints, one on a rail: planned, written, run and identified as hexapods are."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.errors import CaseError, HexciteError, IdentificationError
+from cases.loading import load_case
+from cases.recording import WRENCH
+from cases.schema import Case
+from identification.chain import SerialChain
+from identification.evaluate import over_samples
+from identification.limited_chain import frame_motion
+from identification.limits import prove
+from identification.model import identification_model
+from identification.motion import Motion, StandingPoses
+from identification.recording import load_recording
+from planner.bounds.kept import compute_bound
+from planner.comparison.truth import truth_rows
+from planner.demo import demo
+from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
+from planner.plan import Plan
+from planner.planning import make
+from planner.request import Request
+from planner.runs.identified import identify
+from planner.runs.running import execute
+from planner.runs.writing import write
+from planner.search.parallel import SILENT, run_here
+from tests.chains import chain_case
+
+PLANS: dict[int, FamilySettings] = {5: Fourier(order=3), 6: PointToPoint(moves=8), 7: Spline(knots=40)}
+
+
+@pytest.fixture(scope="module")
+def plans(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Plan]:
+    found = {}
+    for joints, family in PLANS.items():
+        plan = make(Request(family, 4.0, starts=1, model=6), chain_case(joints), SILENT, run_here)
+        folder = tmp_path_factory.mktemp("plans") / str(joints)
+        plan.save(folder)
+        found[joints] = Plan.load(folder, chain_case(joints))
+    return found
+
+
+@pytest.mark.parametrize("joints", PLANS)
+def test_proof_and_search_move_the_sensor_alike(joints: int):
+    """Homogeneous frames in NumPy and the recursion in CasADi share no line."""
+    case = chain_case(joints)
+    home, box = case.need_motion("a test")
+    draw = np.random.default_rng(joints)
+    q = home + draw.uniform(*box.pose, (50, joints))
+    rates, accelerations = draw.uniform(-3.0, 3.0, (2, 50, joints))
+    none = np.zeros_like(q)
+    (turn, first, second), acceleration = frame_motion(
+        Motion(np.arange(50.0), q, rates, accelerations, none), case.chain
+    )
+    _, columns, twist, twist_rate = over_samples(SerialChain.of(case).motion, q, rates, accelerations)
+    np.testing.assert_allclose(turn, columns.reshape(-1, 3, 3).transpose(0, 2, 1), atol=1e-12)
+    np.testing.assert_allclose(acceleration, twist_rate[:, :3], atol=1e-11)
+    spin = first @ turn.transpose(0, 2, 1)
+    np.testing.assert_allclose(spin[:, [2, 0, 1], [1, 2, 0]], twist[:, 3:], atol=1e-11)
+    change = second @ turn.transpose(0, 2, 1) + first @ first.transpose(0, 2, 1)
+    np.testing.assert_allclose(change[:, [2, 0, 1], [1, 2, 0]], twist_rate[:, 3:], atol=1e-11)
+
+
+@pytest.mark.parametrize("joints", PLANS)
+def test_a_plan_keeps_every_limit_and_rests_at_both_ends(joints: int, plans: dict[int, Plan]):
+    plan = plans[joints]
+    report = prove(plan.motion, plan.case)
+    assert report.kept
+    assert report.worst_ratio > 0.95
+    names = {check.name.split(" (")[0] for check in report.checks}
+    assert {"angle", "angular velocity", "angular acceleration", "angular jerk", "joint angle"} <= names
+    assert {"sensor force", "sensor moment"} <= names
+    assert ("acceleration" in names) == (joints == 7)  # of the rail
+    ends = plan.motion.at([0.0, plan.duration])
+    assert ends.pose.shape == (2, joints)
+    np.testing.assert_allclose(ends.rates, 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("joints", PLANS)
+def test_a_plan_is_far_better_than_chance_and_below_its_bound(joints: int, plans: dict[int, Plan]):
+    plan = plans[joints]
+    worth = plan.of_motion[1]
+    assert not worth.bound.certified
+    assert worth.bound.proven_logdet is None
+    assert 0.05 < worth.d_efficiency < 1.0
+
+
+def test_the_bound_holds_for_random_designs():
+    case = chain_case(6)
+    model = identification_model(case, 6)
+    bound = compute_bound(case, model, time_limit=20.0)
+    assert bound.dmax == pytest.approx(16.0, rel=0.02)  # the equivalence theorem: u at the best design
+    assert bound.design_logdet <= bound.logdet < bound.design_logdet + 0.2
+
+
+@pytest.mark.parametrize("joints", PLANS)
+def test_a_run_gives_the_true_parameters_within_their_deviations(joints: int, plans: dict[int, Plan], tmp_path: Path):
+    plan = plans[joints]
+    program = write(plan, "setpoints")
+    assert program.proof.ok
+    assert program.text.splitlines()[-1].count(",") == 1 + 3 * joints  # time, three times the joints, trigger
+    outcome = execute(program, plan.case, "virtual", seed=joints)
+    assert outcome.rating.path_error < 1e-3
+    assert outcome.rating.efficiency == pytest.approx(outcome.rating.efficiency_planned, rel=0.02)
+    result = identify(outcome.recording, plan.case)
+    assert result.estimate is not None
+    assert result.estimate.model == 6
+    rows = truth_rows(plan.case, result.estimate)
+    assert len(rows) == 16
+    assert max(abs(row["error"] / row["std"]) for row in rows) < 4.0
+    delay = result.estimate.delay
+    assert delay is not None
+    assert delay.value == pytest.approx(4e-3, abs=4.0 * delay.std + 1e-4)  # 3 ms and half a cycle
+    predicted = np.array([row["std"] / plan.predicted_std[row["name"]] for row in rows])
+    assert 0.8 < np.exp(np.mean(np.log(predicted))) < 1.6
+
+
+def test_recordings_of_joints_are_read_back(plans: dict[int, Plan], tmp_path: Path):
+    case = load_case("ur10_wrist")
+    plan = Plan(case, *(getattr(plans[6], name) for name in (
+        "request", "motion", "limits", "predicted_std", "assumed_noise", "assumed_rate", "worth")))  # fmt: skip
+    recording = execute(write(plan, "setpoints"), case, "virtual", seed=0).recording
+    recording.save(tmp_path / "run")
+    head = (tmp_path / "run" / "recording.csv").read_text().split("\n", 1)[0]
+    joints = [f"q{k}_deg" for k in range(1, 7)]
+    assert head.replace('"', "").split(",") == ["t_s", *joints, *WRENCH, "trigger"]
+    again = load_recording(tmp_path / "run")
+    np.testing.assert_allclose(again.struts, recording.struts, atol=1e-9)
+    np.testing.assert_allclose(again.forces, recording.forces, atol=1e-6)
+
+
+def test_a_step_of_the_gravity_is_felt_by_a_chain_that_hangs(plans: dict[int, Plan]):
+    """Turned upside down, the same joints make other forces: gravity counts in {B}."""
+    case = chain_case(6)
+    down = case.model_copy(update={"gravity_m_s2": (0.0, 0.0, 9.81)})
+    model, other = identification_model(case, 6), identification_model(down, 6)
+    home = case.need_motion("a test")[0]
+    still = np.zeros_like(home)
+    upright, hanging = (m.coordinate_regressor(home, still, still).full() for m in (model, other))
+    np.testing.assert_allclose(upright[:, 0], -hanging[:, 0])
+    assert abs(upright[2, 0]) == pytest.approx(9.81)  # the flange points down
+
+
+def test_a_chain_that_turns_about_one_axis_names_what_it_cannot_identify():
+    case = chain_case(6)
+    data = case.model_dump(mode="json", exclude_unset=True)
+    data["machine"]["chain"]["joints"] = data["machine"]["chain"]["joints"][:1]
+    data["limits"]["motion"]["joints"] = data["limits"]["motion"]["joints"][:1]
+    upright = Case.model_validate(data).found_at("ur10_wrist")  # it turns about the vertical alone
+    with pytest.raises(HexciteError, match=r"no motion in this box determines .*mzC"):
+        make(Request(Fourier(order=3), 4.0, starts=1, model=6), upright, SILENT, run_here)
+
+
+@pytest.mark.parametrize("number", [1, 5, 9])
+def test_error_terms_of_a_platform_are_refused(number: int):
+    with pytest.raises(IdentificationError, match=r"K1 to K5.*choose model 6"):
+        identification_model(chain_case(6), number)
+
+
+@pytest.mark.parametrize("dialect", ["sinumerik", "twincat"])
+def test_languages_of_hexapods_are_refused_in_one_line(dialect: str, plans: dict[int, Plan]):
+    with pytest.raises(CaseError) as caught:
+        write(plans[6], dialect)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_plan_of_other_joints_is_refused(plans: dict[int, Plan], tmp_path: Path):
+    plans[5].save(tmp_path / "five")
+    with pytest.raises(HexciteError, match="does not have the 7 coordinates"):
+        Plan.load(tmp_path / "five", chain_case(7))
+
+
+def test_sensors_too_weak_for_the_load_at_rest_are_named():
+    data = chain_case(6).model_dump(mode="json", exclude_unset=True)
+    data["sensors"]["range_N"] = 20.0
+    weak = Case.model_validate(data).found_at("ur10_wrist")
+    with pytest.raises(HexciteError, match=r"sensor force .* limit .*16; .*sensors\.range_N"):
+        make(Request(PointToPoint(moves=8), 4.0, starts=1, model=6), weak, SILENT, run_here)
+
+
+def test_standing_outside_a_joints_end_is_reported():
+    case = chain_case(6)
+    home = case.need_motion("a test")[0]
+    away = home.copy()
+    away[2] = np.deg2rad(-200.0)
+    report = prove(StandingPoses(np.array([home, away])), case, 1.0, in_box=False)
+    assert [check.name for check in report.violations] == ["joint angle (elbow)"]
+
+
+@pytest.mark.slow
+def test_the_demo_of_the_robot_is_right_within_its_deviations(tmp_path: Path):
+    done = demo(load_case("ur10_wrist"), tmp_path / "demo", "virtual")
+    assert done.worst < 4.0
+    assert (tmp_path / "demo" / "excitation.csv").is_file()
