@@ -4,10 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cases.recording import WRENCH
+from planner.comparison.truth import truth_rows
+from planner.demo import demo
+from planner.plan import Plan
+from planner.runs.identified import identify
+from planner.runs.writing import write
 
 from cases.errors import CaseError, HexciteError, IdentificationError
 from cases.loading import load_case
-from cases.recording import WRENCH
 from cases.schema import Case
 from identification.chain import SerialChain
 from identification.evaluate import over_samples
@@ -17,15 +22,10 @@ from identification.model import identification_model
 from identification.motion import Motion, StandingPoses
 from identification.recording import load_recording
 from planner.bounds.kept import compute_bound
-from planner.comparison.truth import truth_rows
-from planner.demo import demo
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
-from planner.plan import Plan
 from planner.planning import make
 from planner.request import Request
-from planner.runs.identified import identify
 from planner.runs.running import execute
-from planner.runs.writing import write
 from planner.search.parallel import SILENT, run_here
 from tests.chains import chain_case
 
