@@ -173,7 +173,7 @@ def _clipped(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     most = case.sensors.range_N
     if most is None:
         return []
-    newtons = range(6 if case.sensor_frame.bars is not None else 3)
+    newtons = range(3 if case.sensor_frame.has_moments else 6)
     found = [(k, np.abs(recording.forces[:, k]) >= 0.999 * most) for k in newtons]
     return [(f"channel {k + 1} is at the end of its range of {most:g} N", rows) for k, rows in found if rows.any()]
 

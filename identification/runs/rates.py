@@ -213,7 +213,7 @@ def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: 
     most = case.sensors.range_N
     if most is None:
         return means
-    newtons = 6 if case.sensor_frame.bars is not None else 3
+    newtons = 3 if case.sensor_frame.has_moments else 6
     first, end = np.searchsorted(t, centres - half), np.searchsorted(t, centres + half)
     for k in range(newtons):
         clipped = np.r_[0, np.cumsum(np.abs(forces[:, k]) >= FULL_RANGE * most)]

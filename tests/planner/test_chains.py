@@ -4,15 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases.recording import WRENCH
-from planner.comparison.truth import truth_rows
-from planner.demo import demo
-from planner.plan import Plan
-from planner.runs.identified import identify
-from planner.runs.writing import write
 
 from cases.errors import CaseError, HexciteError, IdentificationError
 from cases.loading import load_case
+from cases.recording_format import WRENCH
 from cases.schema import Case
 from identification.chain import SerialChain
 from identification.evaluate import over_samples
@@ -21,11 +16,16 @@ from identification.limits import prove
 from identification.model import identification_model
 from identification.motion import Motion, StandingPoses
 from identification.recording import load_recording
+from identification.simulate import truth_rows
 from planner.bounds.kept import compute_bound
+from planner.demonstration import demo
 from planner.families.settings import FamilySettings, Fourier, PointToPoint, Spline
 from planner.planning import make
+from planner.plans import Plan
 from planner.request import Request
+from planner.runs.identifying import identify
 from planner.runs.running import execute
+from planner.runs.written import write
 from planner.search.parallel import SILENT, run_here
 from tests.chains import chain_case
 

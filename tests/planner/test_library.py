@@ -199,7 +199,7 @@ def test_a_result_comes_back_as_it_was_saved(folder: Path, tmp_path: Path):
     for name in ("result.json", "identifiability.json"):
         assert (tmp_path / "twin" / name).read_bytes() == (folder / "result" / name).read_bytes()
     hx.report(result, tmp_path / "page.html")  # without the residuals, which are not saved
-    assert "Parameters with error bars" in (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "centre of gravity" in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
 def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_case: Case):
