@@ -253,7 +253,7 @@ def _place(name: str, folder: Path) -> Path:
         raise CaseError(name, "", "is the name of a built-in case; choose another one")
     file = folder / CASE_FILE
     if file.exists():
-        raise FileProblem(f"{file}: exists; choose another folder with -o, or edit that file")
+        raise FileProblem(file, "exists", "choose another folder with -o, or edit that file")
     return file
 
 
