@@ -117,7 +117,7 @@ class Artefact(NamedTuple):
             return override
         name = self.about.get("case_file", self.about.get("case"))
         if not isinstance(name, str) or not name:
-            raise FileProblem(f"{self.file}: names no case; {self.again}, or name it with --case")
+            raise FileProblem(self.file, "names no case", f"{self.again}, or name it with --case")
         if name not in built_in_cases() and not Path(name).exists():
             raise CaseError(self.file, "case_file", f"{name}: no such case; name the case file with --case")
         return name
@@ -157,8 +157,9 @@ class Artefact(NamedTuple):
         more = f" ({len(changes) - 1} more)" if len(changes) > 1 else ""
         if not stale:
             raise FileProblem(
-                f"{self.file}: case {name} has changed since: {changes[0]}{more}; {self.again}, restore the case, "
-                "or go on at your own risk with --stale"
+                self.file,
+                f"case {name} has changed since: {changes[0]}{more}",
+                f"{self.again}, restore the case, or go on at your own risk with --stale",
             )
         return (*earlier, f"stale: {self.file} is of case {case.name} before {'; '.join(changes)}")
 

@@ -59,8 +59,9 @@ class Joint(Frame):
     """Where programs begin and end; limits of motion are relative to it."""
     home_mm: Real | None = None
     torque_Nm: Positive | None = None
-    """What the joint's drive can do."""
+    """What the joint's drive can do; plans use 80 % of it at most, where every joint states its link."""
     force_N: Positive | None = None
+    """The same of a joint that slides."""
     link: RigidBody | None = None
     """The link behind the joint, in the joint's moved frame; centre of gravity, and inertia about it."""
 
@@ -169,6 +170,12 @@ class Chain(Part):
     def units(self) -> Array:
         """SI value of degrees or millimetres for each coordinate, shape (n,)."""
         return frozen([joint.unit for joint in self.joints])
+
+    @property
+    def limits_effort(self) -> bool:
+        """Whether torques of drives are limited: they can be where every link's inertia is stated."""
+        efforts = any(math.isfinite(joint.effort) for joint in self.joints)
+        return efforts and all(joint.link is not None for joint in self.joints)
 
 
 class SerialMachine(Part):

@@ -5,14 +5,50 @@ line prints it and exits with 1.
 """
 
 from pathlib import Path
+from typing import Any, Self, TypeVar
+
+Kind = TypeVar("Kind", bound="HexciteError")
 
 
 class HexciteError(Exception):
-    """Root of all errors that a user can cause and mend."""
+    """Root of all errors that a user can cause and mend: `PLACE: PROBLEM; REMEDY` in one line.
+
+    Args:
+        place: file with line, key or column, or an option; where nothing else is given, the whole message.
+        problem: which value is wrong there, and its limit; without `remedy` it ends in one, after a semicolon.
+        remedy: what the reader can do.
+    """
+
+    quantity: str = ""
+    """Key of the case that the value has; empty where it has none."""
+
+    def __init__(self, place: object, problem: str = "", remedy: str = "") -> None:
+        self.place, self.problem = (str(place), problem) if problem else ("", str(place))
+        self.remedy = remedy or self.problem.rpartition("; ")[2] * ("; " in self.problem)
+        told = f"{self.problem}; {remedy}" if remedy else self.problem
+        super().__init__(f"{self.place}: {told}" if self.place else told)
+
+    def at(self, source: str) -> Self:
+        """The same error with its file in front, which the mathematics does not know."""
+        if source in str(self):
+            return _rebuilt(type(self), self.args, vars(self))
+        place = f"{source}: {self.place}" if self.place else source
+        return _rebuilt(type(self), (f"{source}: {self.args[0]}",), vars(self) | {"place": place})
 
     def __str__(self) -> str:
         """One printable line, whatever names and values it quotes."""
         return "".join(c if c.isprintable() else repr(c)[1:-1] for c in super().__str__())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Rebuilt from its parts on its way out of a worker process."""
+        return _rebuilt, (type(self), self.args, self.__dict__)
+
+
+def _rebuilt(kind: type[Kind], args: tuple[Any, ...], parts: dict[str, Any]) -> Kind:
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(parts)
+    return error
 
 
 class CaseError(HexciteError, ValueError):
@@ -26,12 +62,8 @@ class CaseError(HexciteError, ValueError):
     """
 
     def __init__(self, file: Path | str, key: str, problem: str, problems: tuple[str, ...] = ()) -> None:
-        self.file, self.key, self.problem, self.problems = file, key, problem, problems
-        super().__init__(f"{file}: {key}: {problem}" if key else f"{file}: {problem}")
-
-    def __reduce__(self) -> tuple[type["CaseError"], tuple[Path | str, str, str, tuple[str, ...]]]:
-        """Rebuilt from its parts on its way out of a worker process."""
-        return type(self), (self.file, self.key, self.problem, self.problems)
+        super().__init__(f"{file}: {key}" if key else file, problem)
+        self.file, self.key, self.quantity, self.problems = file, key, key, problems
 
 
 class RecordingError(HexciteError, ValueError):
@@ -65,14 +97,9 @@ class ProgramError(HexciteError, ValueError):
     """
 
     def __init__(self, file: Path | str, line: int, column: int, problem: str) -> None:
-        self.file, self.line, self.column, self.problem = file, line, column, problem
-        place = f", line {line}" if line else ""
-        place += f", column {column}" if column else ""
-        super().__init__(f"{file}{place}: {problem}")
-
-    def __reduce__(self) -> tuple[type["ProgramError"], tuple[Path | str, int, int, str]]:
-        """Rebuilt from its parts on its way out of a worker process."""
-        return type(self), (self.file, self.line, self.column, self.problem)
+        self.file, self.line, self.column = file, line, column
+        place = f"{file}, line {line}" if line else str(file)
+        super().__init__(f"{place}, column {column}" if column else place, problem)
 
 
 class ExecutionError(HexciteError, RuntimeError):

@@ -66,7 +66,7 @@ def _flush(path: Path) -> None:
 
 
 def _unwritable(path: Path, error: OSError) -> FileProblem:
-    return FileProblem(f"{path}: cannot be written ({_reason(error)}); choose another place with -o")
+    return FileProblem(path, f"cannot be written ({_reason(error)})", "choose another place with -o")
 
 
 def _reason(error: OSError) -> str:
@@ -126,7 +126,7 @@ def output_place(named: Path | None, usual: Path, overwrite: bool) -> Path:
 
 
 def _refuse_to_replace(path: Path, what: str) -> NoReturn:
-    raise FileProblem(f"{path}: {what} stands there; choose another place with -o, or replace it with --overwrite")
+    raise FileProblem(path, f"{what} stands there", "choose another place with -o, or replace it with --overwrite")
 
 
 def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (), overwrite: bool = False) -> None:
@@ -144,13 +144,13 @@ def check_file(path: Path, suffixes: Iterable[str], inputs: Iterable[Path] = (),
     allowed = tuple(suffixes)
     if path.suffix.lower() not in allowed:
         ending = repr(path.suffix) if path.suffix else "no suffix"
-        raise FileProblem(f"{path}: ends in {ending}; name a file that ends in {' or '.join(allowed)}")
+        raise FileProblem(path, f"ends in {ending}", f"name a file that ends in {' or '.join(allowed)}")
     _require_place(path)
     if path.is_dir():
-        raise FileProblem(f"{path}: is a folder; name a file in it with -o")
+        raise FileProblem(path, "is a folder", "name a file in it with -o")
     for source in inputs:
         if path.exists() and source.exists() and path.samefile(source):
-            raise FileProblem(f"{path}: is also what is read; choose another place with -o")
+            raise FileProblem(path, "is also what is read", "choose another place with -o")
     if path.exists() and not overwrite:
         _refuse_to_replace(path, "a file")
 
@@ -171,11 +171,11 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
         FileProblem: something else stands there, it is or holds one of the inputs, or the place cannot be written.
     """
     if path.resolve() == Path.cwd() or path.resolve() in Path.cwd().parents:
-        raise FileProblem(f"{path}: is the folder that you work in; name a new one with -o")
+        raise FileProblem(path, "is the folder that you work in", "name a new one with -o")
     for source in inputs:
         if path.resolve() in (source.resolve(), *source.resolve().parents):
-            raise FileProblem(f"{path}: holds {source}, which is read; choose another place with -o")
-    no_folder = FileProblem(f"{path}: exists and is no folder; choose another place with -o")
+            raise FileProblem(path, f"holds {source}, which is read", "choose another place with -o")
+    no_folder = FileProblem(path, "exists and is no folder", "choose another place with -o")
     held = set[str]()
     try:  # one look: another command may be writing here
         held = {entry.name for entry in path.iterdir()}
@@ -186,10 +186,10 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
         if path.is_symlink():
             raise no_folder from error
     except OSError as error:
-        raise FileProblem(f"{path}: cannot be read ({_reason(error)}); choose another place with -o") from error
+        raise FileProblem(path, f"cannot be read ({_reason(error)})", "choose another place with -o") from error
     if held and not held <= kind.contents:
         other = sorted(held - kind.contents)[0]
-        raise FileProblem(f"{path}: is not {kind.name} of hexcite's (it holds {other}); choose another place with -o")
+        raise FileProblem(path, f"is not {kind.name} of hexcite's (it holds {other})", "choose another place with -o")
     if held and not overwrite:
         _refuse_to_replace(path, kind.name)
     _require_place(path)
@@ -202,7 +202,7 @@ def _require_place(path: Path) -> None:
         os.rmdir(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".try", dir=above))
     except OSError as error:
         reason = _reason(error) if above.is_dir() else f"{above} is no folder"
-        raise FileProblem(f"{path}: cannot be written ({reason}); choose another place with -o") from error
+        raise FileProblem(path, f"cannot be written ({reason})", "choose another place with -o") from error
 
 
 @contextmanager
@@ -233,7 +233,7 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
             _flush(file)
         placed = _put(part, path, overwrite)
         if placed != path:
-            raise FileProblem(f"{path}: {kind.name} stands there by now and stays; the new one is in {placed}")
+            raise FileProblem(path, f"{kind.name} stands there by now and stays", f"the new one is in {placed}")
     except FileProblem:
         raise
     except OSError as error:
@@ -300,13 +300,13 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
         value = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
     except OSError as error:
         if isinstance(error, FileNotFoundError) and (other := another_kind(path.parent, path.name)):
-            raise FileProblem(f"{path.parent}: {other}; here a folder that {made_by} writes is wanted") from error
+            raise FileProblem(path.parent, other, f"here a folder that {made_by} writes is wanted") from error
         if isinstance(error, NotADirectoryError):
             place = f"name the folder {path.parent.parent}" if path.parent.name == path.name else f"{made_by} writes it"
-            raise FileProblem(f"{path.parent}: is a file, not a folder; {place}") from error
-        raise FileProblem(f"{path}: cannot be read ({_reason(error)}); {made_by} writes it") from error
+            raise FileProblem(path.parent, "is a file, not a folder", place) from error
+        raise FileProblem(path, f"cannot be read ({_reason(error)})", f"{made_by} writes it") from error
     except ValueError as error:
-        raise FileProblem(f"{path}: is not JSON ({error}); write it again with {made_by}") from error
+        raise FileProblem(path, f"is not JSON ({error})", f"write it again with {made_by}") from error
     if not isinstance(value, dict):
-        raise FileProblem(f"{path}: holds no JSON object; write it again with {made_by}")
+        raise FileProblem(path, "holds no JSON object", f"write it again with {made_by}")
     return value

@@ -67,14 +67,14 @@ def load_sequence(file: Path) -> Sequence:
         return Sequence.model_validate(data)
     except OSError as error:
         raise FileProblem(
-            f"{file}: cannot be read ({error.strerror}); name a TOML file of steps or a CSV of poses"
+            file, f"cannot be read ({error.strerror})", "name a TOML file of steps or a CSV of poses"
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FileProblem(f"{file}: is not TOML ({error}); mend that line") from error
+        raise FileProblem(file, f"is not TOML ({error})", "mend that line") from error
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(k + 1) if isinstance(k, int) else str(k) for k in first["loc"]) or "file"
-        raise FileProblem(f"{file}: {place}: {first['msg'].removeprefix('Value error, ')}; mend that step") from error
+        raise FileProblem(file, f"{place}: {first['msg'].removeprefix('Value error, ')}", "mend that step") from error
 
 
 def load_poses(file: Path) -> Array:
@@ -89,14 +89,14 @@ def load_poses(file: Path) -> Array:
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise FileProblem(f"{file}: cannot be read ({error}); name a TOML file of steps or a CSV of poses") from error
+        raise FileProblem(file, f"cannot be read ({error})", "name a TOML file of steps or a CSV of poses") from error
     rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
     header = [cell.strip() for cell in rows[0]] if rows else []
     missing = [c for c in POSE if c not in header]
     if missing:
-        raise FileProblem(f"{file}: column {missing[0]} is missing; the first line must name {', '.join(POSE)}")
+        raise FileProblem(file, f"column {missing[0]} is missing", f"the first line must name {', '.join(POSE)}")
     if not 1 <= len(rows) - 1 <= MOST_STEPS:
-        raise FileProblem(f"{file}: holds {len(rows) - 1} poses; 1 to {MOST_STEPS} make an excitation")
+        raise FileProblem(file, f"holds {len(rows) - 1} poses", f"1 to {MOST_STEPS} make an excitation")
     poses = []
     for number, row in enumerate(rows[1:], start=1):
         try:
@@ -104,6 +104,6 @@ def load_poses(file: Path) -> Array:
         except (ValueError, IndexError):
             values = [float("nan")]
         if not np.isfinite(values).all():
-            raise FileProblem(f"{file}: pose {number} holds no six numbers; mend that line")
+            raise FileProblem(file, f"pose {number} holds no six numbers", "mend that line")
         poses.append(values)
     return np.asarray(np.array(poses) * np.array([MM] * 3 + [DEG] * 3))

@@ -65,8 +65,9 @@ class Case(Part):
     """Small letters, digits and underscores."""
     title: str
     """What it is, in a line."""
-    setup: Literal["1a", "1b", "R"]
-    """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, R a force/torque sensor."""
+    setup: Literal["1a", "1b", "2x", "R"]
+    """Figure 1 of the paper: 1a the sensor frame does not move, 1b it does, 2x sensors in struts, R a force/torque
+    sensor."""
     gravity_m_s2: Vector
     """Gravitational acceleration in {B}."""
     sensor_frame: SensorFrame
@@ -138,6 +139,14 @@ class Case(Part):
 
     def _kind(self) -> Iterator[str]:
         """What a hexapod has and a chain lacks, and the other way round."""
+        if (self.setup == "2x") != (self.sensor_frame.struts is not None):
+            yield 'setup "2x" and [sensor_frame.struts] belong together: sensors in the struts; change one of the two'
+        if self.sensor_frame.struts is not None and self.hexapod is None:
+            yield "sensor_frame.struts are those of a hexapod; add [machine] with base, platform and home"
+        if self.sensor_frame.struts is not None and self.sensors.range_N is not None:
+            yield "sensors.range_N is a limit that plans do not hold yet where sensors sit in struts; remove it"
+        if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:
+            yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
         if not isinstance(self.machine, SerialMachine):
             if isinstance(self.limits, JointLimits):
                 yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
@@ -181,9 +190,9 @@ class Case(Part):
 
     def _noise(self) -> Iterator[str]:
         force, moment = self.sensors.force_noise_N, self.sensors.moment_noise_Nm
-        if self.sensor_frame.bars is not None and moment is not None:
-            yield (f"sensors.moment_noise_Nm = {moment:g}, but the bars of sensor_frame measure forces only; remove it")
-        if self.sensor_frame.transducer is not None and (force is None) != (moment is None):
+        if not self.sensor_frame.has_moments and moment is not None:
+            yield (f"sensors.moment_noise_Nm = {moment:g}, but its sensors measure forces only; remove it")
+        if self.sensor_frame.has_moments and (force is None) != (moment is None):
             missing = "force_noise_N" if force is None else "moment_noise_Nm"
             yield (f"sensors.{missing} is missing; a transducer has noise of forces and of moments, give both")
         if force is None and (self.sensors.weights == "stated" or self.sensors.acceleration_noise is not None):

@@ -100,24 +100,52 @@ class Transducer(Part):
     """Which force a positive reading means: that of the load on the sensor, or its reaction."""
 
 
+class StrutSensors(Part):
+    """Six single-axis force sensors, one in each strut of the hexapod; struts are slender, of a tube and a rod."""
+
+    at: Literal["drive", "platform"]
+    """The end of the rod where its sensor sits: between drive and rod, or between rod and platform joint."""
+    each: bool = False
+    """Whether every strut has parameters of its own; else all struts are alike."""
+    rod_mass_kg: NonNegative
+    """Of one rod, nominal like all that follows: predictions and simulated runs go by these values."""
+    rod_first_moment_kg_m: NonNegative
+    """Of the rod's mass, from the platform joint towards the base joint."""
+    tube_first_moment_kg_m: NonNegative
+    """Of the tube's mass, from the base joint towards the platform joint."""
+    inertia_kg_m2: NonNegative
+    """Of the rod about the platform joint and of the tube about the base joint together."""
+    viscous_friction_Nms: tuple[NonNegative, NonNegative] | None = None
+    """In base and platform joints; part of the model where it is given."""
+    coulomb_friction_Nm: tuple[NonNegative, NonNegative] | None = None
+    """The same, independent of the speed."""
+
+
 class SensorFrame(Part):
-    """Where the forces are measured: a frame of bars or a force/torque sensor; exactly one of the two."""
+    """Where the forces are measured: a frame of bars, a force/torque sensor, or the struts; exactly one of them."""
 
     bars: Bars | None = None
     """Six bars with one force sensor each."""
     transducer: Transducer | None = None
     """A six-axis force/torque sensor."""
+    struts: StrutSensors | None = None
+    """Six force sensors in the struts."""
 
     @model_validator(mode="after")
     def _one_form(self) -> "SensorFrame":
-        if (self.bars is None) == (self.transducer is None):
-            raise ValueError("give either bars or transducer, not both or neither")
+        if sum(form is not None for form in (self.bars, self.transducer, self.struts)) != 1:
+            raise ValueError("give one of bars, transducer and struts, not several or none")
         return self
+
+    @property
+    def has_moments(self) -> bool:
+        """Whether the last three channels are moments; else all six are forces."""
+        return self.transducer is not None
 
     @property
     def channels(self) -> tuple[str, ...]:
         """Names of the columns of what it measures."""
-        return BAR_FORCES if self.bars is not None else WRENCH
+        return WRENCH if self.has_moments else BAR_FORCES
 
 
 class Sensors(Part):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.finding import Severity, sentences
-from identification.findings.plausibility import unmeasured
+from identification.findings.plausibility import Scan, unmeasured
 from identification.model import Model
 from identification.recording import Recording
 from identification.regressor_blocks import OFFSETS
@@ -65,13 +65,21 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
     warnings = found.warnings
     if recording.t is None or case.setup == "1a":
         still = standstills(recording, case, model, found)
-        t, forces, matrices = still.t, still.recorded, still.matrices
+        t, forces, matrices, poses = still.t, still.recorded, still.matrices, _poses(model, recording, found)
     else:
         run = moving_run(recording, case, model, whole, found)
         warnings += sentences(run.window, Severity.WARNING)
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
+        poses = None if model.struts is None else run.kinematics(result.delay).pose
     residuals = forces - matrices @ result.values
-    return ExternalForce(t, -(residuals @ model.structure.T), residuals, warnings)
+    return ExternalForce(t, -model.wrenches(residuals, poses), residuals, warnings)
+
+
+def _poses(model: Model, recording: Recording, found: Scan) -> Array | None:
+    """Poses of the standstills that are used, where forces in struts are to become one on the platform."""
+    if model.struts is None or recording.struts is None:
+        return None
+    return model.struts.hexapod.coordinates(recording.struts[~found.bad])
 
 
 class Tare(NamedTuple):

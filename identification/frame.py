@@ -18,5 +18,6 @@ def structure_matrix(frame: SensorFrame) -> Array:
         lower, upper = frame.bars.lower.points, frame.bars.upper.points
         direction = (upper - lower) / np.linalg.norm(upper - lower, axis=1)[:, None]
         return np.vstack([direction.T, np.cross(lower, direction).T])
-    assert frame.transducer is not None  # the schema admits exactly one of the two
+    if frame.transducer is None:
+        raise ValueError("the structure matrix of sensors in struts depends on the pose: `strut_sensors.structure`")
     return np.eye(6) * {"load_on_sensor": -1.0, "sensor_on_load": 1.0}[frame.transducer.sense]

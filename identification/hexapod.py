@@ -53,15 +53,10 @@ class StrutsDoNotClose(IdentificationError):
     """
 
     def __init__(self, sample: int, lengths: Array, place: str | None = None) -> None:
-        self.sample, self.lengths, self.place = sample, lengths, place or f"sample {sample + 1}"
+        self.sample, self.lengths = sample, lengths
         words = ", ".join(f"{v * 1e3:.3f}" for v in lengths)
-        super().__init__(
-            f"{self.place}: no pose has the strut lengths {words} mm; check unit, order and offset of the struts"
-        )
-
-    def __reduce__(self) -> tuple[type["StrutsDoNotClose"], tuple[int, Array, str]]:
-        """Rebuilt from its parts on its way out of a worker process."""
-        return type(self), (self.sample, self.lengths, self.place)
+        problem = f"no pose has the strut lengths {words} mm"
+        super().__init__(place or f"sample {sample + 1}", problem, "check unit, order and offset of the struts")
 
 
 class Hexapod:
@@ -80,8 +75,10 @@ class Hexapod:
 
     @classmethod
     def of(cls, case: Case) -> "Hexapod":
-        """The hexapod of a case; raises CaseError where the case has no machine."""
-        machine, _, _ = case.need_machine("the kinematics")
+        """The hexapod of a case; raises CaseError where the case has no machine. Joints and home are enough."""
+        machine = case.hexapod
+        if machine is None or case.setup == "1a":
+            machine = case.need_machine("the kinematics")[0]
         return cls(machine.base.points, machine.platform.points, machine.home.vector)
 
     @property

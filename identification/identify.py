@@ -22,7 +22,6 @@ from identification.findings.plausibility import Scan, scan
 from identification.findings.residual_checks import CHECKS, other_mass, require_scale
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
-from identification.hexapod import StrutsDoNotClose
 from identification.identifiability import Identifiability, analyse
 from identification.model import RIGID, Model, full_model, identification_model
 from identification.noise.sources import NoiseSources, noise_sources
@@ -84,13 +83,8 @@ def identify(
             if found.warnings:
                 require_wiring(recording, case, model)
         return found
-    except StrutsDoNotClose as error:
-        place = error.place if recording.source in error.place else f"{recording.source}: {error.place}"
-        raise StrutsDoNotClose(error.sample, error.lengths, place) from error
-    except IdentificationError as error:
-        raise IdentificationError(placed(recording.source, error)) from error
-    except RecordingError as error:
-        raise RecordingError(placed(recording.source, error)) from error
+    except (IdentificationError, RecordingError) as error:
+        raise error.at(recording.source) from error
 
 
 def _estimated(recording: Recording, case: Case, model: Model, how: Method, conditioning: Conditioning) -> Estimate:
@@ -199,11 +193,6 @@ def stated_noise(case: Case, fitted: Fitted, how: Method) -> NoiseSources | None
     if not isinstance(samples, Run | PeriodicRun):
         return None
     return noise_sources(samples, fitted.fit, fitted.w, fitted.at, case.sensors)
-
-
-def placed(source: str, error: Exception) -> str:
-    """The message with the file in front, which the mathematics does not know."""
-    return str(error) if source in str(error) else f"{source}: {error}"
 
 
 def identifiability(estimate: Estimate) -> Identifiability:

@@ -15,7 +15,7 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.frame import structure_matrix
-from identification.hexapod import Kinematics
+from identification.hexapod import Hexapod, Kinematics
 from identification.machine import Machine, machine_if_any
 from identification.pose import gibbs, rotation
 from identification.regressor_blocks import (
@@ -33,6 +33,7 @@ from identification.regressor_blocks import (
     Parameter,
     State,
 )
+from identification.strut_sensors import StrutLayout, structure
 
 Array = NDArray[np.float64]
 
@@ -70,6 +71,7 @@ class Model:
         gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
         whitening: root of W that multiplies all rows of A, shape (6, 6); None for W = 1.
         machine: in whose coordinates motions are planned; None where nothing is.
+        struts: where the sensors sit in the struts: then J^-T depends on the pose, and `structure` is that at home.
     """
 
     number: int
@@ -78,6 +80,7 @@ class Model:
     gravity: Array
     whitening: Array | None = None
     machine: Machine | None = None
+    struts: StrutLayout | None = None
 
     @property
     def coordinates(self) -> int:
@@ -103,7 +106,7 @@ class Model:
     @property
     def needs_position(self) -> bool:
         """Whether the position of the platform enters, not only its orientation."""
-        return K1 in self.blocks or K2 in self.blocks
+        return K1 in self.blocks or K2 in self.blocks or self.struts is not None
 
     @property
     def needs_motion(self) -> bool:
@@ -128,13 +131,20 @@ class Model:
             specific=turn.T @ motion_rate[:3] - gravity,
             omega=turn.T @ motion[3:],
             alpha=turn.T @ motion_rate[3:],
+            rods=None if self.struts is None else self.struts.rods(position, turn, motion, motion_rate, self.gravity),
         )
         return self.at_state(state)
 
     def at_state(self, state: State) -> ca.SX:
         """A of (21) from what it depends on, shape (6, u)."""
-        to_sensors = ca.DM(np.linalg.inv(self.structure))  # J^T
-        columns = [to_sensors @ b.columns(state) if b.cartesian else b.columns(state) for b in self.blocks]
+        cartesian = ca.horzcat(*(b.columns(state) for b in self.blocks if b.cartesian))
+        if state.rods is None:
+            at_sensors = ca.DM(np.linalg.inv(self.structure)) @ cartesian  # J^T
+        else:
+            at_sensors = ca.solve(structure(state.rods), cartesian)
+        widths = np.cumsum([0, *(len(b.parameters) for b in self.blocks if b.cartesian)])
+        through = iter(ca.horzsplit(at_sensors, [int(w) for w in widths]))
+        columns = [next(through) if b.cartesian else b.columns(state) for b in self.blocks]
         matrix = ca.horzcat(*columns)
         return ca.densify(matrix if self.whitening is None else ca.DM(self.whitening) @ matrix)
 
@@ -160,6 +170,34 @@ class Model:
         u = ca.SX.sym("u", len(self.parameters))
         forces = self.expression(pose[:3], rotation(pose[3:]), motion, motion_rate) @ u
         return ca.Function("pose_forces", [pose, motion, motion_rate, u], [forces], {"cse": True})
+
+    def structure_at(self, position: ca.SX, turn: ca.SX) -> ca.SX:
+        """J^-T: six sensor forces -> force and moment on the platform in {P}, shape (6, 6).
+
+        Args:
+            position: origin of {P} in {B}, shape (3,) [m].
+            turn: R, shape (3, 3).
+        """
+        if self.struts is None:
+            return ca.SX(ca.DM(self.structure))
+        still = ca.SX.zeros(6)
+        return structure(self.struts.rods(position, turn, still, still, self.gravity))
+
+    @cached_property
+    def _wrench(self) -> ca.Function:
+        pose, forces = ca.SX.sym("pose", 6), ca.SX.sym("forces", 6)
+        return ca.Function("wrench", [pose, forces], [self.structure_at(pose[:3], rotation(pose[3:])) @ forces])
+
+    def wrenches(self, forces: Array, poses: Array | None) -> Array:
+        """Force and moment on the platform of sensor forces, about the origin of {P} and in its axes, shape (n, 6).
+
+        Args:
+            forces: shape (n, 6) [N, or N and N m].
+            poses: shape (n, 6) [m, rad]; only sensors in struts need them.
+        """
+        if self.struts is None or poses is None:
+            return np.asarray(forces @ self.structure.T)
+        return over_samples(self._wrench, poses, forces)[0]
 
     @cached_property
     def coordinate_regressor(self) -> ca.Function:
@@ -195,7 +233,7 @@ def expected_forces(model: Model, kinematics: Kinematics, values: Array) -> Arra
 def full_model(case: Case) -> int:
     """Number in Table 2 of the model with all that a motion of a machine can tell: 9, without error terms 6."""
     machine = machine_if_any(case)
-    return 9 if machine is None or machine.elastic else RIGID
+    return RIGID if case.sensor_frame.struts is not None or not (machine is None or machine.elastic) else 9
 
 
 def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> Model:
@@ -219,18 +257,24 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
                 "what is put on it with hexcite payload, from a result without and one with it"
             )
         blocks = (OFFSETS,)
-    if case.sensor_frame.transducer is not None:
+    if case.sensor_frame.has_moments:
         blocks = tuple(WRENCH_OFFSETS if b is OFFSETS else b for b in blocks)
-    model = Model(number, blocks, structure_matrix(case.sensor_frame), case.gravity, machine=machine_if_any(case))
+    struts = None
+    if case.sensor_frame.struts is not None:
+        struts = StrutLayout(Hexapod.of(case), case.sensor_frame.struts)
+        blocks = (*blocks, *struts.blocks(INERTIA in blocks))
+    frame = structure_matrix(case.sensor_frame) if struts is None else struts.structure_at_home
+    model = Model(number, blocks, frame, case.gravity, machine=machine_if_any(case), struts=struts)
     for name in terms:
         if name not in ERROR_TERMS:
             raise IdentificationError(f"error term {name!r} is unknown; choose among {', '.join(ERROR_TERMS)}")
     if terms:
         body = tuple(b for b in model.blocks if b not in ERROR_TERMS.values())
         model = replace(model, blocks=(*body, *(block for name, block in ERROR_TERMS.items() if name in terms)))
-    if model.machine is not None and not model.machine.elastic and set(model.blocks) & set(ERROR_TERMS.values()):
+    rigid = struts is not None or not (model.machine is None or model.machine.elastic)
+    if rigid and set(model.blocks) & set(ERROR_TERMS.values()):
         raise IdentificationError(
-            f"model {number} has error terms (K1 to K5) of a hexapod's platform; of a chain choose model {RIGID}, or 0 "
-            "for standstills"
+            f"model {number} has error terms (K1 to K5) of sensors in a hexapod's platform; with other sensors choose "
+            f"model {RIGID}, or 0 for standstills"
         )
     return model

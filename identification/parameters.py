@@ -82,6 +82,17 @@ def body_parameters(body: RigidBody) -> dict[str, float]:
     return known | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in _INERTIA_INDEX}
 
 
+def nominal_parameters(model: Model, body: RigidBody) -> Array:
+    """U of (17) with what is known before a run, shape (u,): the body and the struts; offsets and error terms are 0."""
+    known = with_struts(model, body_parameters(body))
+    return np.array([known.get(name, 0.0) for name in model.names])
+
+
+def with_struts(model: Model, body: dict[str, float]) -> dict[str, float]:
+    """What is known of a body, with what the struts add where sensors sit in them, by name."""
+    return body if model.struts is None else model.struts.with_struts(body, model.needs_motion)
+
+
 def linear_parameters(model: Model, truth: Truth) -> Array:
     """U of (17) for a simulated machine whose compensation is K5, shape (u,).
 
@@ -89,6 +100,8 @@ def linear_parameters(model: Model, truth: Truth) -> Array:
         KeyError: the model has parameters (K1, K3, K4) that the simulated machine has no values for.
     """
     factors = truth.compensation
-    known = body_parameters(truth.body) | {f"f_q0_{k + 1}": v for k, v in enumerate(truth.offsets_N)}
+    known = with_struts(model, body_parameters(truth.body)) | {
+        f"f_q0_{k + 1}": v for k, v in enumerate(truth.offsets_N)
+    }
     known |= {"k0": factors.k0_N_m, "k1": factors.k1_Nm_m, "k2": factors.k2_N, "k3": factors.k3_Nm}
     return np.array([known[name] for name in model.names])

@@ -86,7 +86,7 @@ def load_recording(folder: Path) -> Recording:
     """
     record = record_of(folder)
     if not record:
-        raise RecordingError(f"{folder}: does not say which machine it is from; read it with its case")
+        raise RecordingError(folder, "does not say which machine it is from", "read it with its case")
     named = Artefact(folder / "recording.json", record, "run the program again")
     case = named.case()
     named.require_unchanged(recording_basis(case), case, stale=False)
@@ -112,9 +112,9 @@ def save_recording(recording: Recording, folder: Path, overwrite: bool = False) 
         FileProblem: the folder is somebody's, or cannot be written.
     """
     if recording.case is None:
-        raise RecordingError(f"{recording.source}: does not say which case it is of; read it with its case")
+        raise RecordingError(recording.source, "does not say which case it is of", "read it with its case")
     if recording.others:
-        raise RecordingError(f"{recording.source}: has several clocks, and one table has one; keep its files")
+        raise RecordingError(recording.source, "has several clocks, and one table has one", "keep its files")
     check_folder(folder, RUN, recording.paths, overwrite)
     record = recording.record or about_case(recording.case) | {"source": recording.source}
     with atomic_folder(folder, RUN, overwrite) as part:

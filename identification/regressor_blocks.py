@@ -19,6 +19,28 @@ class Parameter(NamedTuple):
     unit: str
 
 
+class Rods(NamedTuple):
+    """Motion of the struts of a hexapod in {P}, one column a strut (`identification.strut_sensors`).
+
+    Args:
+        joints: platform joints, shape (3, 6) [m].
+        direction: n from base to platform joint, shape (3, 6).
+        turning: n', shape (3, 6) [1/s].
+        felt: acceleration of the platform joints less gravity, shape (3, 6) [m/s^2].
+        gravity: the same in each column, shape (3, 6) [m/s^2].
+        length: l, shape (1, 6) [m].
+        speed: l', shape (1, 6) [m/s].
+    """
+
+    joints: ca.SX
+    direction: ca.SX
+    turning: ca.SX
+    felt: ca.SX
+    gravity: ca.SX
+    length: ca.SX
+    speed: ca.SX
+
+
 class State(NamedTuple):
     """What the regressor of one sample depends on, as expressions.
 
@@ -30,6 +52,7 @@ class State(NamedTuple):
         specific: acceleration of the origin of {P} less gravity, in {P}, shape (3,) [m/s^2].
         omega: angular velocity in {P}, shape (3,) [rad/s].
         alpha: angular acceleration in {P}, shape (3,) [rad/s^2].
+        rods: motion of the struts, where sensors sit in them.
     """
 
     x: ca.SX
@@ -39,6 +62,7 @@ class State(NamedTuple):
     specific: ca.SX
     omega: ca.SX
     alpha: ca.SX
+    rods: Rods | None = None
 
 
 class Block(NamedTuple):

@@ -217,7 +217,7 @@ def estimate_of(
     if noise is not None and noise.bias is not None:
         reported = np.array([value.reported for value in physical.values()])
         attenuation = attenuation_of(form, linear, noise.bias, reported)
-    newtons = slice(0, 6) if case.sensor_frame.bars is not None else slice(0, 3)
+    newtons = slice(0, 3 if case.sensor_frame.has_moments else 6)
     return Estimate(
         case=case.name,
         case_hash=case.hash,

@@ -75,7 +75,7 @@ class SavedResult:
         """
         if case.name != self.case_name:
             raise FileProblem(
-                f"{self.source}: parameters of case {self.case_name}, not {case.name}; identify them for {case.name}"
+                self.source, f"parameters of case {self.case_name}, not {case.name}", f"identify them for {case.name}"
             )
         return identification_model(case, self.model, self.terms)
 
@@ -99,7 +99,7 @@ def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
     """
     if data.get("schema_version") != SCHEMA_VERSION:
         raise FileProblem(
-            f"{file}: schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}; identify again"
+            file, f"schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}", "identify again"
         )
     try:
         delay, felt = data["delay_s"], data.get("accelerometer")
@@ -117,12 +117,12 @@ def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
             about=data,
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error
+        raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     count = len(result.values)
     arrays = (result.values, result.covariance, result.covariance_robust)
     whole = result.values.ndim == 1 and all(a.shape == (count, count) for a in arrays[1:])
     if not whole or not all(np.isfinite(a).all() for a in arrays):
-        raise FileProblem(f"{file}: values and covariance do not belong together; identify again")
+        raise FileProblem(file, "values and covariance do not belong together", "identify again")
     return result
 
 

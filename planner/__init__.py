@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from planner.library import plan_poses as plan_poses
     from planner.plans import Plan as Plan
     from planner.reports.report import report as report
-    from planner.retiming.retimed_plan import retime as retime
+    from planner.retiming.retimed import retime as retime
     from planner.runs.identifying import identify as identify
     from planner.runs.running import run as run
     from planner.runs.written import write as write
@@ -32,7 +32,7 @@ __getattr__, __dir__ = door(
         "planner.library": "plan plan_poses",
         "planner.plans": "Plan",
         "planner.reports.report": "report",
-        "planner.retiming.retimed_plan": "retime",
+        "planner.retiming.retimed": "retime",
         "planner.runs.identifying": "identify",
         "planner.runs.running": "run",
         "planner.runs.written": "write",

@@ -10,7 +10,7 @@ from identification.hexapod import Hexapod
 from identification.model import Model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField
-from identification.parameters import body_parameters, physical_form
+from identification.parameters import nominal_parameters, physical_form
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.pose_errors import PoseErrors
 from planner.poses.pose_criteria import total_information
@@ -81,8 +81,7 @@ def predicted_std_at_poses(
 def _physical_std(case: Case, model: Model, covariance: Array, payload: int = 0) -> dict[str, float]:
     """Of the nominal body with a number of payloads, from the covariance of u, shape (u, u)."""
     form = physical_form(model)
-    body = body_parameters(case.body(payload))
-    nominal = np.array([body.get(name, 0.0) for name in model.names])  # the rest is linear: its values do not matter
+    nominal = nominal_parameters(model, case.body(payload))  # the rest is linear: its values do not matter
     _, physical = form.of(nominal, covariance)
     std = np.sqrt(np.diag(physical))
     return {p.name: float(s) for p, s in zip(form.parameters, std, strict=True)}

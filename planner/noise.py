@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.model import Model
 from identification.noise.stated import StatedNoise, inverse_root
-from identification.parameters import body_parameters
+from identification.parameters import nominal_parameters
 
 Array = NDArray[np.float64]
 
@@ -93,9 +93,8 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
     noise = StatedNoise.of(model, case.sensors)
     if case.sensors.acceleration_noise is None:
         return ExpectedNoise(sensor_noise(case), np.diag(noise.force**2), weights, False)
-    body = body_parameters(case.body(payload))
-    values = np.array([body.get(name, 0.0) for name in model.names])
-    return ExpectedNoise(sensor_noise(case), noise.covariance(values), weights, True)
+    covariance = noise.covariance(nominal_parameters(model, case.body(payload)))
+    return ExpectedNoise(sensor_noise(case), covariance, weights, True)
 
 
 def seen_through(model: Model, root: Array | None) -> Model:

@@ -81,17 +81,17 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     file = folder / "plan.json"
     data = read_json(file, "hexcite plan")
     if data.get("schema_version", SCHEMA_VERSION) != SCHEMA_VERSION:
-        raise FileProblem(f"{file}: schema_version {data['schema_version']!r}, expected {SCHEMA_VERSION}; plan again")
+        raise FileProblem(file, f"schema_version {data['schema_version']!r}, expected {SCHEMA_VERSION}", "plan again")
     try:
         for key in ("case_file", "case_hash", "family", "model"):
             if key not in data:
                 raise KeyError(key)
         motion = motion_of_entries(data)
     except (KeyError, TypeError, ValueError, OverflowError) as error:
-        raise FileProblem(f"{file}: entry {error} is missing or damaged; plan again") from error
+        raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
     of_poses = data["family"] == PoseRequest.name
     if not motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
-        raise FileProblem(f"{file}: a motion of {motion.duration:g} s is no excitation; plan again")
+        raise FileProblem(file, f"a motion of {motion.duration:g} s is no excitation", "plan again")
     named = Artefact(file, data, "plan again")
     own = named.case() if case is None else case
     count = len(own.need_motion("a plan")[0])
@@ -101,7 +101,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     now = plan_basis(own, payload if isinstance(payload, int) else 0, of_poses)
     remarks = named.require_unchanged(now, own, stale) if case is None else ()
     if not named.changes(now, own.hash) and (problem := problem_of(data, motion, own)):
-        raise FileProblem(f"{file}: {problem}; plan again")
+        raise FileProblem(file, problem, "plan again")
     saved = Saved(folder, fingerprint_of(file.read_bytes()), remarks)
     try:
         parameters = len(identification_model(own, int(data["model"])).parameters)
@@ -111,9 +111,9 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         noise, rate = float(data["assumed_noise_N"]), float(data.get("assumed_rate_Hz", RATE_OF_0_1))
         return Plan(own, request, motion, limits, predicted, noise, rate, worth, saved)
     except HexciteError as error:
-        raise FileProblem(f"{file}: {error}; plan again") from error
+        raise FileProblem(file, str(error), "plan again") from error
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise FileProblem(f"{file}: entry {error} is missing or damaged; plan again") from error
+        raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
 
 
 def _request(data: dict[str, Any]) -> Request | PoseRequest:

@@ -16,7 +16,7 @@ from identification.hexapod import Hexapod
 from identification.loaded import circumstances, mode_frequency, vibrating
 from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
-from identification.parameters import body_parameters, physical_form
+from identification.parameters import nominal_parameters, physical_form
 from identification.reference import reference_scaling
 from identification.trajectories.executed import DriveExecution
 from identification.trajectories.profile import StraightMove, has_steps
@@ -92,8 +92,7 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     frequency = mode_frequency(case.simulation.parameters, around)
     cycle = case.need_controller("the vibration of a machine").cycle
     noise = expected_noise(case, model, payload)
-    body = body_parameters(case.body(payload))
-    u = np.array([body.get(name, 0.0) for name in model.names])
+    u = nominal_parameters(model, case.body(payload))
     still = [Standstill(pose, REST) for pose in motion.at([0.0, motion.duration]).pose]
     run = Joined((still[0], motion, still[1]))
     from identification.signals import Filter  # SciPy, which plans without a mode do without

@@ -14,7 +14,8 @@ from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
 AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)
-settings.register_profile("check", derandomize=True, deadline=None, max_examples=60, print_blob=True, phases=AT_ONCE)
+SEEDS = 2
+settings.register_profile("check", derandomize=True, deadline=None, max_examples=20, print_blob=True, phases=AT_ONCE)
 settings.register_profile("bench", deadline=None, max_examples=5000, print_blob=True)
 settings.load_profile("check")
 
@@ -22,6 +23,15 @@ settings.load_profile("check")
 def pytest_configure(config: pytest.Config) -> None:
     if not config.option.markexpr:
         config.option.markexpr = "not slow"  # `pytest -m slow` runs the studies
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of a test that is repeated over seeds, `make test` runs the first two; `make bench` runs the others."""
+    for item in items:
+        repeated = getattr(item, "callspec", None)
+        if repeated is not None and repeated.indices.get("seed", 0) >= SEEDS:
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -73,6 +73,9 @@ def one_line(error: BaseException) -> str:
     text = str(error)
     assert text.strip(), "an empty message"
     assert text.isprintable(), repr(text)  # no line breaks, no control characters
+    if isinstance(error, HexciteError) and error.args[0].isprintable():
+        assert text.startswith(error.place), error.place
+        assert text.endswith(error.remedy), error.remedy
     return text
 
 

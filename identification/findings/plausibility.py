@@ -91,8 +91,10 @@ def scan(recording: Recording, case: Case) -> Scan:
     findings += [warning(Kind.CASE, text, places(recording.lines, rows)) for text, rows in _outside(recording, case)]
     if bad.sum() > MOST_BAD * count:
         raise RecordingError(
-            f"{recording.source}: {100 * bad.sum() / count:.0f} % of the samples are unusable, at most "
-            f"{100 * MOST_BAD:.0f} % may be: {findings[0]}; mend the sensor and record again"
+            recording.source,
+            f"{100 * bad.sum() / count:.0f} % of the samples are unusable, at most {100 * MOST_BAD:.0f} % may "
+            f"be: {findings[0]}",
+            "mend the sensor and record again",
         )
     return Scan(tuple(findings), bad)
 
@@ -173,7 +175,7 @@ def _clipped(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     most = case.sensors.range_N
     if most is None:
         return []
-    newtons = range(6 if case.sensor_frame.bars is not None else 3)
+    newtons = range(3 if case.sensor_frame.has_moments else 6)
     found = [(k, np.abs(recording.forces[:, k]) >= 0.999 * most) for k in newtons]
     return [(f"channel {k + 1} is at the end of its range of {most:g} N", rows) for k, rows in found if rows.any()]
 
@@ -338,7 +340,8 @@ def _require_standstills(recording: Recording) -> None:
         if 0.0 < step < small and rough < SMOOTH * float(np.sqrt(np.mean(first**2))):
             shown = f"{step / MM:.3g} mm" if unit == "mm" else f"{step:.2g} rad"
             raise RecordingError(
-                f"{recording.source}: has no t_s column, yet its {len(values)} rows are {shown} apart and smooth like "
-                "samples of a motion, not averaged standstills; add the time, map its name in [recording.columns] or "
-                "give recording.clock.period_ms"
+                recording.source,
+                f"has no t_s column, yet its {len(values)} rows are {shown} apart and smooth like samples of a "
+                "motion, not averaged standstills",
+                "add the time, map its name in [recording.columns] or give recording.clock.period_ms",
             )

@@ -201,7 +201,7 @@ def _looks_like(_recording: Recording, case: Case, how: Method, fitted: Fitted) 
     """What noise the residuals look like."""
     if not isinstance(fitted.samples, Run):
         return []
-    found = noise_components(fitted.samples, fitted.fit, case.sensor_frame.bars is None)
+    found = noise_components(fitted.samples, fitted.fit, case.sensor_frame.has_moments)
     return [] if found is None else [found.finding(how.weights or case.sensors.weights)]
 
 

@@ -216,9 +216,9 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
             matrices = regressors(model, run.machine.kinematics(lengths, velocities, accelerations))
         forces, slopes = decimated(run.filter, run.recording.forces, rows, [(0, 0.0), (1, 0.0)])
     spread = forces.var(axis=0)
-    if case.sensor_frame.bars is None:  # newtons beside newton metres
+    if case.sensor_frame.has_moments:  # newtons beside newton metres
         spread = np.repeat([spread[:3].mean(), spread[3:].mean()], 3)
-    weights = np.ones(6) if case.sensor_frame.bars is not None else 1.0 / np.maximum(spread, np.finfo(float).tiny)
+    weights = np.ones(6) if not case.sensor_frame.has_moments else 1.0 / np.maximum(spread, np.finfo(float).tiny)
     data = Data(forces, slopes, weights, struts, matrices)
     if struts is not None:
         data = data._replace(regressors=_regressors_of(data, case, model, STRAIGHT))

@@ -77,8 +77,9 @@ def start_of(table: ColumnTable, form: RecordingFormat) -> Fraction:
     shifts = {form.clock.offset_s.get(name, 0.0) for name, columns in _SHIFTED.items() if {*columns} & {*table.values}}
     if len(shifts) > 1:
         raise RecordingError(
-            f"{table.source}: its columns share a clock, recording.clock.offset_s shifts them by different times; "
-            "give them one offset"
+            table.source,
+            "its columns share a clock, recording.clock.offset_s shifts them by different times",
+            "give them one offset",
         )
     # the tick is a decimal fraction of a second, which limit_denominator finds behind its binary rounding
     tick = Fraction(table.tick).limit_denominator(10**12)
@@ -111,7 +112,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
         missing_in=found.columns,
     )
     if not stream.channels:
-        raise RecordingError(f"{table.source}: {_nothing(table, case.sensor_frame.channels, form)}")
+        raise RecordingError(table.source, _nothing(table, case.sensor_frame.channels, form))
     require_rotations(stream)
     if STRUTS[0] in table.values:
         require_reach(stream, case, form)
@@ -134,8 +135,9 @@ def _group(table: ColumnTable, form: RecordingFormat, wanted: tuple[str, ...]) -
     if not all(found):
         missing = form.file_name(wanted[found.index(False)])
         raise RecordingError(
-            f"{table.source}: column {missing} is missing; it has {listed(table.names)}: add it or map its name in "
-            "[recording.columns] of the case"
+            table.source,
+            f"column {missing} is missing",
+            f"it has {listed(table.names)}: add it or map its name in [recording.columns] of the case",
         )
     group = np.empty((len(wanted), table.rows)).T  # each channel in one piece, for it is worked on channel by channel
     for k, ours in enumerate(wanted):
@@ -152,11 +154,11 @@ def _struts(table: ColumnTable, case: Case, form: RecordingFormat) -> Array | No
         return struts
     if struts is not None:
         raise RecordingError(
-            f"{table.source}: has strut lengths and drive positions; take one of them out of [recording.columns]"
+            table.source, "has strut lengths and drive positions", "take one of them out of [recording.columns]"
         )
     if form.drives is None:
         raise RecordingError(
-            f"{table.source}: has drive positions; say in [recording.drives] of the case how they move the struts"
+            table.source, "has drive positions", "say in [recording.drives] of the case how they move the struts"
         )
     return np.array(form.drives.sign) * drives[:, form.drives.index] + form.drives.offset
 

@@ -35,8 +35,9 @@ def require_stamps(table: ColumnTable, form: RecordingFormat) -> None:
     if not possible.all():
         row = int(np.argmin(possible))
         raise RecordingError(
-            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(CLOCK))}: {stamps[row]} is no time "
-            "stamp; remove the row"
+            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(CLOCK))}",
+            f"{stamps[row]} is no time stamp",
+            "remove the row",
         )
 
 
@@ -52,8 +53,9 @@ def require_increasing(table: ColumnTable, form: RecordingFormat) -> None:
     now, then = (f"{v:.6f} s" if unit == "s" else f"{v} {unit}" for v in (stamps[row].item(), stamps[row - 1].item()))
     name = shown(form.file_name(CLOCK))
     raise RecordingError(
-        f"{table.source}, {table.lines.place(row)}, {name}: {now} comes after {then}; time must increase: sort the "
-        "rows or remove the repeated part"
+        f"{table.source}, {table.lines.place(row)}, {name}",
+        f"{now} comes after {then}",
+        "time must increase: sort the rows or remove the repeated part",
     )
 
 
@@ -63,9 +65,9 @@ def require_override(table: ColumnTable, override: Array, form: RecordingFormat)
     if wrong.any():
         row = int(np.argmax(wrong))
         raise RecordingError(
-            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(OVERRIDE))}: "
-            f"{100 * override[row]:g} % is no feed override, they are 0 to {100 * MOST_OVERRIDE:g} %; state "
-            "recording.units.override = '1' if it is a ratio"
+            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(OVERRIDE))}",
+            f"{100 * override[row]:g} % is no feed override, they are 0 to {100 * MOST_OVERRIDE:g} %",
+            "state recording.units.override = '1' if it is a ratio",
         )
 
 
@@ -80,8 +82,9 @@ def require_switch(table: ColumnTable, trigger: Array, form: RecordingFormat) ->
     if wrong.any():
         row = int(np.argmax(wrong))
         raise RecordingError(
-            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(TRIGGER))}: {trigger[row]:g} is neither "
-            f"0 nor {usual:g}; export the trigger as a switch, or leave the column out"
+            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(TRIGGER))}",
+            f"{trigger[row]:g} is neither 0 nor {usual:g}",
+            "export the trigger as a switch, or leave the column out",
         )
 
 
@@ -95,8 +98,9 @@ def require_rotations(stream: Stream) -> None:
     if not error.max() <= ORTHOGONALITY:
         row = int(np.argmin(error <= ORTHOGONALITY))
         raise RecordingError(
-            f"{stream.source}, {stream.lines.place(row)}, r11..r33: not a rotation matrix (off by {error[row]:.3g}, at "
-            f"most {ORTHOGONALITY:g}); check order and sign of the columns"
+            f"{stream.source}, {stream.lines.place(row)}, r11..r33",
+            f"not a rotation matrix (off by {error[row]:.3g}, at most {ORTHOGONALITY:g})",
+            "check order and sign of the columns",
         )
 
 
@@ -112,8 +116,9 @@ def require_reach(stream: Stream, case: Case, form: RecordingFormat) -> None:
     for unit, factor in units_of("struts").items():
         if low <= written * factor <= high:
             raise RecordingError(
-                f"{stream.source}, {stream.lines.place(0)}: struts of {middle / MM:.4g} mm where the workspace has "
-                f"{low / MM:g} to {high / MM:g} mm; they seem to be in {unit}: set recording.units.struts = '{unit}'"
+                f"{stream.source}, {stream.lines.place(0)}",
+                f"struts of {middle / MM:.4g} mm where the workspace has {low / MM:g} to {high / MM:g} mm",
+                f"they seem to be in {unit}: set recording.units.struts = '{unit}'",
             )
 
 
@@ -125,8 +130,9 @@ def require_gravity(stream: Stream, case: Case) -> None:
     gravity = float(np.linalg.norm(case.gravity))
     if not gravity / _GRAVITY <= felt <= gravity * _GRAVITY:
         raise RecordingError(
-            f"{stream.source}, {stream.lines.place(0)}: the accelerometer reads {felt:.3g} m/s^2 where gravity is "
-            f"{gravity:.3g} m/s^2; correct recording.accelerometer.scale_m_s2 in the case"
+            f"{stream.source}, {stream.lines.place(0)}",
+            f"the accelerometer reads {felt:.3g} m/s^2 where gravity is {gravity:.3g} m/s^2",
+            "correct recording.accelerometer.scale_m_s2 in the case",
         )
 
 
@@ -171,9 +177,10 @@ def marked(table: ColumnTable, form: RecordingFormat) -> Marked:
         if share > MOST_MISSING:
             row = int(np.argmin(good))
             raise RecordingError(
-                f"{table.source}, {table.lines.place(row)}, {name}: {column[row]} is not a measured value, nor are "
-                f"{100 * share:.3g} % of this column's rows, at most {100 * MOST_MISSING:g} % may be missing; record "
-                "again, or give what is sampled less often in a file of its own"
+                f"{table.source}, {table.lines.place(row)}, {name}",
+                f"{column[row]} is not a measured value, nor are {100 * share:.3g} % of this column's rows, at "
+                f"most {100 * MOST_MISSING:g} % may be missing",
+                "record again, or give what is sampled less often in a file of its own",
             )
         values[ours] = _filled(column, good, ours in _KEPT)
         missing |= ~good

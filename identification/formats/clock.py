@@ -44,9 +44,9 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
             differs.
     """
     if t is None:
-        raise RecordingError(f"{source}: has no t_s column; its rows are standstills")
+        raise RecordingError(source, "has no t_s column", "its rows are standstills")
     if len(t) < 2:
-        raise RecordingError(f"{source}: has one row, which is no motion; record again")
+        raise RecordingError(source, "has one row, which is no motion", "record again")
     steps = np.diff(t)
     usual = float(np.median(steps))
     off = np.abs(steps - usual) > UNIFORMITY * usual

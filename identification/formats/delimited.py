@@ -83,14 +83,15 @@ def rows_of(
                 if clock.null_count:
                     place = lines_of(block, rows).place(int(np.argmin(clock.is_valid().to_numpy())))
                     raise RecordingError(
-                        f"{file}, {place}, {shown(names[chosen.clock])}: is empty where a time stamp is needed; remove "
-                        "the row"
+                        f"{file}, {place}, {shown(names[chosen.clock])}",
+                        "is empty where a time stamp is needed",
+                        "remove the row",
                     )
                 stamps = clock.to_numpy()
         yield ColumnTable(str(file), tuple(names), values, stamps, tick or 0.0, lines_of(block, rows))
         count += rows
     if not count:
-        raise RecordingError(f"{file}: has a header but no rows; record again")
+        raise RecordingError(file, "has a header but no rows", "record again")
 
 
 def _header(file: Path, form: RecordingFormat, dialect: TextFormat) -> tuple[int, list[str]]:
@@ -98,13 +99,13 @@ def _header(file: Path, form: RecordingFormat, dialect: TextFormat) -> tuple[int
     rows = form.header_rows if form.header_rows is not None else int(form.column_names is None)
     lines = read_head(file)
     if len(lines) < rows:
-        raise RecordingError(f"{file}: has {len(lines)} lines, no more than recording.header_rows = {rows}")
+        raise RecordingError(file, f"has {len(lines)} lines, no more than recording.header_rows = {rows}")
     header = decoded(file, lines[:rows], dialect)
     if form.column_names is not None:
         return rows, list(form.column_names)
     row = form.names_row or rows
     if row == 0:
-        raise RecordingError(f"{file}: recording.header_rows = 0 leaves no names; list them in recording.column_names")
+        raise RecordingError(file, "recording.header_rows = 0 leaves no names", "list them in recording.column_names")
     names = cells(header[row - 1], dialect)
     require_known(file, names, lines, form, row)
     return rows, names
@@ -140,8 +141,9 @@ def _columns(file: Path, names: list[str], dialect: TextFormat) -> tuple[list[st
     if found == len(names) + 1 and values[0].isdecimal():
         return [_NUMBER_OF_SAMPLE, *names, *end], True
     raise RecordingError(
-        f"{file}: has {found} values in a line, where recording.column_names lists {len(names)}; list one name for "
-        "each pin of the sampler"
+        file,
+        f"has {found} values in a line, where recording.column_names lists {len(names)}",
+        "list one name for each pin of the sampler",
     )
 
 
@@ -156,8 +158,9 @@ def _without_overruns(file: Path, block: TextBlock, counted: bool) -> TextBlock:
         number = block.first_line + k
         if number > 1 and not counted:
             raise RecordingError(
-                f"{file}, line {number}: LinuxCNC lost samples here and does not say how many; record with "
-                "halsampler -t and a longer queue (depth of the sampler)"
+                f"{file}, line {number}",
+                "LinuxCNC lost samples here and does not say how many",
+                "record with halsampler -t and a longer queue (depth of the sampler)",
             )
         lines[k] = b""
     return TextBlock(block.first_line, b"\n".join(lines))

@@ -36,9 +36,11 @@ def decoded(file: Path, lines: Sequence[bytes], dialect: TextFormat) -> list[str
     texts = []
     for k, line in enumerate(lines, 1):
         if b"\r" in line:
-            raise RecordingError(f"{file}, line {k}: has a carriage return inside; save the file with LF or CR LF")
+            raise RecordingError(f"{file}, line {k}", "has a carriage return inside", "save the file with LF or CR LF")
         if b"\0" in line:
-            raise RecordingError(f"{file}, line {k}: is not a CSV table but binary data; export the recording as text")
+            raise RecordingError(
+                f"{file}, line {k}", "is not a CSV table but binary data", "export the recording as text"
+            )
         try:
             texts.append(line.decode(dialect.encoding))
         except UnicodeDecodeError:
@@ -61,7 +63,7 @@ def select(file: Path, names: Sequence[str], form: RecordingFormat) -> ColumnCho
     for ours in COLUMNS:
         theirs = form.file_name(ours)
         if names.count(theirs) > 1:
-            raise RecordingError(f"{file}: column {shown(theirs)} is there twice; rename or remove one")
+            raise RecordingError(file, f"column {shown(theirs)} is there twice", "rename or remove one")
         if theirs in names:
             positions[ours] = names.index(theirs)
     return ColumnChoice({k: p for k, p in positions.items() if k != CLOCK}, positions.get(CLOCK))
@@ -88,14 +90,18 @@ def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form
                 continue
             if separator != expected:
                 raise RecordingError(
-                    f"{file}, line {k}: its columns are separated by {word}, where the case expects them separated by "
-                    f"{_SEPARATORS.get(expected, repr(expected))}; set recording.delimiter = {separator!r} in the case"
+                    f"{file}, line {k}",
+                    f"its columns are separated by {word}, where the case expects them separated by "
+                    f"{_SEPARATORS.get(expected, repr(expected))}",
+                    f"set recording.delimiter = {separator!r} in the case",
                 )
             raise RecordingError(
-                f"{file}: the names of its columns are in line {k}, not in line {row}; set recording.names_row = {k} "
-                "in the case, and recording.header_rows to the number of lines above the numbers"
+                file,
+                f"the names of its columns are in line {k}, not in line {row}",
+                f"set recording.names_row = {k} in the case, and recording.header_rows to the number of lines "
+                "above the numbers",
             )
-    raise RecordingError(f"{file}: {unknown_columns(names, form)}")
+    raise RecordingError(file, unknown_columns(names, form))
 
 
 def unknown_columns(names: Iterable[str], form: RecordingFormat) -> str:

@@ -82,7 +82,7 @@ def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:
             continue
         if not any("\0" in line for line in lines):
             return encoding, lines
-    raise RecordingError(f"{file}: is not text; export the recording as CSV or Parquet")
+    raise RecordingError(file, "is not text", "export the recording as CSV or Parquet")
 
 
 def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None) -> tuple[TextFormat, tuple[bool, ...]]:
@@ -105,7 +105,7 @@ def _dialect(file: Path, lines: Sequence[str], encoding: str, scope: str | None)
     if best is None or (best.delimiter == " " and any("  " in line.strip() for line in sample)):
         aligned = sum(len(n := line.split()) > 1 and all(map(is_number, n)) for line in sample) > len(sample) / 2
         reason = "its columns are aligned by several blanks" if aligned else "no table of numbers is found in it"
-        raise RecordingError(f"{file}: {reason}; export with one character, such as a comma, between two fields")
+        raise RecordingError(file, reason, "export with one character, such as a comma, between two fields")
     return best, numeric
 
 

@@ -35,14 +35,14 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
         if isinstance(error, OSError) and error.errno is not None:
             raise unreadable(file, error) from error
         reason = shown(" ".join(str(error).split()) or type(error).__name__, 120)
-        raise RecordingError(f"{file}: is a damaged Parquet file ({reason}); copy or export it again") from error
+        raise RecordingError(file, f"is a damaged Parquet file ({reason})", "copy or export it again") from error
 
 
 def _tables(file: Path, parquet: pq.ParquetFile, form: RecordingFormat) -> Iterator[ColumnTable]:
     names = tuple(parquet.schema_arrow.names)
     chosen = select(file, names, form)
     if not chosen.values:
-        raise RecordingError(f"{file}: {unknown_columns(names, form)}")
+        raise RecordingError(file, unknown_columns(names, form))
     clock = [] if chosen.clock is None else [names[chosen.clock]]
     wanted = [*(names[k] for k in chosen.values.values()), *clock]
     count = 0
@@ -55,14 +55,14 @@ def _tables(file: Path, parquet: pq.ParquetFile, form: RecordingFormat) -> Itera
         yield ColumnTable(str(file), names, values, stamps, tick, Lines(count + 1, word="row"))
         count += batch.num_rows
     if not count:
-        raise RecordingError(f"{file}: has columns but no rows; record again")
+        raise RecordingError(file, "has columns but no rows", "record again")
 
 
 def _numbers(file: Path, name: str, batch: pa.Table) -> Array:
     column = batch.column(name)
     kind = column.type
     if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
-        raise RecordingError(f"{file}, {shown(name)}: holds {shown(str(kind))}, not numbers; export it as double")
+        raise RecordingError(f"{file}, {shown(name)}", f"holds {shown(str(kind))}, not numbers", "export it as double")
     return np.asarray(column.cast(pa.float64(), safe=False).to_numpy())
 
 
@@ -72,7 +72,7 @@ def _stamps(file: Path, name: str, batch: pa.Table, tick: float, above: int) -> 
     kind = column.type
     if column.null_count:
         row = int(np.argmin(column.is_valid().to_numpy()))
-        raise RecordingError(f"{file}, {shown(name)}: has no value in row {above + row + 1}; remove the row")
+        raise RecordingError(f"{file}, {shown(name)}", f"has no value in row {above + row + 1}", "remove the row")
     if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
         return column.cast(pa.int64()).to_numpy(), _TICKS[kind.unit]
     if pa.types.is_integer(kind):

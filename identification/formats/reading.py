@@ -65,9 +65,11 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
         if numbers > most:
             others = " and the files before it" if held else ""
             raise RecordingError(
-                f"{file}{others}: {file.stat().st_size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
-                f"to evaluate these takes more than half of the free memory ({2e-9 * BYTES * most:.3g} GB); cut the "
-                f"run, at most {most // len(table.values):,} rows of {len(table.values)} columns fit, or free memory"
+                f"{file}{others}",
+                f"{file.stat().st_size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
+                f"to evaluate these takes more than half of the free memory ({2e-09 * BYTES * most:.3g} GB)",
+                f"cut the run, at most {most // len(table.values):,} rows of {len(table.values)} columns fit, or "
+                "free memory",
             )
     return tuple(pile.joined() for pile in piles.values())
 
@@ -189,16 +191,16 @@ def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) 
             if channel in owner:
                 where = "and is given twice" if owner[channel] == stream.source else f"as {owner[channel]} does"
                 raise RecordingError(
-                    f"{stream.source}: has {channel.replace('_', ' ')}, {where}; give the files of one run, each once"
+                    stream.source, f"has {channel.replace('_', ' ')}, {where}", "give the files of one run, each once"
                 )
             owner[channel] = stream.source
     sources = ", ".join(dict.fromkeys(s.source for s in streams))
     if "forces" not in owner:
         wanted = [form.file_name(c) for c in case.sensor_frame.channels]
-        raise RecordingError(f"{sources}: no forces: {without(wanted, names)}")
+        raise RecordingError(sources, f"no forces: {without(wanted, names)}")
     if case.setup != "1a" and not {"struts", "poses", "rotations"} & owner.keys():
         wanted = [form.file_name(c) for c in (case.drive_columns if case.machine is not None else (*ROTATION, *POSE))]
-        raise RecordingError(f"{sources}: no pose: {without(wanted, names)}")
+        raise RecordingError(sources, f"no pose: {without(wanted, names)}")
 
 
 def _joined(streams: Sequence[Stream]) -> list[Stream]:
@@ -231,15 +233,16 @@ def _require_one_time(streams: Sequence[Stream]) -> None:
             reason = "has no time stamps" if other.t is not None else f"has {stream.rows} standstills"
             against = "has" if other.t is not None else f"has {first.rows}"
             raise RecordingError(
-                f"{without_clock.source}: {reason}, {other.source} {against}; give files of one run, recorded together"
+                without_clock.source, f"{reason}, {other.source} {against}", "give files of one run, recorded together"
             )
     spans = [(float(s.t[0]), float(s.t[-1]), s.source) for s in streams if s.t is not None]
     start, _, late = max(spans, default=(0.0, 0.0, ""))
     end, early = min(((end, source) for _, end, source in spans), default=(0.0, ""))
     if len(spans) > 1 and start >= end:
         raise RecordingError(
-            f"{late}: starts {start - end:.6g} s after {early} ends; give the files of one run, or state how their "
-            "clocks differ in recording.clock.offset_s"
+            late,
+            f"starts {start - end:.6g} s after {early} ends",
+            "give the files of one run, or state how their clocks differ in recording.clock.offset_s",
         )
 
 

@@ -79,7 +79,9 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
             clock = min((stamps[layout.clocks[ours]] for ours in group), key=len)
             if not all(_alike(clock, stamps[layout.clocks[ours]]) for ours in group):
                 raise RecordingError(
-                    f"{file}, lines from {filled.first_line}: the clocks of {', '.join(group)} part; export them again"
+                    f"{file}, lines from {filled.first_line}",
+                    f"the clocks of {', '.join(group)} part",
+                    "export them again",
                 )
             _require_unit(file, clock, form)
             if not len(clock):
@@ -88,18 +90,19 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
             where = lines_of(filled, len(columns[used[0]]))
             yield ColumnTable(str(file), layout.channels, values, clock, form.tick, where)
     if not groups:
-        raise RecordingError(f"{file}: has a header but no rows; export the recording again")
+        raise RecordingError(file, "has a header but no rows", "export the recording again")
 
 
 def _dialect(file: Path, line: bytes, form: RecordingFormat) -> TextFormat:
     separator = form.delimiter or line[len(_NAME) : len(_NAME) + 1].decode(errors="replace")
     if not line.startswith(_NAME.encode()) or not separator or separator.isalnum():
         raise RecordingError(
-            f"{file}, line 1: does not start with Name and a separator, as exports of TwinCAT Scope do; export as "
-            "CSV with its header, or set recording.format in the case"
+            f"{file}, line 1",
+            "does not start with Name and a separator, as exports of TwinCAT Scope do",
+            "export as CSV with its header, or set recording.format in the case",
         )
     if separator == " ":
-        raise RecordingError(f"{file}: its columns are separated by blanks; export with tabulators or semicolons")
+        raise RecordingError(file, "its columns are separated by blanks", "export with tabulators or semicolons")
     return TextFormat(separator, form.decimal or ".", _MISSING, form.encoding)
 
 
@@ -107,10 +110,10 @@ def _layout(file: Path, lines: list[bytes], dialect: TextFormat, form: Recording
     start = (_NAME + dialect.delimiter).encode()
     top = next((k for k, line in enumerate(lines) if k and line.startswith(start)), None)
     if top is None:
-        raise RecordingError(f"{file}: has no second line that starts with Name; export it with its header")
+        raise RecordingError(file, "has no second line that starts with Name", "export it with its header")
     first = next((k for k in range(top + 1, len(lines)) if _is_data(lines[k], dialect)), None)
     if first is None:
-        raise RecordingError(f"{file}: has a header but no rows of numbers; export the recording again")
+        raise RecordingError(file, "has a header but no rows of numbers", "export the recording again")
     names = cells(decoded(file, lines[: top + 1], dialect)[top], dialect)
     while names and not names[-1]:  # some exports end each line with a separator
         names.pop()
@@ -125,7 +128,7 @@ def _layout(file: Path, lines: list[bytes], dialect: TextFormat, form: Recording
     chosen.pop(CLOCK, None)
     channels = tuple(name for name in own if name)
     if not chosen:
-        raise RecordingError(f"{file}: {unknown_columns(channels, form)}")
+        raise RecordingError(file, unknown_columns(channels, form))
     shown = [name or f"time of {names[k + 1] if k + 1 < len(names) else 'nothing'}" for k, name in enumerate(own)]
     return _Layout(first, shown, channels, chosen, {ours: above[k] for ours, k in chosen.items()})
 
@@ -159,7 +162,7 @@ def _present(file: Path, block: TextBlock, column: pa.ChunkedArray) -> Stamps:
     count = int(valid.sum())
     if not valid[:count].all():
         place = lines_of(block, len(column)).place(int(np.argmin(valid)))
-        raise RecordingError(f"{file}, {place}: a clock has no value but goes on below; remove the row")
+        raise RecordingError(f"{file}, {place}", "a clock has no value but goes on below", "remove the row")
     return np.asarray(column.slice(0, count).to_numpy())
 
 
@@ -186,6 +189,7 @@ def _require_unit(file: Path, stamps: Stamps, form: RecordingFormat) -> None:
     if counts_ticks != (form.clock_unit == "filetime") and len(stamps):
         right = "filetime" if counts_ticks else "ms"
         raise RecordingError(
-            f"{file}: its time stamps, such as {stamps[0]}, are not in {form.clock_unit}; set recording.clock.unit = "
-            f"{right!r} in the case"
+            file,
+            f"its time stamps, such as {stamps[0]}, are not in {form.clock_unit}",
+            f"set recording.clock.unit = {right!r} in the case",
         )

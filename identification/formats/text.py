@@ -93,15 +93,15 @@ def require_file(file: Path) -> None:
         raise unreadable(file, error) from error
     if not stat.S_ISREG(about.st_mode):
         reason = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is no regular file"
-        raise RecordingError(f"{file}: cannot be read ({reason}); give a recording's CSV or folder")
+        raise RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
     if about.st_size == 0:
-        raise RecordingError(f"{file}: is empty; record again")
+        raise RecordingError(file, "is empty", "record again")
 
 
 def unreadable(file: Path, error: Exception) -> RecordingError:
     """The error for a file that the system does not give."""
     reason = (error.strerror if isinstance(error, OSError) else None) or type(error).__name__
-    return RecordingError(f"{file}: cannot be read ({reason}); give a recording's CSV or folder")
+    return RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
 
 
 def read_head(file: Path) -> list[bytes]:
@@ -118,10 +118,10 @@ def read_head(file: Path) -> list[bytes]:
         raise unreadable(file, error) from error
     for mark, what in _NOT_TEXT.items():
         if data.startswith(mark):
-            raise RecordingError(f"{file}: is not a CSV table but {what}")
+            raise RecordingError(file, f"is not a CSV table but {what}")
     lines = data.removeprefix(_MARK).split(b"\n")
     if not any(line.strip() for line in lines):
-        raise RecordingError(f"{file}: is empty, it has blank lines only; record again")
+        raise RecordingError(file, "is empty, it has blank lines only", "record again")
     return [line.removesuffix(b"\r") for line in lines]
 
 
@@ -164,7 +164,9 @@ def _all_blocks(file: Path, trailing_rows: int, size: int, kept: int) -> Iterato
                     line += rest.count(b"\n", 0, cut)
                     rest = rest[cut:]
                 elif end > _LONGEST_LINE:
-                    raise RecordingError(f"{file}, line {line}: is longer than a million characters; not a CSV table")
+                    raise RecordingError(
+                        f"{file}, line {line}", "is longer than a million characters", "not a CSV table"
+                    )
     except OSError as error:
         raise unreadable(file, error) from error
     if data := _without_end(rest, trailing_rows):
@@ -256,7 +258,7 @@ def explain(
     for number, raw, ends in _lines(block):
         place = f"{file}, line {number}"
         if not raw.strip(b"\0"):
-            return RecordingError(f"{place}: is binary zero, as after a crash while recording; cut the file off there")
+            return RecordingError(place, "is binary zero, as after a crash while recording", "cut the file off there")
         try:
             text = raw.decode(dialect.encoding)
         except UnicodeDecodeError:
@@ -264,18 +266,18 @@ def explain(
         found = dialect.split(text)
         if len(found) != len(names):
             return RecordingError(
-                f"{place}: expected {len(names)} columns, got {len(found)}; {_why(found, names, dialect, text, ends)}"
+                place, f"expected {len(names)} columns, got {len(found)}", _why(found, names, dialect, text, ends)
             )
         for k in wanted:
             if not dialect.is_number(found[k]):
-                return RecordingError(f"{place}, {shown(names[k])}: {_not_a_number(found[k], dialect)}")
+                return RecordingError(f"{place}, {shown(names[k])}", _not_a_number(found[k], dialect))
     reason = shown(cause.splitlines()[0] if cause else "", 120)
-    return RecordingError(f"{file}: is not a CSV table: {reason}; correct that line")
+    return RecordingError(file, f"is not a CSV table: {reason}", "correct that line")
 
 
 def not_text(place: str, dialect: TextFormat) -> RecordingError:
     """The error for bytes that the file's encoding does not know."""
-    return RecordingError(f"{place}: is not {dialect.encoding.upper()} text; save the file as UTF-8")
+    return RecordingError(place, f"is not {dialect.encoding.upper()} text", "save the file as UTF-8")
 
 
 def _lines(block: TextBlock) -> Iterator[tuple[int, bytes, bool]]:

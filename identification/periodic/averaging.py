@@ -270,13 +270,14 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic,
     """
     require_position(recording, model)
     if recording.struts is None:
-        raise RecordingError(f"{recording.source}: periodic evaluation needs struts; leave --period out")
+        raise RecordingError(recording.source, "periodic evaluation needs struts", "leave --period out")
     low_pass = checked_filter(recording, case)
     gaps = np.flatnonzero(recording.lost)
     if len(gaps):
         raise RecordingError(
-            f"{recording.source}, {recording.lines.place(int(gaps[0]) + 1)}: samples are missing before this one, and "
-            "periods are counted over the whole run; cut it there, or leave --period out"
+            f"{recording.source}, {recording.lines.place(int(gaps[0]) + 1)}",
+            "samples are missing before this one, and periods are counted over the whole run",
+            "cut it there, or leave --period out",
         )
     bad = np.zeros(len(recording.forces), dtype=bool) if found is None else found.bad
     long = binary_opening(bad, np.ones(MOST_BRIDGED + 1))

@@ -121,7 +121,7 @@ def longest_window(recording: Recording) -> NDArray[np.int64]:
         return np.arange(len(recording.forces))
     edges = np.flatnonzero(np.diff(np.r_[False, recording.trigger, False].astype(np.int8)))
     if not len(edges):
-        raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
+        raise RecordingError(f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out")
     longest = int(np.argmax(edges[1::2] - edges[::2]))
     return np.arange(edges[2 * longest], edges[2 * longest + 1])
 
@@ -140,7 +140,7 @@ def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tup
     count = len(periods.rows)
     sound = [k for k in range(count) if not bad[periods.rows[k]].any()]
     if not sound:
-        raise RecordingError(f"{recording.source}: every one of the {count} periods has samples left out")
+        raise RecordingError(recording.source, f"every one of the {count} periods has samples left out")
     found = strangers(periods.only(sound))
     strange = {sound[k]: size for k, size in found.items()}
     warnings: tuple[Finding, ...] = ()

@@ -79,8 +79,9 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     require_position(recording, model)
     if recording.struts is None:
         raise RecordingError(
-            f"{recording.source}: has a clock and rotation matrices; moving runs are evaluated from struts only, "
-            "remove t_s if each row is an averaged standstill"
+            recording.source,
+            "has a clock and rotation matrices",
+            "moving runs are evaluated from struts only, remove t_s if each row is an averaged standstill",
         )
     low_pass = checked_filter(recording, case)
     count = len(recording.struts) - 2 * low_pass.margin
@@ -118,15 +119,16 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
     cutoff = case.recording.filter_cutoff_Hz
     if cutoff is None:
         raise RecordingError(
-            f"{recording.source}: a moving run needs a filter; set recording.filter_cutoff_Hz in the case"
+            recording.source, "a moving run needs a filter", "set recording.filter_cutoff_Hz in the case"
         )
     if len(recording.forces) < 2:
-        raise RecordingError(f"{recording.source}: {len(recording.forces)} sample is no run; record longer")
+        raise RecordingError(recording.source, f"{len(recording.forces)} sample is no run", "record longer")
     step = recording.step
     if not cutoff < 0.2 / step:
         raise RecordingError(
-            f"{recording.source}: filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second; at "
-            f"most {0.2 / step:.4g}{_other_clock(step, cutoff)}"
+            recording.source,
+            f"filter_cutoff_Hz = {cutoff:g} is too high for {1 / step:.4g} samples a second",
+            f"at most {0.2 / step:.4g}{_other_clock(step, cutoff)}",
         )
     return Filter(cutoff, step, MOST_DELAY)
 
@@ -171,8 +173,10 @@ def about_left_out(source: str, share: float, low_pass: Filter) -> tuple[Finding
     reach = low_pass.margin * low_pass.step
     if share > MOST_LEFT_OUT:
         raise RecordingError(
-            f"{source}: damage, with the filter's reach of {reach:.3g} s on either side, takes {100 * share:.3g} % of "
-            f"the motion, at most {100 * MOST_LEFT_OUT:g} % may be left out; record again"
+            source,
+            f"damage, with the filter's reach of {reach:.3g} s on either side, takes {100 * share:.3g} % of the "
+            f"motion, at most {100 * MOST_LEFT_OUT:g} % may be left out",
+            "record again",
         )
     if share <= 0.0:
         return ()
@@ -212,7 +216,9 @@ def _window(
     if recording.trigger is not None:
         rows = np.flatnonzero(recording.trigger[margin:-margin])
         if not len(rows):
-            raise RecordingError(f"{recording.source}, trigger: is never 1; record with the trigger or leave it out")
+            raise RecordingError(
+                f"{recording.source}, trigger", "is never 1", "record with the trigger or leave it out"
+            )
     else:
         speed = low_pass.apply(recording.struts, 1)
         moving = np.flatnonzero(np.abs(speed).max(axis=1) > MOVING)

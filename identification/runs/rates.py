@@ -107,8 +107,9 @@ def _require_one_rhythm(recording: Recording) -> None:
     held = rhythm_of(longest)
     if held is not None:
         raise RecordingError(
-            f"{recording.source}, {recording.lines.place(int(cuts[0]))}: the struts are held for {held.ratio} rows "
-            "each, and a gap breaks their rhythm; cut the run there, or export struts and forces as files of their own"
+            f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
+            f"the struts are held for {held.ratio} rows each, and a gap breaks their rhythm",
+            "cut the run there, or export struts and forces as files of their own",
         )
 
 
@@ -135,7 +136,7 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
     room = half - ROUNDING * step
     inside = np.flatnonzero((motion.t - room >= t[0]) & (motion.t + room <= t[-1]))
     if len(inside) < 3:
-        raise RecordingError(f"{recording.source}: its forces cover less than 3 samples of the motion; record together")
+        raise RecordingError(recording.source, "its forces cover less than 3 samples of the motion", "record together")
     means = interval_means(t, forces, motion.t[inside], interval)
     curvature = means[2:] - 2.0 * means[1:-1] + means[:-2]
     means = means[1:-1] - (1.0 / 24.0 + (step / interval) ** 2 / 12.0) * curvature
@@ -213,7 +214,7 @@ def _at_full_range(means: Array, t: Array, forces: Array, centres: Array, half: 
     most = case.sensors.range_N
     if most is None:
         return means
-    newtons = 6 if case.sensor_frame.bars is not None else 3
+    newtons = 3 if case.sensor_frame.has_moments else 6
     first, end = np.searchsorted(t, centres - half), np.searchsorted(t, centres + half)
     for k in range(newtons):
         clipped = np.r_[0, np.cumsum(np.abs(forces[:, k]) >= FULL_RANGE * most)]

@@ -73,7 +73,7 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
         RecordingError: no struts, no clock, nothing stands still, or the machine moves with the trigger on.
     """
     if recording.struts is None or recording.t is None:
-        raise RecordingError(f"{recording.source}: standstills are found from struts with a clock; record both")
+        raise RecordingError(recording.source, "standstills are found from struts with a clock", "record both")
     step = recording.step
     moving = _moving(recording.struts, step)
     if recording.trigger is not None and recording.trigger.any():
@@ -81,8 +81,9 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
         for k, w in enumerate(found, 1):
             if moving[w.start : w.end].mean() > 0.5:
                 raise RecordingError(
-                    f"{recording.source}, {recording.lines.place(w.start)}: the machine moves while the trigger is on "
-                    f"(standstill {k}); this is no measurement at poses, identify it as a motion"
+                    f"{recording.source}, {recording.lines.place(w.start)}",
+                    f"the machine moves while the trigger is on (standstill {k})",
+                    "this is no measurement at poses, identify it as a motion",
                 )
     else:
         late = round(settle / step)
@@ -90,8 +91,9 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     windows = tuple(w for w in found if (w.end - w.start) * step >= SHORTEST)
     if len(windows) < 2:
         raise RecordingError(
-            f"{recording.source}: {len(windows)} standstills of at least {SHORTEST:g} s; record a program of hexcite "
-            "poses, or identify the run as a motion"
+            recording.source,
+            f"{len(windows)} standstills of at least {SHORTEST:g} s",
+            "record a program of hexcite poses, or identify the run as a motion",
         )
     return windows
 
@@ -112,8 +114,9 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
     for w, measured in zip(windows, rows, strict=True):
         if len(measured) < BATCHES:
             raise RecordingError(
-                f"{recording.source}, {recording.lines.place(w.start)}: the standstill that begins here has "
-                f"{len(measured)} samples with all values, {BATCHES} are needed; record again"
+                f"{recording.source}, {recording.lines.place(w.start)}",
+                f"the standstill that begins here has {len(measured)} samples with all values, {BATCHES} are needed",
+                "record again",
             )
     forces = np.array([recording.forces[r].mean(axis=0) for r in rows])
     struts = np.array([recording.struts[r].mean(axis=0) for r in rows])
@@ -151,25 +154,31 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     for k, pose in enumerate(expected):
         if k >= len(kept):
             raise StandstillMismatch(
-                f"{names}: pose {k + 1} of {len(expected)} ({pose_words(pose)}) was not measured, the recording ends "
-                f"with standstill {len(kept)}; record the whole program"
+                names,
+                f"pose {k + 1} of {len(expected)} ({pose_words(pose)}) was not measured, the recording ends "
+                f"with standstill {len(kept)}",
+                "record the whole program",
             )
         found = poses[kept[k]]
         if _same(found, pose):
             continue
         if k + 1 < len(expected) and _same(found, expected[k + 1]):
             raise StandstillMismatch(
-                f"{names}: pose {k + 1} of {len(expected)} ({pose_words(pose)}) was not measured, pose {k + 2} follows "
-                f"pose {k}; record the whole program"
+                names,
+                f"pose {k + 1} of {len(expected)} ({pose_words(pose)}) was not measured, pose {k + 2} follows pose {k}",
+                "record the whole program",
             )
         raise StandstillMismatch(
-            f"{names}: standstill {k + 1} is at {pose_words(found)}, pose {k + 1} of the program at "
-            f"{pose_words(pose)}; is the recording of this program?"
+            names,
+            f"standstill {k + 1} is at {pose_words(found)}, pose {k + 1} of the program at {pose_words(pose)}",
+            "is the recording of this program?",
         )
     if len(kept) > len(expected):
         raise StandstillMismatch(
-            f"{names}: standstill {len(expected) + 1} at {pose_words(poses[kept[len(expected)]])} is none of the "
-            f"program's {len(expected)} poses; cut the recording at its end, or name the right plan"
+            names,
+            f"standstill {len(expected) + 1} at {pose_words(poses[kept[len(expected)]])} is none of the "
+            f"program's {len(expected)} poses",
+            "cut the recording at its end, or name the right plan",
         )
     rows = np.array(kept)
     averages = standing.averages

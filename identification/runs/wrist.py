@@ -180,8 +180,9 @@ def wrist_run(
     turning, felt = recording.stream_with("rotations"), recording.stream_with("specific_forces")
     if turning is None or felt is None or turning.rotations is None or felt.specific_forces is None:
         raise RecordingError(
-            f"{recording.source}: a moving run without struts needs rotation matrices and an accelerometer; add the "
-            "file that has them, or remove t_s if each row is an averaged standstill"
+            recording.source,
+            "a moving run without struts needs rotation matrices and an accelerometer",
+            "add the file that has them, or remove t_s if each row is an averaged standstill",
         )
     if model.needs_position or MASS not in model.blocks:
         raise IdentificationError(f"model {model.number} needs the platform's position; choose model 0 or 6")
@@ -252,8 +253,9 @@ def _lost(stream: Stream) -> NDArray[np.int64]:
 def _filter(stream: Stream, cutoff: float, step: float, reach: float) -> Filter:
     if not 1.5 * cutoff < 0.5001 / step:
         raise RecordingError(
-            f"{stream.source}: {1 / step:.4g} samples a second are too few for filter_cutoff_Hz = {cutoff:g}; at most "
-            f"{1 / (3 * step):.3g}"
+            stream.source,
+            f"{1 / step:.4g} samples a second are too few for filter_cutoff_Hz = {cutoff:g}",
+            f"at most {1 / (3 * step):.3g}",
         )
     return Filter(cutoff, step, reach)
 
@@ -278,7 +280,7 @@ def _equal_steps(stream: Stream) -> tuple[Array, float]:
     They are a straight line through the stamps; behind a gap it begins anew, with the same step.
     """
     if stream.t is None or len(stream.t) < LEAST_ROWS:
-        raise RecordingError(f"{stream.source}: has too few samples with time stamps for a moving run; record longer")
+        raise RecordingError(stream.source, "has too few samples with time stamps for a moving run", "record longer")
     section = np.r_[0, np.cumsum(_lost(stream) > 0)]
     count = np.bincount(section)
     index = np.arange(len(stream.t), dtype=float)
@@ -290,8 +292,9 @@ def _equal_steps(stream: Stream) -> tuple[Array, float]:
     if off.max() > MOST_JITTER * step:
         row = int(np.argmax(off))
         raise RecordingError(
-            f"{stream.source}, {stream.lines.place(row)}: the time stamp is {off[row] * 1e3:.3g} ms from equal steps "
-            f"of {step * 1e3:.4g} ms; export the run at one rate"
+            f"{stream.source}, {stream.lines.place(row)}",
+            f"the time stamp is {off[row] * 1e3:.3g} ms from equal steps of {step * 1e3:.4g} ms",
+            "export the run at one rate",
         )
     return instants, step
 

@@ -243,7 +243,7 @@ def compute_bound(
 ) -> Bound:
     """Computes the bound; arguments as in `box_bound`."""
     scaling = reference_scaling(case, model)
-    if not (model.machine is None or model.machine.of_pose):
+    if model.struts is not None or not (model.machine is None or model.machine.of_pose):
         design = searched_design(case, model, scaling, SEARCHED_GAP, process_time() + time_limit, progress)
         return _bound(design, len(scaling), SEARCHED)
     features = box_features(case, model, scaling)

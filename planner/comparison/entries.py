@@ -136,11 +136,11 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
             return reader(path, case, stale)
     wanted = "name folders that plan, poses, run or identify wrote"
     if not path.exists():
-        raise FileProblem(f"{path}: does not exist; {wanted}")
+        raise FileProblem(path, "does not exist", wanted)
     if not path.is_dir():
-        raise FileProblem(f"{path}: is a file; {wanted}")
+        raise FileProblem(path, "is a file", wanted)
     other = another_kind(path, "plan.json")
-    raise FileProblem(f"{path}: {other or 'holds no plan, run or result'}; {wanted}")
+    raise FileProblem(path, f"{other or 'holds no plan, run or result'}", wanted)
 
 
 def _plan(path: Path, case: Case | None, stale: bool) -> Entry:

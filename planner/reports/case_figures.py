@@ -7,9 +7,9 @@ import numpy as np
 from cases.errors import CaseError
 from cases.loading import find_case, load_case
 from cases.schema import Case
-from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.limits import prove
+from identification.model import identification_model
 from identification.motion import StandingPoses
 from planner.infeasible import remedy
 from planner.motion_box import MotionBox, largest_box
@@ -26,10 +26,12 @@ def case_figures(name: str) -> dict[str, Any]:
         CaseError: not valid, or home is out of the machine's reach.
     """
     case = load_case(name)
-    frame = structure_matrix(case.sensor_frame)
+    frame = identification_model(case, 0).structure
     size = 1.0
     if case.sensor_frame.bars is not None:
         size = float(np.linalg.norm(case.sensor_frame.bars.lower.points, axis=1).max())
+    elif case.sensor_frame.struts is not None and case.hexapod is not None:
+        size = float(np.linalg.norm(case.hexapod.platform.points, axis=1).max())
     scaled = frame / np.r_[np.ones(3), np.full(3, size)][:, None]
     return {
         "name": case.name,

@@ -11,11 +11,11 @@ from identification.evaluate import over_samples
 from identification.identifiability import analyse
 from identification.limited import strut_motion
 from identification.limits import load_motion
-from identification.model import Model, identification_model
+from identification.model import RIGID, Model, identification_model
 from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
-from identification.overload import SHARE, load_shares, sensor_forces
-from identification.parameters import physical_form
+from identification.overload import SHARE, load_shares
+from identification.parameters import nominal_parameters, physical_form
 from identification.reference import reference_scaling
 from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
@@ -65,7 +65,10 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         inputs=tuple(inputs),
         warnings=_warnings(plan),
         sections=(
-            Section("What the plan promises", (_headline(plan), _verdicts(plan), *_deviations(plan, model, manual))),
+            Section(
+                "What the plan promises",
+                (_headline(plan), _verdicts(plan), *_deviations(plan, model, manual), *_notes(plan)),
+            ),
             *pictured(case, plan.motion),
             Section("How close it comes to each limit", (limits_plot(plan.limits.to_json()), *_bound_by(plan))),
             Section("The motion and its limits", (*motion_plots(case, motion), _dashed())),
@@ -79,12 +82,16 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
 
 def _warnings(plan: Plan) -> tuple[str, ...]:
     worth = plan.of_motion[1]
-    words = list(worth.notes)
+    words = list(worth.weaknesses)
     if worth.search.interrupted:
         words.insert(0, "The search was stopped by Ctrl-C: this is the best of what was found until then.")
     if not worth.bound.certified:
         words.append(f"The bound behind the D-efficiency is an estimate: {worth.bound.method}.")
     return tuple(words)
+
+
+def _notes(plan: Plan) -> tuple[Item, ...]:
+    return tuple(Note(f"{note[0].upper()}{note[1:]}.") for note in plan.of_motion[1].notes)
 
 
 def _dashed() -> Note:
@@ -220,15 +227,16 @@ def _struts(case: Case, motion: Motion) -> tuple[Item, ...]:
 
 def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
     """Forces with what is mounted, and how much of the range each number of payloads would use."""
-    rotation, acceleration = load_motion(motion, case)
-    forces = sensor_forces(*rotation, acceleration, case.body(payload), case)
+    model = identification_model(case, RIGID)
+    matrices = over_samples(model.coordinate_regressor, motion.pose, motion.rates, motion.accelerations)[0]
+    forces = matrices @ nominal_parameters(model, case.body(payload))
     of = case.sensors.range_N
     limits = () if of is None or np.abs(forces).max() < SHARE * of / 4 else (-SHARE * of, SHARE * of)
     columns = case.sensor_frame.channels
     unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
     words = f"With {payload} payloads, offsets and compensation apart."
     plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
-    shares = load_shares(rotation, acceleration, case)
+    shares = load_shares(*load_motion(motion, case), case)
     if of is None or not len(shares):
         return (plot, Note("The case names no range of its sensors: nothing limits these forces."))
     rows = tuple((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))

@@ -64,8 +64,7 @@ def retimed_path(
     """
     if path.duration > LONGEST:
         raise InfeasiblePlan(
-            f"a path of {path.duration:.0f} s is longer than the {LONGEST:g} s that this search takes; use "
-            "--method toppra, or cut it"
+            f"a path of {path.duration:.0f} s is longer than the {LONGEST:g} s that this search takes; cut it"
         )
     _require_rest(path, case)
     own = not isinstance(path, TimedPoints) and prove(path, case).worst_ratio <= 1.0 - MARGIN + TOLERANCE

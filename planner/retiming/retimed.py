@@ -2,30 +2,36 @@
 
 Point-to-point moves get the jerk-limited law that a controller computes online, in whole cycles (ruckig). Other paths
 keep the limits of rates, accelerations and jerks of coordinates and struts at another pace (ipopt, see
-`planner.retiming.path_pace`), or all but those of jerks (toppra).
+`planner.retiming.path_pace`).
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import InfeasiblePlan
+from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
+from cases.units import DEG, MM
 from identification.criteria import CRITERIA, singular_values
 from identification.limited import strut_motion
 from identification.limits import PROOF_RATE, LimitReport, prove
-from identification.model import Model
+from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory, sample
 from identification.reference import reference_scaling
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.online_profile import OnlineProfile, UntimedMove, online_move, online_profile
-from identification.trajectories.path_timing import UntimedPath, retime
 from identification.trajectories.profile import Profile, StraightMove
 from planner.bounds.kept import Bound, box_bound
 from planner.families.ptp import unit_profile
+from planner.found import Found
+from planner.planning import rated
+from planner.plans import Plan
+from planner.request import LONGEST, Request
 from planner.retiming.path_pace import retimed_path
 from planner.search.inside import MARGIN
 from planner.search.problem import mean_information
@@ -38,7 +44,6 @@ class RetimingMethod(StrEnum):
 
     RUCKIG = "ruckig"
     IPOPT = "ipopt"
-    TOPPRA = "toppra"
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +107,7 @@ def retimed(
         case: limits and controller.
         model: whose parameters count.
         method: how.
-        fastest: for ipopt and toppra: as fast as the limits allow, instead of never faster than planned.
+        fastest: for ipopt: as fast as the limits allow, instead of never faster than planned.
         told: how it is getting on.
 
     Raises:
@@ -115,16 +120,10 @@ def retimed(
         if method is RetimingMethod.RUCKIG:
             after, slowed = by_controller(motion, case)
             remarks = _slowed(slowed, len(after.parts))
-        elif method is RetimingMethod.IPOPT:
+        else:
             after, off_path, solver = retimed_path(motion, case, fastest, told)
             remarks = (solver,)
-        else:
-            after = retime(motion, case, fastest)
-            remarks = (
-                "toppra knows no jerk limit: accelerations step, and the jerk there has no bound; the table shows a "
-                "slope",
-            )
-    except (UntimedMove, UntimedPath) as error:
+    except UntimedMove as error:
         raise InfeasiblePlan(f"cannot be re-timed with {method}: {error}") from error
     bound = box_bound(case, model)
     before, rated = (_rating(m, case, model, bound) for m in (motion, after))
@@ -218,3 +217,82 @@ def _of_struts(move: Trajectory, case: Case) -> float:
         float(np.abs(velocity).max()) / limits.motion.strut_velocity_m_s,
         float(np.sqrt(np.abs(acceleration).max() / limits.motion.strut_acceleration_m_s2)),
     )
+
+
+def retime(
+    plan: Plan,
+    method: str | None = None,
+    fastest: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Plan:
+    """A plan of the same path at another pace.
+
+    Args:
+        plan: of a motion.
+        method: ruckig: moves as a jerk-limited controller times them; ipopt: paths under every limit; by default what
+            fits.
+        fastest: for ipopt: as fast as the limits allow, not only as slow as needed.
+        progress: shows a line now and then.
+
+    Raises:
+        InfeasiblePlan: the motion cannot be re-timed that way.
+        HexciteError: a plan of poses, an unknown method, or a method that does not fit.
+    """
+    began = perf_counter()
+    request = replace(plan.of_motion[0], targets=())
+    model = identification_model(plan.case, plan.model)
+    found = retimed(plan.motion, plan.case, model, method_of(method, plan.motion, fastest), fastest, progress)
+    source = Path(plan.name) if plan.saved is None else plan.saved.folder
+    return retimed_plan(found, request, plan.case, source, perf_counter() - began, plan.stale)
+
+
+def method_of(name: str | None, motion: Trajectory, fastest: bool) -> RetimingMethod:
+    """The method of a name, or what fits a motion.
+
+    Raises:
+        HexciteError: unknown, or ruckig with `fastest`.
+    """
+    if name is not None and name not in list(RetimingMethod):
+        raise HexciteError(f"method {name!r} is unknown; choose {', '.join(RetimingMethod)}")
+    chosen = RetimingMethod(name) if name is not None else fitting_method(motion)
+    if fastest and chosen is RetimingMethod.RUCKIG:
+        raise HexciteError("--fastest belongs to --method ipopt; a controller's moves are as fast as its limits allow")
+    return chosen
+
+
+def retimed_plan(
+    found: Retimed,
+    request: Request,
+    case: Case,
+    source: Path,
+    seconds: float,
+    stale: tuple[str, ...] = (),
+) -> Plan:
+    """The plan of a motion after re-timing.
+
+    Args:
+        found: the motion before and after.
+        request: family, criterion, model and payload of the plan that it comes from.
+        case: machine and limits.
+        source: the plan before.
+        seconds: spent on re-timing [s].
+        stale: what has changed in the case since the plan before, where the user went on.
+
+    Raises:
+        InfeasiblePlan: it passes a limit; the message names the limit.
+        IdentificationError: the motion does not excite all parameters of the model.
+    """
+    if violations := found.after.limits.violations:
+        raise InfeasiblePlan(f"the re-timed motion is no plan: {violations[0].sentence()}")
+    if not found.motion.duration <= LONGEST:
+        raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
+    settings = {
+        "retimed_with": str(found.method),
+        "retimed_from": str(source.resolve()),
+        "duration_before_s": found.before.duration,
+        "off_path_mm": found.off_path[0] / MM,
+        "off_path_deg": found.off_path[1] / DEG,
+        **({"stale": list(stale)} if stale else {}),
+    }
+    result = Found(found.motion, settings, found.after.limits)
+    return rated(request, case, result, seconds)

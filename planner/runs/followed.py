@@ -40,7 +40,7 @@ def planned_excitation(read: Program, case: Case) -> Trajectory:
     while excited and isinstance(excited[-1], Standstill):
         excited.pop()
     if not excited:
-        raise ExecutionError(f"{read.path}: nothing moves with the trigger on; write it with hexcite post")
+        raise ExecutionError(read.path, "nothing moves with the trigger on", "write it with hexcite post")
     return excited[0] if len(excited) == 1 else Joined(tuple(excited))
 
 

@@ -76,7 +76,7 @@ def identify(
     if case is None:
         case = recording.case
     if case is None:
-        raise RecordingError(f"{recording.source}: does not say which machine it is from; give its case")
+        raise RecordingError(recording.source, "does not say which machine it is from", "give its case")
     still = UNSAID if poses is None else StandstillWish(poses.poses)
     return identified(recording, case, Wish(model, lambda _: how, tuple(terms), conditioning, still))
 

@@ -58,14 +58,14 @@ def case_of(
     """
     recorded = any((path / f"recording.{suffix}").is_file() for suffix in ("json", "csv", "parquet"))
     if not recorded and (other := another_kind(path, "recording.json")):
-        raise RecordingError(f"{path}: {other}; here a recording is wanted, such as hexcite run writes")
+        raise RecordingError(path, other, "here a recording is wanted, such as hexcite run writes")
     if case is not None:
         return load_case(case), ()
     about = about_recording(path)
     if not about:
         if result is not None:
             return load_result(result).artefact.case(), ()
-        raise RecordingError(f"{path}: does not say which machine it is from; name it with --case")
+        raise RecordingError(path, "does not say which machine it is from", "name it with --case")
     named = Artefact(path / "recording.json", about, "run the program again")
     loaded = named.case()
     return loaded, named.require_unchanged(recording_basis(loaded), loaded, stale)
@@ -125,7 +125,7 @@ def standing_of(
     if recording.t is None:
         if still.poses is None and not still.asked:
             return recording, None
-        raise RecordingError(f"{recording.source}: its rows are averaged already; leave --poses and --standstills out")
+        raise RecordingError(recording.source, "its rows are averaged already", "leave --poses and --standstills out")
     if expected is None and not still.asked and not stands_only(recording):
         return recording, None
     settle = case.poses.settle_s if case.poses is not None else 0.5

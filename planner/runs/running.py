@@ -184,7 +184,7 @@ def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, .
     else:
         run = _on_linuxcnc(program, case, measures_at_poses(parts))
     if not len(run.trigger):
-        raise ExecutionError(f"{program.path}: the trigger never came on while {run.controller} ran it; report this")
+        raise ExecutionError(program.path, f"the trigger never came on while {run.controller} ran it", "report this")
     return parts, run
 
 
@@ -197,7 +197,7 @@ def _of_another(error: ProgramError, content: bytes, case: Case) -> ProgramError
 
 def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if read.dialect.name != "linuxcnc":
-        raise ExecutionError(f"{read.path}: is no LinuxCNC program ({read.dialect.name}); run it with --on virtual")
+        raise ExecutionError(read.path, f"is no LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
     headroom = acceleration_headroom(read.reading, case)
     log = run_linuxcnc(read.path, case, read.content, headroom=headroom)
     remark = ""

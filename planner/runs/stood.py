@@ -55,15 +55,17 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
     """
     if len(run.trigger) != len(poses):
         raise ExecutionError(
-            f"{program}: the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}; "
-            "report this"
+            program,
+            f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}",
+            "report this",
         )
     for k, (start, end) in enumerate(run.trigger, 1):
         within = run.execution.struts(np.arange(start, end, 1e-3))
         if (way := float(np.ptp(within, axis=0).max())) > STANDS:
             raise ExecutionError(
-                f"{program}: at pose {k} a strut moved by {way * 1e3:.3g} mm while the trigger was on, on "
-                f"{run.controller}; run again"
+                program,
+                f"at pose {k} a strut moved by {way * 1e3:.3g} mm while the trigger was on, on {run.controller}",
+                "run again",
             )
     there = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)

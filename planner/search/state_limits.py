@@ -14,7 +14,7 @@ from cases.schema import Case
 from identification.machine import machine_of
 from identification.model import identification_model
 from identification.overload import SHARE
-from identification.parameters import body_parameters
+from identification.parameters import nominal_parameters
 from planner.families.family import box_middle
 from planner.search.kernel import Kernel
 from planner.search.states import Peak, state_size
@@ -113,7 +113,6 @@ def _sensor_forces(case: Case, loads: tuple[int, ...], pose: ca.SX, rates: ca.SX
     regressor = model.coordinate_regressor.call([pose, rates, accelerations], True, False)[0]
     shares = []
     for count in loads:
-        body = body_parameters(case.body(count))
-        u = ca.DM([body.get(name, 0.0) for name in model.names])
+        u = ca.DM(nominal_parameters(model, case.body(count)))
         shares.append(regressor @ u / ca.DM(SHARE * most))
     return shares

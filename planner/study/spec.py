@@ -108,10 +108,12 @@ def load_spec(name: str) -> Spec:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise FileProblem(
-            f"{name}: cannot be read ({error.strerror}); built-in studies are {', '.join(known)}, else name a TOML file"
+            name,
+            f"cannot be read ({error.strerror})",
+            f"built-in studies are {', '.join(known)}, else name a TOML file",
         ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FileProblem(f"{path}: is not TOML ({error}); correct that line") from error
+        raise FileProblem(path, f"is not TOML ({error})", "correct that line") from error
     try:
         return Spec.model_validate(data)
     except ValidationError as error:
@@ -123,7 +125,7 @@ def load_spec(name: str) -> Spec:
             problem = f"unknown setting; known here are {', '.join(table.model_fields)}"
         else:
             problem = f"{first['input']!r}: {first['msg']}; correct the value"
-        raise FileProblem(f"{path}: {key}: {problem}") from error
+        raise FileProblem(path, f"{key}: {problem}") from error
 
 
 def settings_of(spec: Spec) -> Iterator[dict[str, Any]]:

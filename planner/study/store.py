@@ -59,7 +59,7 @@ def open_study(folder: Path, about: dict[str, Any]) -> None:
     try:
         (folder / ROWS).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise FileProblem(f"{folder}: cannot be written ({error.strerror}); choose another place with -o") from error
+        raise FileProblem(folder, f"cannot be written ({error.strerror})", "choose another place with -o") from error
     write_text(folder / ABOUT, json_text(about))
 
 
@@ -89,21 +89,22 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
     try:
         names = {entry.name for entry in folder.iterdir()} if folder.exists() else set()
     except OSError as error:
-        raise FileProblem(f"{folder}: cannot be read ({error.strerror}); choose another place with -o") from error
+        raise FileProblem(folder, f"cannot be read ({error.strerror})", "choose another place with -o") from error
     if ABOUT not in names:
         if names:
             first = sorted(names)[0]
-            raise FileProblem(f"{folder}: is not a study of hexcite's (it holds {first}); choose another with -o")
+            raise FileProblem(folder, f"is not a study of hexcite's (it holds {first})", "choose another with -o")
         return
     held = read_json(folder / ABOUT, "hexcite study")
     if held.get("name") != about["name"]:
         raise FileProblem(
-            f"{folder}: holds another study ({held.get('name')}, not {about['name']}); choose another place with -o"
+            folder, f"holds another study ({held.get('name')}, not {about['name']})", "choose another place with -o"
         )
     if changes := Artefact(folder / ABOUT, held, "").changes(about[KEPT], about["case_hash"]):
         raise FileProblem(
-            f"{folder}: holds a study of case {held.get('case')} before {changes[0]}; choose another place with -o, or "
-            "restore the case"
+            folder,
+            f"holds a study of case {held.get('case')} before {changes[0]}",
+            "choose another place with -o, or restore the case",
         )
 
 
@@ -121,7 +122,7 @@ def read_rows(folder: Path) -> "pa.Table":
         try:
             tables.append(pq.read_table(file, schema=schema(), partitioning=None))
         except (OSError, pa.ArrowException) as error:
-            raise FileProblem(f"{file}: is damaged ({error}); delete it, its cells are then computed again") from error
+            raise FileProblem(file, f"is damaged ({error})", "delete it, its cells are then computed again") from error
     table = pa.concat_tables(tables)
     number = table.append_column("row", pa.array(range(len(table))))
     last = number.group_by(["cell", "noise_seed"]).aggregate([("row", "max")])["row_max"]

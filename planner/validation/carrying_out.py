@@ -90,8 +90,9 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite
     if folder.exists() and not (about.is_file() and about.read_text(encoding="utf-8") == wanted):
         if _worth_keeping(folder) and not overwrite:
             raise FileProblem(
-                f"{folder}: an unfinished validation of another case or other settings stands there; choose another "
-                "place with -o, or drop it with --overwrite"
+                folder,
+                "an unfinished validation of another case or other settings stands there",
+                "choose another place with -o, or drop it with --overwrite",
             )
         shutil.rmtree(folder)
     make_places(folder)
@@ -227,6 +228,6 @@ def _planned(case: Case, method: str, settings: ValidationSettings, folder: Path
 
 def _copied(source: Path, plan: Path) -> None:
     if not (source / "plan.json").is_file():
-        raise FileProblem(f"{source}: holds no plan; name the folder of a validation that ran this method")
+        raise FileProblem(source, "holds no plan", "name the folder of a validation that ran this method")
     with atomic_folder(plan, PLAN) as part:
         shutil.copytree(source, part, dirs_exist_ok=True)

@@ -157,11 +157,13 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
     files = [found[k] for k in sorted(found)]
     for k in range(len(files)):
         if k not in found:
-            raise FileProblem(f"{folder}: holds runs up to {max(found)}, but not {k}; each number of weights is wanted")
+            raise FileProblem(folder, f"holds runs up to {max(found)}, but not {k}", "each number of weights is wanted")
     if len(files) < 2:
         raise FileProblem(
-            f"{folder}: holds {len(files)} of the runs 0, 1, .. (folders or CSV files, named after the number of "
-            "weights mounted); a validation needs at least 0 and 1"
+            folder,
+            f"holds {len(files)} of the runs 0, 1, .. (folders or CSV files, named after the number of weights "
+            "mounted)",
+            "a validation needs at least 0 and 1",
         )
     bare: Identified | None = None
     for k, file in enumerate(files):

@@ -109,7 +109,7 @@ def _followed(path: TimedPoints, case: Case, own: Guarantees, exact: bool, file:
             return block_limited(path, case, own.rounding)
         return path if keeps_pace(path, case) else retime(path, case)
     except UntimedPath as error:
-        raise ExecutionError(f"{file}: {error}; look at hexcite check") from error
+        raise ExecutionError(file, str(error), "look at hexcite check") from error
 
 
 def _trajectory(stretch: Stretch, pose: np.ndarray, limits: Box, own: Guarantees) -> Trajectory | None:

@@ -68,7 +68,7 @@ def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str
         "delay": number(calibration.result.delay),
         "half_window": number(window.half),
         "window_meaning": window.meaning,
-        "force_units": "[N]" if calibration.case.sensor_frame.bars is not None else "[N, N m]",
+        "force_units": "[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
         "home": [] if machine is None else [number(v) for v in machine.home.vector],
         "functions": [
             _function(f, name, calibration.model.names) for f in functions_of(calibration.model, calibration.hexapod)
@@ -113,7 +113,7 @@ def linuxcnc_component(calibration: Calibration, name: str) -> str:
             hal=name.replace("_", "-"),
             origin=comment_lines(calibration),
             hexapod=calibration.hexapod is not None,
-            force_units="[N]" if calibration.case.sensor_frame.bars is not None else "[N, N m]",
+            force_units="[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
             wrench=AXES,
             half_window=number(window_of(calibration.case).half),
             delay=number(calibration.result.delay),

@@ -111,17 +111,18 @@ def _calibration(result: SavedResult, case: Case, content: bytes, force: bool, r
             recording += f", tared with {data['tared_with']}"
         robust = {name: float(entry["std_robust"]) for name, entry in data["parameters"].items()}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise FileProblem(f"{file}: entry {error} is missing or damaged; identify again") from error
+        raise FileProblem(file, f"entry {error} is missing or damaged", "identify again") from error
     form = physical_form(model)
     if names != model.names or len(result.values) != len(names) or not {p.name for p in form.parameters} <= set(robust):
-        raise FileProblem(f"{file}: its parameters are not those of model {model.number}; identify again")
+        raise FileProblem(file, f"its parameters are not those of model {model.number}", "identify again")
     if not result.values[0] > 0.0:
-        raise FileProblem(f"{file}: mass {result.values[0]:.4g} kg is not positive; identify from another run")
+        raise FileProblem(file, f"mass {result.values[0]:.4g} kg is not positive", "identify from another run")
     if warnings and not force:
         more = f" (and {len(warnings) - 1} more)" if len(warnings) > 1 else ""
         raise FileProblem(
-            f"{file}: carries a warning{more}: {warnings[0]}; identify from a better run, or export with --force, "
-            "which writes the warning into the file"
+            file,
+            f"carries a warning{more}: {warnings[0]}",
+            "identify from a better run, or export with --force, which writes the warning into the file",
         )
     values, covariance = form.of(result.values, result.covariance)
     physical = {
@@ -174,8 +175,9 @@ def checked_name(stem: str, file: Path) -> str:
     """
     if not _NAME.fullmatch(stem) or stem.endswith("_"):
         raise FileProblem(
-            f"{file}: {stem!r} becomes the name of the model, which is up to 31 small letters, digits and _, from a "
-            "letter on; choose another file name with -o"
+            file,
+            f"{stem!r} becomes the name of the model, which is up to 31 small letters, digits and _, from a letter on",
+            "choose another file name with -o",
         )
     return stem
 

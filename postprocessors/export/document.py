@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from identification.frame import structure_matrix
+from cases.errors import HexciteError
 from postprocessors.export.calibration import Calibration
 
 SCHEMA_VERSION = 1
@@ -89,8 +89,17 @@ class Document(_Exported):
 
 
 def document(calibration: Calibration) -> Document:
-    """Everything that a calibration holds."""
+    """Everything that a calibration holds.
+
+    Raises:
+        HexciteError: the sensors sit in struts; their structure matrix is none of the constants of a document.
+    """
     case, result = calibration.case, calibration.result
+    if calibration.model.struts is not None:
+        raise HexciteError(
+            f"{result.source}: the sensors sit in struts, whose structure matrix depends on the pose; a JSON document "
+            "has a constant one: export --to c, linuxcnc or st"
+        )
     kinematics = None
     if case.hexapod is not None:
         drives = case.recording.drives
@@ -119,7 +128,7 @@ def document(calibration: Calibration) -> Document:
         model=calibration.model.number,
         error_terms=list(result.terms),
         gravity_m_s2=case.gravity.tolist(),
-        structure=structure_matrix(case.sensor_frame).tolist(),
+        structure=calibration.model.structure.tolist(),
         force_delay_s=result.delay,
         kinematics=kinematics,
         linear=[

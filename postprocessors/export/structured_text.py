@@ -18,7 +18,7 @@ def structured_text(calibration: Calibration, name: str) -> str:
             Name=camel,
             origin=comment_lines(calibration),
             home=["0.0"] * 6 if machine is None else [number(v) for v in machine.home.vector],
-            force_units="N" if calibration.case.sensor_frame.bars is not None else "N, N m",
+            force_units="N, N m" if calibration.case.sensor_frame.has_moments else "N",
             functions=[
                 _function(f, camel, calibration.model.names)
                 for f in functions_of(calibration.model, calibration.hexapod)

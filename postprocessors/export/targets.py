@@ -12,6 +12,7 @@ from postprocessors.export.calibration import Calibration, calibration_of, check
 from postprocessors.export.document import json_document
 from postprocessors.export.isg import isg_load
 from postprocessors.export.structured_text import structured_text
+from postprocessors.export.urscript import urscript_payload
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,7 @@ SINGLE_FILES = {
     "linuxcnc": SingleFile(".comp", linuxcnc_component, named=True),
     "st": SingleFile(".st", structured_text, named=True),
     "json": SingleFile(".json", lambda calibration, _: json_document(calibration), named=False),
+    "urscript": SingleFile(".script", lambda calibration, _: urscript_payload(calibration), named=False),
     "isg-load": SingleFile(".nc", lambda calibration, _: isg_load(calibration), named=False),
 }
 
@@ -86,7 +88,7 @@ def _c_folder(calibration: Calibration, output: Path | None, overwrite: bool) ->
     name = default_name(calibration)
     folder = output_place(output, Path(f"{name}-c"), overwrite)
     if folder.suffix in (".c", ".h"):
-        raise FileProblem(f"{folder}: --to c writes a folder with {name}.h and {name}.c; name a folder with -o")
+        raise FileProblem(folder, f"--to c writes a folder with {name}.h and {name}.c", "name a folder with -o")
     names = [f"{name}.c", f"{name}.h"]
     kind = FolderKind("a C model", frozenset((*names, f"{name}.o")))  # what a compiler leaves there may go too
     check_folder(folder, kind, [Path(calibration.result.source)], overwrite)

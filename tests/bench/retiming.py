@@ -14,8 +14,8 @@ from planner.retiming.retimed import RetimingMethod, retimed
 from planner.search.parallel import Listener, run_here
 
 SILENT = Listener(lambda start: None, lambda news: None)
-SPLINE = ("ipopt", "toppra")
-MOVES = ("ruckig", "ipopt", "toppra")
+SPLINE = ("ipopt",)
+MOVES = ("ruckig", "ipopt")
 
 
 def motions(case: Case) -> dict[str, tuple[Trajectory, tuple[str, ...]]]:
@@ -32,7 +32,7 @@ def motions(case: Case) -> dict[str, tuple[Trajectory, tuple[str, ...]]]:
 
 
 def retiming_table() -> None:
-    """Prints both: as fast as every limit allows (of jerk too but for toppra), criterion D before and after."""
+    """Prints both: as fast as every limit allows, criterion D before and after."""
     case = load_case("hexapod")
     model = identification_model(case, 9)
     rows = []

@@ -82,15 +82,15 @@ def test_a_second_ctrl_c_gives_up_and_where_nothing_is_searched_the_first(
 
 
 def test_ctrl_c_while_a_plan_is_written_lets_it_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    from planner import plan
+    from planner import plans
 
-    write = plan.motion_csv
+    write = plans.motion_csv
 
     def interrupted(motion: object) -> str:
         ctrl_c()
         return write(motion)
 
-    monkeypatch.setattr(plan, "motion_csv", interrupted)
+    monkeypatch.setattr(plans, "motion_csv", interrupted)
     steps = tmp_path / "steps.toml"
     steps.write_text('title = "t"\nsteps = [{x_mm = 50.0}, {circle = "YZ", radius_mm = 40.0}, {a_deg = 10.0}]')
     words = ("plan", "hexapod", "--family", "manual", "--sequence", steps, "--model", 0, "-o", tmp_path / "p", "--json")

@@ -112,7 +112,8 @@ def test_workers_of_a_plan_that_is_killed_end_with_it(cache: Path, tmp_path: Pat
 def test_ctrl_c_ends_the_search_and_keeps_the_best_plan_so_far(cache: Path, tmp_path: Path):
     process = interrupted(1, tmp_path)
     out, err = process.communicate(timeout=300)
-    assert (process.returncode, err) == (0, "")
+    assert process.returncode == 0
+    assert all(line.startswith("searching: ") for line in err.splitlines())  # on a busy computer it says how it gets on
     assert "stopped by Ctrl-C" in out
     assert whole(tmp_path / "plan", "plan.json", ["motion.csv", "report.html"])
     plan = one_json_object((tmp_path / "plan" / "plan.json").read_text(encoding="utf-8"))
@@ -125,5 +126,5 @@ def test_a_second_ctrl_c_gives_up_in_one_line_and_leaves_nothing(cache: Path, tm
     process = interrupted(2, tmp_path)
     _, err = process.communicate(timeout=300)
     assert process.returncode == 130
-    assert err == "hexcite: interrupted; nothing was written\n"
+    assert err.splitlines()[-1] == "hexcite: interrupted; nothing was written"
     assert list(tmp_path.iterdir()) == []

@@ -23,6 +23,7 @@ from planner.plans import Plan
 from planner.poses.pose_request import PoseMethod, PoseRequest
 from planner.request import Request
 from tests.helpers import one_line
+from tests.planner.command_line import refused
 
 README = Path(__file__).parents[2] / "README.md"
 QUICK = ("hx.PointToPoint(moves=40), duration=12.0", "hx.PointToPoint(moves=8), duration=3.0, starts=2")
@@ -212,3 +213,26 @@ def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_ca
         assert max(map(len, text.splitlines())) < 160
         assert "hexapod" in text or value is recording
         assert value._repr_html_().startswith("<pre>")
+
+
+@pytest.mark.parametrize(
+    ("raised", "words"),
+    [
+        (lambda place: hx.load_case("nowhere"), lambda place: ("case", "check", "nowhere")),
+        (lambda place: hx.Plan.load(place), lambda place: ("post", place)),
+        (
+            lambda place: hx.read(place / "no.csv", hx.load_case("hexapod")),
+            lambda place: ("identify", place / "no.csv", "--case", "hexapod"),
+        ),
+        (
+            lambda place: hx.read_program(place / "no.ngc", hx.load_case("hexapod")),
+            lambda place: ("check", place / "no.ngc", "--case", "hexapod"),
+        ),
+    ],
+)
+def test_the_command_line_prints_what_the_library_raises(raised: Any, words: Any, tmp_path: Path):
+    with pytest.raises(HexciteError) as caught:
+        raised(tmp_path)
+    assert caught.value.remedy
+    assert caught.value.place
+    assert refused(*words(tmp_path)) == f"hexcite: {one_line(caught.value)}"

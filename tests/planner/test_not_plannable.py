@@ -226,7 +226,7 @@ STOPPED = ("plan", "hexapod", "--payload", "99")
 @example("--duration", "inf", "spline")
 @example("--period", "1e-320", "fourier")
 @example("--seed", "1" + "0" * 400, "ptp")
-@settings(max_examples=150, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_any_number_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str, family: str):
     answer = call(*STOPPED, "--family", family, f"{option}={value}")
     assert answer.out == ""
@@ -238,7 +238,7 @@ def test_any_number_for_any_option_is_taken_or_refused_in_one_line(option: str, 
 
 
 @given(option=st.sampled_from(["--target", "--criterion", "--family", "--sequence", "--output"]), value=WORDS)
-@settings(max_examples=100, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, value: str):
     answer = call(*STOPPED, f"{option}={value}")
     assert answer.out == ""
@@ -250,7 +250,7 @@ def test_any_word_for_any_option_is_taken_or_refused_in_one_line(option: str, va
     option=st.sampled_from(["--count", "--candidates", "--seed", "--noise", "--model", "--time-limit"]),
     value=NUMBERS,
 )
-@settings(max_examples=60, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_poses_and_bound_refuse_likewise(command: tuple[str, ...], option: str, value: str):
     arguments = [command[0], "ft_wrist", *command[2:]] if option == "--model" else [*command]
     answer = call(*arguments, f"{option}={value}")

@@ -58,7 +58,7 @@ def moves_of(text: str) -> list[Untimed]:
     return [s for s in stretches(read_linuxcnc(text, "p.ngc")) if isinstance(s, Untimed) and s.trigger]
 
 
-@settings(max_examples=40)
+@settings(max_examples=15)
 @given(motion=motions())
 def test_moves_read_back_end_turn_and_last_as_planned(motion: Joined):
     text = linuxcnc_text(excitation_program(motion, CASE, ()))

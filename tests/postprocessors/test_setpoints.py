@@ -215,7 +215,7 @@ def test_a_table_without_any_motion_is_a_standstill():
 
 
 @both
-@settings(max_examples=40)
+@settings(max_examples=15)
 @given(position=st.floats(0.0, 0.999), byte=st.integers(0, 255), kind=st.sampled_from("rdi"))
 def test_a_damaged_table_ends_in_a_proof_or_in_one_line(write, position: float, byte: int, kind: str):
     content = write(moves(), CASE)
@@ -227,7 +227,7 @@ def test_a_damaged_table_ends_in_a_proof_or_in_one_line(write, position: float, 
         assert one_line(error).startswith("t")
 
 
-@settings(max_examples=30)
+@settings(max_examples=10)
 @given(position=st.floats(0.0, 0.999))
 def test_a_table_that_breaks_off_is_refused(position: float):
     content = write_csv(moves(), CASE)

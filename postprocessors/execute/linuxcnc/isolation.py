@@ -217,7 +217,7 @@ def check_syntax(program: Path, lines: list[str], folder: Path, time_limit: floa
     for number, line in enumerate(lines, start=1):
         if _STOP.search(words(line)):
             raise ExecutionError(
-                f"{program}, line {number}: {line.strip()!r} waits for an operator; remove M0, M1 and M60"
+                f"{program}, line {number}", f"{line.strip()!r} waits for an operator", "remove M0, M1 and M60"
             )
     refused = _refusal(lines, folder, time_limit, program)
     if refused is None:
@@ -234,8 +234,9 @@ def check_syntax(program: Path, lines: list[str], folder: Path, time_limit: floa
     place = f", line {candidates[0]}" if candidates else ""
     what = repr(text) if text else "it to its end"
     raise ExecutionError(
-        f"{program}{place}: LinuxCNC cannot read {what}: {reason}; correct it, or write the program again with hexcite "
-        "post --dialect linuxcnc"
+        f"{program}{place}",
+        f"LinuxCNC cannot read {what}: {reason}",
+        "correct it, or write the program again with hexcite post --dialect linuxcnc",
     )
 
 
@@ -257,7 +258,7 @@ def _refusal(lines: list[str], folder: Path, time_limit: float, program: Path) -
         )
     except subprocess.TimeoutExpired as error:
         raise ExecutionError(
-            f"{program}: LinuxCNC's interpreter does not come to an end within {time_limit:g} s; remove endless loops"
+            program, f"LinuxCNC's interpreter does not come to an end within {time_limit:g} s", "remove endless loops"
         ) from error
     if result.returncode == 0:
         return None

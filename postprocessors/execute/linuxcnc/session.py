@@ -91,7 +91,7 @@ def run_linuxcnc(
         ValueError: speedup is not positive and finite.
     """
     if (missing := linuxcnc_missing()) is not None:
-        raise ExecutionError(f"{program}: cannot be run: {missing}")
+        raise ExecutionError(program, f"cannot be run: {missing}")
     if not 0.0 < speedup < math.inf:
         raise ValueError(f"speedup is {speedup}, must be positive and finite")
     lines = _lines(program, content)
@@ -142,8 +142,9 @@ def _session(
         clock = {"HEXCITE_SPEEDUP": repr(speedup), "LD_PRELOAD": f"{{folder}}/{CLOCK_FILE}"}
         if run_session(folder, arguments, clock, time_limit + START_LIMIT) is None:
             raise ExecutionError(
-                f"{program}: LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed; run again, and "
-                "check its installation if that does not help"
+                program,
+                f"LinuxCNC did not end within {time_limit + START_LIMIT:g} s and was killed",
+                "run again, and check its installation if that does not help",
             )
         report = read_report(program, folder)
         return read_log(program, folder, Layout.of(case), report, speedup), (report["started"], report["ended"])
@@ -156,13 +157,13 @@ def _lines(program: Path, content: bytes | None) -> list[str]:
             content = program.read_bytes()
         except OSError as error:
             raise FileProblem(
-                f"{program}: cannot be read ({error.strerror}); hexcite post --dialect linuxcnc writes programs"
+                program, f"cannot be read ({error.strerror})", "hexcite post --dialect linuxcnc writes programs"
             ) from error
     try:
         return content.decode("ascii").split("\n")
     except UnicodeDecodeError as error:
         raise ExecutionError(
-            f"{program}: is not plain ASCII text (byte {error.start}); give a LinuxCNC program"
+            program, f"is not plain ASCII text (byte {error.start})", "give a LinuxCNC program"
         ) from error
 
 
@@ -202,8 +203,9 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
         output = (folder / OUTPUT_FILE).read_text(encoding="utf-8", errors="replace").strip().splitlines()
         said = " ".join(output[-1].split()) if output else "nothing"
         raise ExecutionError(
-            f"{program}: LinuxCNC did not start, or broke down; it said last: {said}; check the installation by "
-            "running one of its sample configurations"
+            program,
+            f"LinuxCNC did not start, or broke down; it said last: {said}",
+            "check the installation by running one of its sample configurations",
         ) from error
     if report["outcome"] != "done":
         _explain(program, report)
@@ -217,14 +219,14 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
     else:  # what the driver saw last is exact to its polling
         place = f"{program}, near line {report['line']}" if report["line"] else f"{program}"
     if report["outcome"] == "time limit":
-        raise ExecutionError(f"{place}: LinuxCNC was not through in time; check the feeds, or allow more time")
+        raise ExecutionError(place, "LinuxCNC was not through in time", "check the feeds, or allow more time")
     if report["outcome"] == "paused":
-        raise ExecutionError(f"{place}: LinuxCNC waits for its operator; remove the pause from the program")
+        raise ExecutionError(place, "LinuxCNC waits for its operator", "remove the pause from the program")
     if "limit" in said:
         remedy = "keep the program inside the limits of the case (hexcite check names what is outside)"
     else:
         remedy = "correct the program, or write it again with hexcite post --dialect linuxcnc"
-    raise ExecutionError(f"{place}: LinuxCNC stopped: {said}; {remedy}")
+    raise ExecutionError(place, f"LinuxCNC stopped: {said}", remedy)
 
 
 def read_log(program: Path, folder: Path, layout: Layout, report: dict[str, Any], speedup: float) -> ControllerLog:

@@ -55,8 +55,9 @@ def dwells(program: Path, lines: list[str]) -> dict[int, float]:
             found[number] = float(match["seconds"])
         elif _ANY_DWELL.search(words(line)):
             raise ExecutionError(
-                f"{program}, line {number}: dwell {line.strip()!r} cannot be timed; write it as G4 P<seconds> on a "
-                "line of its own"
+                f"{program}, line {number}",
+                f"dwell {line.strip()!r} cannot be timed",
+                "write it as G4 P<seconds> on a line of its own",
             )
     return found
 
@@ -105,8 +106,9 @@ def check_order(program: Path, log: ControllerLog) -> None:
     back = np.diff(executed, prepend=0) < 0
     if back.any():
         raise ExecutionError(
-            f"{program}, line {executed[np.argmax(back)]}: LinuxCNC jumped back to this line, so that dwells and "
-            "switches cannot be timed; write the program without loops"
+            f"{program}, line {executed[np.argmax(back)]}",
+            "LinuxCNC jumped back to this line, so that dwells and switches cannot be timed",
+            "write the program without loops",
         )
 
 

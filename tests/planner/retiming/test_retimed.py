@@ -1,25 +1,22 @@
-"""Re-timed motions: whole controller cycles, the same poses, limits kept; and a table of poses is a motion."""
+"""Re-timed motions: whole controller cycles, the same poses, limits kept."""
 
-import sys
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cases.errors import FileProblem, HexciteError, InfeasiblePlan
+from cases.errors import HexciteError, InfeasiblePlan
 from cases.loading import load_case
 from identification.limits import prove
 from identification.model import identification_model
-from identification.motion import Joined, Standstill, TimedPoints, sample
+from identification.motion import Joined, Standstill, TimedPoints
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import StraightMove, fastest_profile
 from planner.families.settings import Manual
 from planner.plan_folder import load_plan
-from planner.plans import motion_csv
 from planner.request import Request
-from planner.retiming.retimed import RetimingMethod, by_controller, fitting_method, retimed
-from planner.retiming.retimed_plan import read_motion, retimed_plan
+from planner.retiming.retimed import RetimingMethod, by_controller, fitting_method, retimed, retimed_plan
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -95,12 +92,6 @@ def slow_struts():
     return changed(CASE, limits__motion__strut_velocity_m_s=0.5, **drives)
 
 
-def test_toppra_is_named_where_it_is_missing(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setitem(sys.modules, "toppra.algorithm", None)
-    with pytest.raises(HexciteError, match=r"toppra.* is not installed; install it"):
-        retimed(moves(1.0), CASE, MODEL, RetimingMethod.TOPPRA, False)
-
-
 def test_arcs_keep_their_circle():
     law = fastest_profile(1.0, 1.0, 5.0, 50.0)
     arc = CircularMove(HOME, HOME[3:], Plane.XY, np.array([0.1, 0.0]), 2 * np.pi, law)
@@ -108,16 +99,6 @@ def test_arcs_keep_their_circle():
     assert law.duration <= after.duration <= law.duration + 1.001e-3
     pose = after.at(np.linspace(0.0, after.duration, 50)).pose
     assert np.allclose(np.hypot(pose[:, 0] - 0.1, pose[:, 1]), 0.1)
-
-
-def test_toppra_slows_a_hasty_motion_down_and_says_what_it_would_have_passed():
-    case = slow_struts()
-    found = retimed(moves(1.0), case, MODEL, RetimingMethod.TOPPRA, False)
-    assert "strut velocity" in {c.name.split(" (")[0] for c in found.before.limits.violations}
-    left = {c.name.split(" (")[0] for c in found.after.limits.violations}
-    assert left <= {"jerk", "angular jerk"}  # toppra does not know jerk
-    assert found.after.criteria.keys() == set("ADKN")
-    assert 0.0 < found.after.d_efficiency < found.before.d_efficiency < 1.0
 
 
 def test_each_kind_of_motion_has_its_method():
@@ -144,76 +125,47 @@ def replace_controller():
     return type(CASE).model_validate(data)
 
 
-def written(folder: Path) -> Path:
-    file = folder / "motion.csv"
-    file.write_text(motion_csv(sample(slowed_moves(), 100.0), CASE))
-    return file
+@pytest.fixture(scope="module")
+def by_hand(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A plan of moves."""
+    folder = tmp_path_factory.mktemp("by-hand")
+    (folder / "poses.csv").write_text(POSES)
+    words = ("--family", "manual", "--sequence", folder / "poses.csv", "--model", 0)
+    assert call("plan", "hexapod", *words, "-o", folder / "plan").code == 0
+    return folder / "plan"
 
 
-def test_a_table_is_read_back_as_the_motion_it_is(tmp_path: Path):
-    motion, back = slowed_moves(), read_motion(written(tmp_path))
-    t = np.linspace(0.0, motion.duration, 300)
-    assert back.duration == pytest.approx(motion.duration, abs=1e-6)
-    assert np.abs(back.at(t).pose - motion.at(t).pose).max() < 1e-4
+@pytest.fixture(scope="module")
+def series(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A plan of a path that is not a sequence of moves, with room for another pace."""
+    folder = tmp_path_factory.mktemp("series") / "plan"
+    words = ("--family", "fourier", "--order", 2, "--duration", 3, "--starts", 1)
+    assert call("plan", "hexapod", *words, "-o", folder).code == 0
+    return folder
 
 
-@pytest.mark.parametrize(
-    ("damage", "words"),
-    [
-        (lambda lines: [lines[0].replace("b_deg", "pitch"), *lines[1:]], ("line 1", "b_deg")),
-        (lambda lines: [*lines[:5], lines[5].replace(",", ",x", 1), *lines[6:]], ("line 6", "x_mm", "not a number")),
-        (lambda lines: [*lines[:5], "0.04,1,2", *lines[6:]], ("line 6", "not a number")),
-        (lambda lines: [*lines[:5], lines[5].replace(",", ",nan,", 1), *lines[6:]], ("line 6", "not a number")),
-        (lambda lines: [*lines[:7], lines[6], *lines[7:]], ("line 8", "does not increase")),
-        (lambda lines: lines[:3], ("holds 2 poses",)),
-        (lambda lines: [], ("line 1", "t_s")),
-    ],
-)
-def test_a_damaged_table_is_refused_by_line(damage, words: tuple[str, ...], tmp_path: Path):
-    file = written(tmp_path)
-    file.write_text("\n".join(damage(file.read_text().splitlines())))
-    with pytest.raises(FileProblem) as caught:
-        read_motion(file)
-    for word in words:
-        assert word in str(caught.value)
+def test_the_command_prints_before_and_after(by_hand: Path):
+    answer = call("retime", by_hand, "--json").json()
+    assert answer["plan"] is None
+    assert answer["after"]["duration_s"] >= answer["before"]["duration_s"] - 1e-3
+    said = call("retime", by_hand)
+    assert said.code == 0
+    assert "before" in said.out
 
 
-def test_the_command_tells_before_and_after(cache: Path, tmp_path: Path):
-    out = tmp_path / "after.csv"
-    arguments = (written(tmp_path), "--case", "hexapod", "--model", 0)
-    answer = call("retime", *arguments, "--method", "toppra", "--fastest", "--json", "-o", out).json()
-    assert answer["method"] == "toppra"
-    assert not answer["jerk_limited"]
-    assert answer["after"]["duration_s"] < answer["before"]["duration_s"]
-    assert answer["after"]["d_efficiency"] > answer["before"]["d_efficiency"]
-    assert read_motion(out).duration == pytest.approx(answer["after"]["duration_s"], abs=1e-6)
-    told = call("retime", *arguments, "--method", "toppra")
-    assert told.code == 0
-    assert "no jerk limit" in told.out
-    assert "before" in told.out
-
-
-@pytest.mark.parametrize("family", ["manual", "table"])
-def test_a_retimed_motion_is_a_plan_that_can_be_posted(family: str, cache: Path, tmp_path: Path):
-    """Moves as a controller times them, and a table of poses as a spline."""
-    source = written(tmp_path)
-    if family == "manual":
-        poses = tmp_path / "poses.csv"
-        poses.write_text(POSES)
-        by_hand = ("--family", "manual", "--sequence", poses, "--model", 0)
-        assert call("plan", "hexapod", *by_hand, "-o", tmp_path / "by hand").code == 0
-        source = tmp_path / "by hand"
+@pytest.mark.parametrize("method", ["ruckig", "ipopt"])
+def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, by_hand: Path, series: Path, tmp_path: Path):
+    """Moves as a controller times them, and a path as a spline."""
     out = tmp_path / "after"
-    which = () if family == "manual" else ("--case", "hexapod", "--model", 0, "--fastest")
+    source, which = (by_hand, ()) if method == "ruckig" else (series, ("--fastest",))
     answer = call("retime", source, *which, "-o", out, "--json").json()
-    assert answer["method"] == ("ruckig" if family == "manual" else "ipopt")
+    assert answer["method"] == method
     assert answer["plan"] == str(out)
-    assert answer["jerk_limited"]
     assert answer["after"]["violations"] == []
     saved = load_plan(out)  # its figures are those of its motion
     assert saved.motion.duration == pytest.approx(answer["after"]["duration_s"], abs=1e-6)
     assert saved.worth.d_efficiency == pytest.approx(answer["after"]["d_efficiency"], rel=1e-3)
-    assert any(note.startswith(f"re-timed with {answer['method']}") for note in saved.worth.notes)
+    assert any(note.startswith(f"re-timed with {method}") for note in saved.worth.notes)
     assert "re-timed with" in (out / "report.html").read_text(encoding="utf-8")
     accept = ("--accept", "acceleration,jerk,strut-acceleration,sensor-force,strut-velocity,velocity")
     program = call("post", out, *accept, "-o", tmp_path / "run.ngc", "--json").json()
@@ -231,24 +183,19 @@ def test_a_plan_that_passes_a_limit_is_not_written(tmp_path: Path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--case", "hexapod", "--method", "magic"), ("magic", "ruckig, ipopt, toppra")),
-        (("--case", "hexapod", "--method", "ruckig"), ("use --method ipopt",)),
-        (("--case", "hexapod", "--method", "ruckig", "--fastest"), ("--fastest",)),
-        (("--case", "hexapod", "--model", 11), ("model 11",)),
+        (("--method", "magic"), ("magic", "ruckig, ipopt")),
+        (("--method", "ruckig"), ("use --method ipopt",)),
+        (("--method", "ruckig", "--fastest"), ("--fastest",)),
+        (("--model", 11), ("model 11",)),
         (("--case", "ft_wrist"), ("machine",)),
-        ((), ("--case",)),
-        (("--case", "hexapod", "--method", "toppra", "-o", "folder"), ("folder", "--method ipopt", "after.csv")),
-        (("--case", "hexapod", "-o", "after.txt"), ("after.txt", ".csv")),
     ],
 )
-def test_bad_requests_are_refused_in_one_line(
-    arguments: tuple[object, ...], words: tuple[str, ...], cache: Path, tmp_path: Path
-):
-    line = refused("retime", written(tmp_path), *arguments)
+def test_bad_requests_are_refused_in_one_line(arguments: tuple[object, ...], words: tuple[str, ...], series: Path):
+    line = refused("retime", series, *arguments)
     for word in words:
         assert word in line
 
 
 def test_what_is_not_there_is_refused(tmp_path: Path):
-    assert "cannot be read" in refused("retime", tmp_path / "none.csv", "--case", "hexapod")
+    assert "cannot be read" in refused("retime", tmp_path / "none")
     assert "plan.json" in refused("retime", tmp_path)

@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from cases.loading import load_case
 from cases.schema import Case
 from identification.external import tare
-from identification.hexapod import Hexapod
+from identification.hexapod import Hexapod, Kinematics
+from identification.model import expected_forces
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
 from postprocessors.export.c99 import RING, c_sources, window_of
@@ -231,3 +233,21 @@ def test_the_header_says_where_the_numbers_are_from(tmp_path: Path) -> None:
         for word in (str(tmp_path), made.result_hash, CASE.hash, "model 9", "hexcite 0", "WARNING: poses cover"):
             assert word in text
     Compiled(made, tmp_path)
+
+
+def test_forces_in_struts_become_one_on_the_platform_by_the_matrix_of_its_pose(tmp_path: Path) -> None:
+    case = load_case("strut_sensors")
+    made = calibration(tmp_path, "strut_sensors", 6)
+    compiled, model = Compiled(made, tmp_path), made.model
+    s = states(case, 20, 6)
+    left = s.forces - expected_forces(model, Kinematics(s.pose, s.twist, s.twist_rate), made.result.values)
+    expected = -model.wrenches(left, s.pose)
+    for k in range(len(s.pose)):
+        found = compiled.wrench("from_pose", s.pose[k], s.rates[k], s.accelerations[k], s.forces[k])
+        np.testing.assert_allclose(found, expected[k], atol=1e-9 * np.abs(expected[k]).max())
+        turned = Rotation.from_euler("xyz", s.pose[k, 3:]).as_matrix()
+        joints = case.hexapod.platform.points
+        struts = (s.pose[k, :3] + joints @ turned.T - case.hexapod.base.points) @ turned
+        along = struts / np.linalg.norm(struts, axis=1)[:, None]
+        pushed = -np.hstack([along, np.cross(joints, along)]).T @ left[k]
+        np.testing.assert_allclose(expected[k], pushed, atol=1e-9 * np.abs(pushed).max())

@@ -8,6 +8,7 @@ import pytest
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
+from cases.errors import HexciteError
 from cases.loading import load_case
 from identification.model import identification_model
 from postprocessors.export import document as module
@@ -59,3 +60,8 @@ def test_physical_values_are_those_of_the_linear_ones(tmp_path: Path) -> None:
     assert physical["zC"] == pytest.approx(linear["mzC"] / linear["m"], rel=1e-14)
     steiner = linear["m"] * (physical["yC"] ** 2 + physical["zC"] ** 2)
     assert physical["IC11"] == pytest.approx(linear["I11"] - steiner, rel=1e-9)
+
+
+def test_a_structure_matrix_that_depends_on_the_pose_is_no_constant_of_a_document(tmp_path: Path) -> None:
+    with pytest.raises(HexciteError, match=r"struts.*--to c"):
+        json_document(calibration(tmp_path, "strut_sensors", 6))

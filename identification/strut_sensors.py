@@ -1,0 +1,237 @@
+"""Sensors in the struts of a hexapod (setup 2x): the structure matrix of its own struts, and what the struts add.
+
+A strut is a tube that turns about its base joint B (universal) and a rod that slides in it and ends in the platform
+joint P (ball), both slender: moments of inertia about the strut's own axis do not count. n points from B to P, l is the
+length. What counts of a rod is its mass mu, its first moment h from P towards B and its moment of inertia about P; of a
+tube its first moment d from B and its moment of inertia about B; of the two moments of inertia the sum k.
+
+A sensor at the drive's end carries the whole rod. Then a rod's mass cannot be told from a point mass in its platform
+joint, and mass, first moments and inertia of the body are those of the platform with the rods lumped there. A sensor at
+the platform's end carries the platform alone, and mu is a parameter of its own. A positive force pushes the platform.
+
+Derived from Lagrange's equations; the tests derive them again by automatic differentiation.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.sensors import StrutSensors
+from identification.hexapod import Hexapod
+from identification.pose import rotation
+from identification.regressor_blocks import Block, Parameter, Rods, State
+
+Array = NDArray[np.float64]
+
+SLOW = 1e-3  # [rad/s] below which Coulomb friction of a joint, which has no value at rest, grows with the rate
+
+
+_Columns = Callable[[Rods, ca.SX], ca.SX]
+"""Rods and angular velocity of the platform -> wrench that each strut adds, shape (6, 6), one column a strut."""
+
+
+@dataclass(frozen=True)
+class StrutLayout:
+    """Sensors in the struts of a hexapod.
+
+    Args:
+        hexapod: its joints.
+        sensors: where in the struts they sit, and nominal values of the struts.
+    """
+
+    hexapod: Hexapod
+    sensors: StrutSensors
+
+    def rods(self, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
+        """Motion of the struts with the platform; see `rods`."""
+        return rods(self.hexapod, position, turn, twist, twist_rate, gravity)
+
+    def blocks(self, moving: bool) -> tuple[Block, ...]:
+        """What the struts add to the regressor; of standstills no inertia and no friction, and `d` is then d less h."""
+        s, at_drive = self.sensors, self.sensors.at == "drive"
+        if moving:
+            return strut_blocks(at_drive, s.each, s.viscous_friction_Nms is not None, s.coulomb_friction_Nm is not None)
+        still = strut_blocks(at_drive, s.each)
+        return (*([] if at_drive else still[:1]), still[-1])
+
+    @cached_property
+    def structure_at_home(self) -> Array:
+        """J^-T where the platform is at home, shape (6, 6)."""
+        pose, still = ca.SX(ca.DM(self.hexapod.home)), ca.SX.zeros(6)
+        moving = self.rods(pose[:3], rotation(pose[3:]), still, still, np.zeros(3))
+        return np.asarray(ca.DM(structure(moving)).full())
+
+    def with_struts(self, body: Mapping[str, float], moving: bool) -> dict[str, float]:
+        """The nominal values of all that a model with these blocks has, by name.
+
+        Args:
+            body: what is known of the body on the platform, by name.
+            moving: as in `blocks`.
+        """
+        s = self.sensors
+        known = dict(body)
+        if s.at == "drive":
+            for x, y, z in self.hexapod.platform:
+                lumped = {"m": 1.0, "mxC": x, "myC": y, "mzC": z, "I11": y**2 + z**2, "I12": -x * y, "I13": -x * z}
+                lumped |= {"I22": x**2 + z**2, "I23": -y * z, "I33": x**2 + y**2}
+                for name, value in lumped.items():
+                    known[name] = known.get(name, 0.0) + s.rod_mass_kg * float(value)
+        (base, joint), (held, turned) = s.viscous_friction_Nms or (0.0, 0.0), s.coulomb_friction_Nm or (0.0, 0.0)
+        net = s.tube_first_moment_kg_m - (0.0 if moving else s.rod_first_moment_kg_m)
+        own = {"mu": s.rod_mass_kg, "h": s.rod_first_moment_kg_m, "k": s.inertia_kg_m2, "d": net}
+        own |= {"cB": base, "cP": joint, "tB": held, "tP": turned}
+        return known | own | {f"{name}_{k}": value for name, value in own.items() for k in range(1, 7)}
+
+
+def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
+    """Motion of the struts with the platform.
+
+    Args:
+        hexapod: its joints.
+        position: origin of {P} in {B}, shape (3,) [m].
+        turn: R, shape (3, 3).
+        twist: in {B}, shape (6,) [m/s, rad/s].
+        twist_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
+        gravity: in {B}, shape (3,) [m/s^2].
+    """
+    velocity, omega, acceleration, alpha = twist[:3], twist[3:], twist_rate[:3], twist_rate[3:]
+    columns: list[list[ca.SX]] = [[], [], [], []]
+    lengths, speeds = [], []
+    for base, joint in zip(hexapod.base, hexapod.platform, strict=True):
+        arm = turn @ ca.DM(joint)
+        strut = position + arm - ca.DM(base)
+        moving = velocity + ca.cross(omega, arm)
+        length = ca.norm_2(strut)
+        direction = strut / length
+        speed = ca.dot(direction, moving)
+        felt = acceleration + ca.cross(alpha, arm) + ca.cross(omega, ca.cross(omega, arm)) - ca.DM(gravity)
+        vectors = (direction, (moving - speed * direction) / length, felt, ca.DM(gravity))
+        for column, vector in zip(columns, vectors, strict=True):
+            column.append(turn.T @ vector)
+        lengths.append(length)
+        speeds.append(speed)
+    joints = ca.SX(ca.DM(hexapod.platform.T))
+    direction, turning, felt, weight = (ca.horzcat(*column) for column in columns)
+    return Rods(joints, direction, turning, felt, weight, ca.horzcat(*lengths), ca.horzcat(*speeds))
+
+
+def structure(moving: Rods) -> ca.SX:
+    """The columns (n_i; p_i x n_i) in {P}: forces in the struts -> force and moment on the platform, shape (6, 6)."""
+    return _wrench(moving, moving.direction)
+
+
+def strut_blocks(at_drive: bool, each: bool, viscous: bool = False, coulomb: bool = False) -> tuple[Block, ...]:
+    """What the struts add to the regressor.
+
+    Args:
+        at_drive: whether sensors sit at the drive's end of the rods; at the platform's end otherwise.
+        each: whether every strut has its own parameters; else all struts are alike.
+        viscous: whether the joints have viscous friction.
+        coulomb: whether the joints have Coulomb friction.
+    """
+    kinds: list[tuple[str, str, _Columns]] = [] if at_drive else [("mu", "kg", _rod_mass)]
+    kinds += [("h", "kg m", _first_moment_at_drive if at_drive else _first_moment)]
+    kinds += [("k", "kg m^2", _inertia), ("d", "kg m", _tube)]
+    if viscous:
+        kinds += [("cB", "N m s", _friction_of_base), ("cP", "N m s", _friction_of_platform)]
+    if coulomb:
+        kinds += [("tB", "N m", _coulomb_of_base), ("tP", "N m", _coulomb_of_platform)]
+    return tuple(_block(name, unit, columns, each) for name, unit, columns in kinds)
+
+
+def _block(name: str, unit: str, columns: _Columns, each: bool) -> Block:
+    def added(state: State) -> ca.SX:
+        assert state.rods is not None
+        of_each = columns(state.rods, state.omega)
+        return of_each if each else ca.sum2(of_each)
+
+    names = [f"{name}_{k}" for k in range(1, 7)] if each else [name]
+    return Block(tuple(Parameter(name, unit) for name in names), added, True)
+
+
+def _wrench(moving: Rods, forces: ca.SX, moments: ca.SX | None = None) -> ca.SX:
+    """Force and moment about the origin of {P} of forces in the platform joints, shapes (3, 6) -> (6, 6)."""
+    arms = [ca.cross(moving.joints[:, k], forces[:, k]) for k in range(6)]
+    about = ca.horzcat(*arms) if moments is None else ca.horzcat(*arms) + moments
+    return ca.vertcat(forces, about)
+
+
+def _across(moving: Rods, vectors: ca.SX) -> ca.SX:
+    """The parts of vectors across the struts, shape (3, 6)."""
+    return vectors - moving.direction * _along(moving.direction, vectors)
+
+
+def _along(one: ca.SX, other: ca.SX) -> ca.SX:
+    """Scalar products column by column, repeated in three rows, shape (3, 6)."""
+    return ca.repmat(ca.sum1(one * other), 3, 1)
+
+
+def _bending(moving: Rods) -> ca.SX:
+    """The part of n'' across the struts, shape (3, 6) [1/s^2]."""
+    across = _across(moving, moving.felt + moving.gravity)
+    return (across - 2 * _three(moving.speed) * moving.turning) / _three(moving.length)
+
+
+def _three(row: ca.SX) -> ca.SX:
+    return ca.repmat(row, 3, 1)
+
+
+def _rod_mass(moving: Rods, _: ca.SX) -> ca.SX:
+    return _wrench(moving, _across(moving, moving.felt))
+
+
+def _first_moment(moving: Rods, _: ca.SX) -> ca.SX:
+    length = _three(moving.length)
+    inert = -2 * length * _bending(moving) - 2 * _three(moving.speed) * moving.turning
+    return _wrench(moving, (inert + _across(moving, moving.gravity)) / length)
+
+
+def _first_moment_at_drive(moving: Rods, omega: ca.SX) -> ca.SX:
+    along = moving.direction * _along(moving.turning, moving.turning)
+    return _first_moment(moving, omega) + _wrench(moving, along)
+
+
+def _inertia(moving: Rods, _: ca.SX) -> ca.SX:
+    return _wrench(moving, _bending(moving) / _three(moving.length))
+
+
+def _tube(moving: Rods, _: ca.SX) -> ca.SX:
+    return _wrench(moving, -_across(moving, moving.gravity) / _three(moving.length))
+
+
+def _spin(moving: Rods) -> ca.SX:
+    """Angular velocities n x n' of the struts, shape (3, 6) [rad/s]."""
+    return ca.horzcat(*(ca.cross(moving.direction[:, k], moving.turning[:, k]) for k in range(6)))
+
+
+def _held(moving: Rods, moments: ca.SX) -> ca.SX:
+    """Forces across the struts that hold them against moments of their joints, shape (3, 6)."""
+    forces = [ca.cross(moving.direction[:, k], moments[:, k]) / moving.length[k] for k in range(6)]
+    return ca.horzcat(*forces)
+
+
+def _friction_of_base(moving: Rods, _: ca.SX) -> ca.SX:
+    return _wrench(moving, _held(moving, -_spin(moving)))
+
+
+def _friction_of_platform(moving: Rods, omega: ca.SX) -> ca.SX:
+    moments = -(_spin(moving) - ca.repmat(omega, 1, 6))
+    return _wrench(moving, _held(moving, moments), moments)
+
+
+def _coulomb_of_base(moving: Rods, _: ca.SX) -> ca.SX:
+    return _wrench(moving, _held(moving, -_directions(_spin(moving))))
+
+
+def _coulomb_of_platform(moving: Rods, omega: ca.SX) -> ca.SX:
+    moments = -_directions(_spin(moving) - ca.repmat(omega, 1, 6))
+    return _wrench(moving, _held(moving, moments), moments)
+
+
+def _directions(rates: ca.SX) -> ca.SX:
+    """Unit vectors of angular velocities; shorter where they are `SLOW`."""
+    return rates / _three(ca.sqrt(ca.sum1(rates**2) + SLOW**2))

@@ -1,0 +1,100 @@
+"""Runs of a machine with sensors in its struts, simulated and identified; a weight on the platform is a force."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
+
+from cases.errors import IdentificationError
+from cases.loading import load_case
+from cases.schema import Case
+from identification.hexapod import Hexapod
+from identification.identify import identify
+from identification.loaded import loaded_truth
+from identification.model import identification_model, regressors
+from identification.parameters import linear_parameters
+from identification.simulate import simulate_recording
+from tests.helpers import HOME, Harmonic
+from tests.simulated_machine import PoseExecution
+
+CASE = load_case("strut_sensors")
+MACHINE = Hexapod.of(CASE)
+
+
+def of_kind(**changes: object) -> Case:
+    """The case with other sensors in its struts."""
+    assert CASE.sensor_frame.struts is not None
+    struts = CASE.sensor_frame.struts.model_copy(update=changes)
+    return CASE.model_copy(update={"sensor_frame": CASE.sensor_frame.model_copy(update={"struts": struts})})
+
+
+KINDS = (
+    {},
+    {"at": "platform"},
+    {"each": True},
+    {"viscous_friction_Nms": (0.8, 0.5)},
+)
+
+
+@pytest.mark.parametrize("changes", KINDS, ids=("drive", "platform", "each", "friction"))
+@pytest.mark.parametrize("seed", [1, 2])
+def test_parameters_are_found_within_their_deviations(changes: dict[str, object], seed: int) -> None:
+    case = of_kind(**changes)
+    assert case.simulation is not None
+    motion = Harmonic(seed=3, duration=6.0, size=0.8)
+    recording = simulate_recording(case, PoseExecution(MACHINE, motion), np.array([[0.3, 5.7]]), seed)
+    found = identify(recording, case, 6)
+    model = identification_model(case, 6)
+    truth = linear_parameters(model, case.simulation.parameters)
+    deviation = np.sqrt(np.maximum(np.diag(found.covariance), np.diag(found.covariance_robust)))
+    assert np.abs((found.values - truth) / deviation).max() < 4.0
+    assert {"h", "k", "d"} <= {name.split("_")[0] for name in model.names}
+
+
+def test_a_weight_that_is_put_on_a_standing_platform_is_a_force_in_the_platform() -> None:
+    """A body that a model does not know pushes with its weight, wherever and however the platform stands."""
+    assert CASE.simulation is not None
+    assert CASE.payloads is not None
+    weight = CASE.payloads.weights[0]
+    poses = HOME + np.random.default_rng(2).uniform(-1.0, 1.0, (10, 6)) * np.r_[[0.1] * 3, [0.2] * 3]
+    still = np.zeros_like(poses)
+    motion = MACHINE.kinematics(MACHINE.strut_lengths(poses), still, still)
+    model = identification_model(CASE, 6)
+    truth = CASE.simulation.parameters
+    without, loaded = (linear_parameters(model, t) for t in (truth, loaded_truth(truth, (weight,))))
+    left = regressors(model, motion) @ (loaded - without)
+    wrench = -model.wrenches(left, poses)
+    for pose, found in zip(poses, wrench, strict=True):
+        force = weight.mass_kg * Rotation.from_euler("xyz", pose[3:]).as_matrix().T @ CASE.gravity
+        expected = np.r_[force, np.cross(weight.centre_of_gravity, force)]
+        np.testing.assert_allclose(found, expected, atol=1e-9 * weight.mass_kg * 9.81)
+
+
+def test_a_standstill_tells_of_a_strut_only_the_difference_of_its_first_moments() -> None:
+    names = identification_model(CASE, 0).names
+    assert "d" in names
+    assert not {"h", "k"} & set(names)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"setup": "1b"}, ("setup", "2x", "sensor_frame.struts")),
+        ({"sensors": {"weights": "equal", "range_N": 5000.0}}, ("sensors.range_N", "remove")),
+        (
+            {"sensors": {"weights": "equal", "force_noise_N": 1.0, "acceleration_noise_m_s2": 0.1}},
+            ("accelerations", "remove"),
+        ),
+        ({"machine": None, "limits": None, "workspace": None}, ("machine", "base", "platform")),
+    ],
+)
+def test_what_does_not_go_with_sensors_in_struts_is_named(table: dict[str, object], words: tuple[str, ...]) -> None:
+    content = CASE.model_dump(mode="json", exclude_none=True) | table
+    with pytest.raises(ValidationError) as error:
+        Case.model_validate({key: value for key, value in content.items() if value is not None})
+    assert all(word in str(error.value) for word in words)
+
+
+def test_error_terms_of_a_platform_with_bars_are_refused() -> None:
+    with pytest.raises(IdentificationError, match=r"model 9.*6"):
+        identification_model(CASE, 9)
