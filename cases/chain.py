@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
+from cases.machine import KeepOut, Tool
 from cases.parts import Array, Part, Positive, Range, Vector, frozen
 from cases.parts import Number as Real
 from cases.sensors import RigidBody
@@ -64,6 +65,8 @@ class Joint(Frame):
     """The same of a joint that slides."""
     link: RigidBody | None = None
     """The link behind the joint, in the joint's moved frame; centre of gravity, and inertia about it."""
+    bodies: tuple[Tool, ...] = ()
+    """Round bodies that cover the link, in the same frame; they stay out of boxes, and of links farther on."""
 
     @field_validator("name")
     @classmethod
@@ -137,6 +140,12 @@ class Chain(Part):
     joints: tuple[Joint, ...]
     sensor: Frame = Frame()
     """The sensor frame {P} in the last joint's moved frame."""
+    base: tuple[Tool, ...] = ()
+    """Round bodies that stand, in {B}: a pedestal."""
+    tool: tuple[Tool, ...] = ()
+    """Round bodies behind the sensor, in {P}: tool and workpiece."""
+    keep_out: tuple[KeepOut, ...] = ()
+    """Boxes in {B} that neither links nor tool may enter: floor, table, neighbour."""
 
     @field_validator("joints")
     @classmethod

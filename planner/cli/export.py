@@ -14,7 +14,7 @@ def export(
         str,
         typer.Option(
             "--to",
-            help="c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load, urscript (robot's payload), json.",
+            help="c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), urscript, json.",
         ),
     ],
     case: Annotated[str | None, typer.Option(help="Built-in name, folder or file; a result knows its own.")] = None,

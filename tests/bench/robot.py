@@ -36,8 +36,8 @@ BY_HAND = np.deg2rad([
 ])  # fmt: skip  # of wrist_1 and wrist_2 from home: as far as the box lets
 
 
-def main() -> None:
-    """Prints the figures."""
+def robot_figures() -> None:
+    """Prints them."""
     case = load_case("ur10_wrist")
     model = identification_model(case, 6)
     scaling, bound = reference_scaling(case, model), box_bound(case, model)
