@@ -75,8 +75,10 @@ class Hexapod:
 
     @classmethod
     def of(cls, case: Case) -> "Hexapod":
-        """The hexapod of a case; raises CaseError where the case has no machine."""
-        machine, _, _ = case.need_machine("the kinematics")
+        """The hexapod of a case; raises CaseError where the case has no machine. Joints and home are enough."""
+        machine = case.hexapod
+        if machine is None or case.setup == "1a":
+            machine = case.need_machine("the kinematics")[0]
         return cls(machine.base.points, machine.platform.points, machine.home.vector)
 
     @property

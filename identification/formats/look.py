@@ -25,7 +25,7 @@ from cases.recording_format import (
 )
 from cases.schema import Case
 from identification.formats.layout import Layout, layout_of
-from identification.formats.looked import CLOCKS, RATES, Column, Look, oddities
+from identification.formats.looked import CLOCKS, RATES, Column, Look, oddities, strut_range
 from identification.formats.naming import matched, sixes
 from identification.formats.reading import read_run, read_tables
 from identification.formats.table import Array
@@ -137,9 +137,9 @@ def _by_values(
 
 def _strut_unit(columns: Sequence[Array], case: Case | None) -> str | None:
     """The unit in which six columns are strut lengths that the machine has; None: there is none."""
-    if case is None or case.workspace is None:
+    if (possible := strut_range(case)) is None:
         return None
-    low, high = case.workspace.strut_length
+    low, high = possible
     least, most = min(map(np.nanmin, columns)), max(map(np.nanmax, columns))
     inside = (u for u, factor in GROUP_UNITS["struts"].items() if low <= least * factor and most * factor <= high)
     return next(inside, None)

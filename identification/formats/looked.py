@@ -16,6 +16,7 @@ from identification.formats.table import Array, shown
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
 CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}
+AROUND_HOME = 2.5  # times the length at home that a strut may have where the case states no workspace
 _MOST_BLANK = 1e-3  # of a column, from which on its empty fields are worth a word
 
 
@@ -132,15 +133,28 @@ def oddities(found: Look, layout: Layout | None, case: Case | None) -> Iterator[
     if guesses:
         names = ", ".join(map(shown, guesses))
         yield f"guessed from values, not from names: {names}; compare order and unit with the recorder's settings"
-    if case is not None and case.workspace is not None and STRUTS[0] in known:
-        low, high = (limit / MM for limit in case.workspace.strut_length)
+    if (possible := strut_range(case)) is not None and STRUTS[0] in known:
+        low, high = (limit / MM for limit in possible)
         factor = units_of(STRUTS[0])[known[STRUTS[0]].unit] / MM
         middle = float(np.nanmedian([known[name].values for name in STRUTS])) * factor
         if not low <= middle <= high:
             yield (
-                f"struts of {middle:.4g} mm are outside the workspace of the case ({low:g} to {high:g} mm): another "
-                "machine, or drive positions?"
+                f"struts of {middle:.4g} mm are not what the case lets expect ({low:.4g} to {high:.4g} mm): "
+                "another machine, or drive positions?"
             )
+
+
+def strut_range(case: Case | None) -> tuple[float, float] | None:
+    """Shortest and longest strut to be expected [m]: the workspace's, or about that at home; None: nothing is known."""
+    if case is None or case.hexapod is None:
+        return None
+    if case.workspace is not None:
+        low, high = case.workspace.strut_length
+        return float(low), float(high)
+    from identification.hexapod import Hexapod  # CasADi, which few looks need
+
+    usual = float(Hexapod.of(case).strut_lengths(case.hexapod.home.vector[None]).mean())
+    return usual / AROUND_HOME, usual * AROUND_HOME
 
 
 def _clock_oddities(clock: Column, rate: float | None) -> Iterator[str]:

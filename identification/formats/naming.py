@@ -42,6 +42,7 @@ _LETTERED: tuple[tuple[str, Sequence[str]], ...] = (
     (r"(?:^|\W|_)(?:r|rot)[_ ]?([xyz])$", POSE[3:]),
     (r"^([xyz])(?:_?(?:pos|act|ist))?$", POSE[:3]),
 )
+_LETTERED_WORDS = re.compile(r"strut|leg|bein|strebe|force|kraft|sensor|loadcell|axis|achse|drive|antrieb|joint")
 _SINGLE = (
     (r"^(?:t|ts|time|zeit|timestamp|stamp|zeitstempel|elapsed.*)$", CLOCK),
     (r"^(?:trig.*|gate|marker|.*digital-?out.*|.*a_out.*)$", TRIGGER),
@@ -104,6 +105,8 @@ def _ours(key: str) -> str | None:
     for pattern, columns in _LETTERED:
         if match := re.search(pattern, key):
             return columns["xyz".index(match[1])]
+    if _LETTERED_WORDS.search(key):  # legs A to F
+        key = re.sub(r"(?<![a-z])[a-f](?![a-z])", lambda letter: str("abcdef".index(letter[0]) + 1), key)
     for pattern, columns, rates in _NUMBERED:
         match = re.search(pattern, re.sub(r"[_ .\-#]+", "", key))
         if match:

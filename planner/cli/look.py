@@ -68,7 +68,7 @@ def _show(found: "Look", file: Path) -> None:
     if found.reads:
         print("the file is read with this table; paste it into case.toml in place of its [recording]")
     else:
-        print("the file is not read with this table yet: complete it as the last line above says, then look again")
+        print("the file is not read with this table yet: complete it as said above, then identify, or look again")
 
 
 def _row(column: "Column") -> list[str]:

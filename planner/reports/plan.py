@@ -65,7 +65,10 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
         inputs=tuple(inputs),
         warnings=_warnings(plan),
         sections=(
-            Section("What the plan promises", (_headline(plan), _verdicts(plan), *_deviations(plan, model, manual))),
+            Section(
+                "What the plan promises",
+                (_headline(plan), _verdicts(plan), *_deviations(plan, model, manual), *_notes(plan)),
+            ),
             *pictured(case, plan.motion),
             Section("How close it comes to each limit", (limits_plot(plan.limits.to_json()), *_bound_by(plan))),
             Section("The motion and its limits", (*motion_plots(case, motion), _dashed())),
@@ -79,12 +82,16 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
 
 def _warnings(plan: Plan) -> tuple[str, ...]:
     worth = plan.of_motion[1]
-    words = list(worth.notes)
+    words = list(worth.weaknesses)
     if worth.search.interrupted:
         words.insert(0, "The search was stopped by Ctrl-C: this is the best of what was found until then.")
     if not worth.bound.certified:
         words.append(f"The bound behind the D-efficiency is an estimate: {worth.bound.method}.")
     return tuple(words)
+
+
+def _notes(plan: Plan) -> tuple[Item, ...]:
+    return tuple(Note(f"{note[0].upper()}{note[1:]}.") for note in plan.of_motion[1].notes)
 
 
 def _dashed() -> Note:

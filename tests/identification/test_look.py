@@ -80,6 +80,10 @@ RECORDERS = [
     Written("unnamed.csv", []),
     Written("cut.csv", [_named("t_s", "l#_mm", "f#_N", "trigger")], tail="1.2,853.1,91"),
     Written("sampler.txt", [], separator=" ", end=" ", columns=KEYS[1:]),
+    Written(
+        "letters.csv",
+        [",".join(["time", *(f"Leg {k} pos" for k in "ABCDEF"), *(f"Force {k}" for k in "ABCDEF"), "DI0"])],
+    ),
     Written("volts.csv", [_named("t_s", "l#_mm", "f#_N", "trigger")]),
 ]  # fmt: skip
 
@@ -103,6 +107,14 @@ def test_the_proposal_reads_the_run_that_was_recorded(recorder: Written, hexapod
     assert np.allclose(recording.forces, table[:, 7:13], atol=1e-5)
     assert np.array_equal(recording.trigger, table[:, -1] > 0.5)
     assert found.rate == pytest.approx(1000.0, rel=1e-3)
+
+
+def test_a_case_of_nothing_but_joints_and_bars_tells_struts(hexapod_case: Case, tmp_path: Path) -> None:
+    bare = hexapod_case.model_copy(update={"workspace": None, "limits": None, "nominal": None, "controller": None})
+    channels = next(r for r in RECORDERS if r.name == "channels.csv")
+    found = look(channels.write(run(hexapod_case), tmp_path), bare)
+    assert found.reads, found.odd
+    assert found.settings["units"] == {"struts": "um"}
 
 
 def test_twincat_scope_is_known_by_its_header(hexapod_case: Case, tmp_path: Path) -> None:
@@ -139,7 +151,7 @@ def test_what_is_odd_is_named(hexapod_case: Case, tmp_path: Path) -> None:
 def test_another_machine_is_noticed(hexapod_case: Case, tmp_path: Path) -> None:
     table = run(hexapod_case)
     table[:, 1:7] *= 20.0
-    assert "outside the workspace" in "\n".join(look(RECORDERS[0].write(table, tmp_path), hexapod_case).odd)
+    assert "another machine" in "\n".join(look(RECORDERS[0].write(table, tmp_path), hexapod_case).odd)
 
 
 def test_standstills_have_no_clock_and_need_none(wrist_case: Case, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from markupsafe import Markup
 from playwright.sync_api import Browser
 from playwright.sync_api import Page as Tab
 
@@ -19,9 +20,9 @@ from identification.simulate import simulate_recording
 from planner.reports.charts import Chart, script_json
 from planner.reports.figures import motion_plots
 from planner.reports.machine import moving_machine, posing_machine
-from planner.reports.page import Note, Page, Section, Table, plain, render, thinned
+from planner.reports.page import TERMS, Note, Page, Section, Table, explained, plain, render, thinned
 from tests.helpers import Harmonic
-from tests.planner.browser import Opened, opened
+from tests.planner.browser import DRAWN, PATIENCE, Opened, opened
 from tests.planner.command_line import call
 from tests.postprocessors.changed_case import changed
 from tests.simulated_machine import PoseExecution
@@ -242,3 +243,45 @@ def test_a_thinned_line_keeps_its_extremes():
     assert len(kept_x) == len(kept_y) <= 2000
     assert (kept_y.max(), kept_y.min()) == (40.0, -40.0)
     assert np.all(np.diff(kept_x) >= 0.0)
+
+
+def test_a_page_stays_below_three_megabytes(result_page: Path):
+    assert result_page.stat().st_size < 3e6
+
+
+def test_the_text_stands_before_the_figures_do(browser: Browser, result_page: Path):
+    """What is read first does not wait for the script that draws."""
+    tab = browser.new_page()
+    try:
+        tab.goto(result_page.resolve().as_uri(), wait_until="domcontentloaded")
+        assert tab.evaluate("typeof Plotly") == "undefined"
+        assert "mass (m)" in tab.locator("table").first.inner_text()
+        tab.wait_for_function(DRAWN, timeout=PATIENCE)
+        assert tab.evaluate("typeof Plotly") == "object"
+    finally:
+        tab.close()
+
+
+def test_figures_tables_and_words_speak_to_a_screen_reader(browser: Browser, result_page: Path):
+    with opened(browser, result_page) as tab:
+        for figure in tab.page.locator("figure .plot").all():
+            assert len(figure.get_attribute("aria-label") or "") > 10
+        for caption in tab.page.locator("figure:has(.plot:not(#machine)) figcaption").all_inner_texts():
+            assert caption.strip()
+        assert tab.page.locator("th:not([scope])").count() == 0
+        terms = tab.page.locator("abbr").all()
+        assert terms
+        assert all(len(term.get_attribute("title") or "") > 10 for term in terms)
+
+
+def test_paper_is_white_though_the_screen_is_dark(browser: Browser, result_page: Path):
+    with opened(browser, result_page, scheme="dark") as tab:
+        tab.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+        assert tab.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+        tab.page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+        assert tab.page.evaluate("getComputedStyle(document.body).backgroundColor") != "rgb(255, 255, 255)"
+
+
+def test_words_of_the_field_are_explained_and_html_is_not_let_in():
+    assert explained("s0 of <b>") == Markup(f'<abbr title="{TERMS["s0"]}" tabindex="0">s0</abbr> of &lt;b&gt;')
+    assert explained("ms0") == Markup("ms0")

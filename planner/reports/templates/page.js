@@ -92,10 +92,11 @@ function machine(div, scene) {
   if (scene.boxes.length) still.push(trace(columns(apart(scene.boxes)), "kept out", { line: { width: 3, color: "#888888" } }));
   const data = [...still, ...moving(0).map((xyz, k) => trace(xyz, ...named[k]))];
   const axis = (title, range) => ({ title: { text: title }, range, autorange: false });
+  const far = narrow.matches ? 1.55 : 1.0; // labels need room beside the machine
   const layout = {
-    height: 520, uirevision: "keep", margin: { l: 0, r: 0, t: 30, b: 0 },
+    height: 560, uirevision: "keep", margin: { l: 0, r: 0, t: 30, b: 0 },
     scene: {
-      aspectmode: "data", camera: { eye: { x: 1.2, y: -1.4, z: 0.65 }, center: { x: 0, y: 0, z: -0.1 } },
+      aspectmode: "data", camera: { eye: { x: 1.35 * far, y: -1.6 * far, z: 0.7 * far }, center: { x: 0, y: 0, z: -0.2 } },
       xaxis: axis("x [mm]", scene.range[0]), yaxis: axis("y [mm]", scene.range[1]), zaxis: axis("z [mm]", scene.range[2]),
     },
   };

@@ -1,0 +1,55 @@
+"""The reference is complete: every key of a case file is explained, every command and option has a line."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from cases.parts import Part
+from cases.scaffold import explanations
+
+spec = importlib.util.spec_from_file_location("generate", Path(__file__).parents[2] / "docs" / "generate.py")
+assert spec is not None
+assert spec.loader is not None
+generate = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(generate)
+
+
+def _tables(part: type[Part]) -> list[type[Part]]:
+    return [inner for direct in part.__subclasses__() for inner in (direct, *_tables(direct))]
+
+
+@pytest.mark.parametrize("table", _tables(Part), ids=lambda table: table.__name__)
+def test_every_key_of_a_case_is_explained(table: type[Part]) -> None:
+    if table.__module__.startswith("cases."):
+        assert set(explanations(table)) >= set(table.model_fields)
+
+
+def test_the_page_of_the_case_has_every_table_with_units() -> None:
+    page = generate.case_page()
+    for heading in (
+        "[machine]",
+        "[limits.motion]",
+        "[recording.clock]",
+        "[controller.sinumerik]",
+        "[sensor_frame]",
+    ):
+        assert f"`{heading}`" in page
+    assert "| `strut_velocity_m_s` | m/s | number above 0 | required |" in page
+
+
+def test_every_command_and_option_has_a_line() -> None:
+    page = generate.commands_page()
+    for heading in ("plan", "look", "identify", "case new", "demo"):
+        assert f"## hexcite {heading}\n" in page
+    for row in page.splitlines():
+        cells = [cell.strip() for cell in row.split("|")]
+        if row.startswith("| `") and len(cells) == 5:
+            assert cells[2], row
+
+
+def test_every_public_name_of_python_has_a_place() -> None:
+    import hexcite
+
+    page = generate.python_page()
+    assert all(f"## hx.{name}\n" in page for name in dir(hexcite))
