@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
+from cases.machine import KeepOut, Tool
 from cases.parts import Array, Part, Positive, Range, Vector, frozen
 from cases.parts import Number as Real
 from cases.sensors import RigidBody
@@ -65,11 +66,13 @@ class Joint(Frame):
     home_mm: Real | None = None
     """The same of a joint that slides."""
     torque_Nm: Positive | None = None
-    """What the joint's drive can do."""
+    """What the joint's drive can do; plans use 80 % of it at most, where every joint states its link."""
     force_N: Positive | None = None
     """What the drive of a joint that slides can do."""
     link: RigidBody | None = None
     """The link behind the joint, in the joint's moved frame; centre of gravity, and inertia about it."""
+    bodies: tuple[Tool, ...] = ()
+    """Round bodies that cover the link, in the same frame; they stay out of boxes, and of links farther on."""
 
     @field_validator("name")
     @classmethod
@@ -144,6 +147,12 @@ class Chain(Part):
     """From the base to the sensor."""
     sensor: Frame = Frame()
     """The sensor frame {P} in the last joint's moved frame."""
+    base: tuple[Tool, ...] = ()
+    """Round bodies that stand, in {B}: a pedestal."""
+    tool: tuple[Tool, ...] = ()
+    """Round bodies behind the sensor, in {P}: tool and workpiece."""
+    keep_out: tuple[KeepOut, ...] = ()
+    """Boxes in {B} that neither links nor tool may enter: floor, table, neighbour."""
 
     @field_validator("joints")
     @classmethod
@@ -177,6 +186,12 @@ class Chain(Part):
     def units(self) -> Array:
         """SI value of degrees or millimetres for each coordinate, shape (n,)."""
         return frozen([joint.unit for joint in self.joints])
+
+    @property
+    def limits_effort(self) -> bool:
+        """Whether torques of drives are limited: they can be where every link's inertia is stated."""
+        efforts = any(math.isfinite(joint.effort) for joint in self.joints)
+        return efforts and all(joint.link is not None for joint in self.joints)
 
 
 class SerialMachine(Part):

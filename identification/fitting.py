@@ -109,7 +109,9 @@ def fit_samples(
     if how.biases is not None:
         fit = with_uncertain_offsets(fit, model, basis, columns, w_of(whitening, fit), how.biases)
     if isinstance(samples, WristRun):
-        fit = _with_uncertain_motion(samples, fit, columns, basis, w_of(whitening, fit), how.biases, delay, held)
+        known = samples.known_columns(delay, columns[:, :, : len(model.names)], fit.values[: len(model.names)])
+        uncertain = gain(columns @ basis, w_of(whitening, fit), known)
+        fit = widened(fit, basis @ uncertain, _of_known_motion(how.biases, held))
     if late:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         held = Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
@@ -203,24 +205,13 @@ def _converged(
     return _Converged(delay, columns, values, whitening)
 
 
-def _with_uncertain_motion(
-    run: WristRun,
-    fit: Fit,
-    augmented: Array,
-    basis: Array,
-    w: Array,
-    biases: Biases | None,
-    delay: float,
-    held: Delay | None,
-) -> Fit:
-    """The fit with the uncertainty of a held delay and of biases that were taken from the accelerometer."""
-    count = len(run.model.names)
-    columns = run.known_columns(delay, augmented[:, :, :count], fit.values[:count])
+def _of_known_motion(biases: Biases | None, held: Delay | None) -> Array:
+    """Covariance of what is not estimated: a delay, and biases that were taken from the accelerometer, shape (4, 4)."""
     covariance = np.zeros((4, 4))
     covariance[0, 0] = 0.0 if held is None else held.std**2
     if biases is not None:
         covariance[1:, 1:] = biases.require_accelerometer().covariance
-    return widened(fit, basis @ gain(augmented @ basis, w, columns), covariance)
+    return covariance
 
 
 def require_sense(model: Model, fit: Fit) -> None:

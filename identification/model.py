@@ -137,7 +137,7 @@ class Model:
 
     def at_state(self, state: State) -> ca.SX:
         """A of (21) from what it depends on, shape (6, u)."""
-        cartesian = ca.horzcat(*(b.columns(state) for b in self.blocks if b.cartesian))
+        cartesian = ca.horzcat(ca.SX(6, 0), *(b.columns(state) for b in self.blocks if b.cartesian))
         if state.rods is None:
             at_sensors = ca.DM(np.linalg.inv(self.structure)) @ cartesian  # J^T
         else:
@@ -145,7 +145,7 @@ class Model:
         widths = np.cumsum([0, *(len(b.parameters) for b in self.blocks if b.cartesian)])
         through = iter(ca.horzsplit(at_sensors, [int(w) for w in widths]))
         columns = [next(through) if b.cartesian else b.columns(state) for b in self.blocks]
-        matrix = ca.horzcat(*columns)
+        matrix = ca.horzcat(ca.SX(6, 0), *columns)
         return ca.densify(matrix if self.whitening is None else ca.DM(self.whitening) @ matrix)
 
     @cached_property

@@ -12,6 +12,7 @@ from postprocessors.export.calibration import Calibration, calibration_of, check
 from postprocessors.export.document import json_document
 from postprocessors.export.isg import isg_load
 from postprocessors.export.structured_text import structured_text
+from postprocessors.export.urscript import urscript_payload
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,7 @@ SINGLE_FILES = {
     "linuxcnc": SingleFile(".comp", linuxcnc_component, named=True),
     "st": SingleFile(".st", structured_text, named=True),
     "json": SingleFile(".json", lambda calibration, _: json_document(calibration), named=False),
+    "urscript": SingleFile(".script", lambda calibration, _: urscript_payload(calibration), named=False),
     "isg-load": SingleFile(".nc", lambda calibration, _: isg_load(calibration), named=False),
 }
 

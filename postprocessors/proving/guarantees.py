@@ -104,5 +104,8 @@ def family(name: str) -> str:
 IN_STRUTS = frozenset({"strut velocity", "strut acceleration"})
 """Families that a controller can keep in a move straight in the struts: it plans the axes, not the platform."""
 
-KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment")
+KINETIC = (
+    "velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment",
+    "joint torque", "joint force",
+)  # fmt: skip
 """Families of limits that depend on a controller's time law; those of geometry do not."""
