@@ -90,8 +90,8 @@ class NoiseSources:
         found = []
         if self.accelerations is not None and self.bias is None:
             found.append(
-                "the stated noise of struts or accelerations would make up half or more of what the run tells of a "
-                "parameter, whose attenuation is not told: check sensors.encoder_resolution_um, strut_noise_um and "
+                "the stated noise of struts or accelerations would make up half or more of the information about a "
+                "parameter, whose attenuation is not reported: check sensors.encoder_resolution_um, strut_noise_um and "
                 "acceleration_noise_m_s2"
             )
         if self.explained > EXCESS:
