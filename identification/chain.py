@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from cases.chain import Chain
 from cases.schema import Case
 from cases.sensors import RigidBody
+from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
 from identification.machine import Frame, Share
@@ -78,13 +79,16 @@ class SerialChain:
         return Frame(*self._motion(q, rates, accelerations))
 
     def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
-        """Torques of the joints with each number of weights, as shares of 80 % of what the drives can do."""
+        """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""
+        *links, sensor = self._links(q, rates, accelerations)
+        placed = [Placed(k, frame.p, frame.turn) for k, frame in enumerate(links, 1)]
+        distances = clearance_shares(self.chain, placed, Placed(self.count, sensor.p, sensor.turn))
         if not self.chain.limits_effort:
-            return []
+            return distances
         limited = [k for k, joint in enumerate(self.chain.joints) if math.isfinite(joint.effort)]
         most = SHARE * np.array([self.chain.joints[k].effort for k in limited])
         found = [self.torques(q, rates, accelerations, case.gravity, load) for load in case.bodies or (None,)]
-        return [Share(TORQUE, 2, torques[limited] / ca.DM(most)) for torques in found]
+        return [*distances, *(Share(TORQUE, 2, torques[limited] / ca.DM(most)) for torques in found)]
 
     def positions(self, coordinates: Array) -> Array:
         """Of the sensor, shape (k, 3) [m]."""

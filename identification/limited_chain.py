@@ -14,6 +14,7 @@ from cases.chain import Chain, Joint
 from cases.chain import Frame as Place
 from cases.sensors import RigidBody
 from identification.limited import Quantity, axis_rotation
+from identification.limited_bodies import clearances
 from identification.motion import Motion
 from identification.overload import SHARE
 
@@ -76,6 +77,12 @@ def joint_efforts(motion: Motion, chain: Chain, gravity: Array, bodies: Sequence
         if columns:
             limit = np.array(most)
             yield Quantity.between(name, unit, tuple(labels), np.column_stack(columns), -limit, limit, 1.0)
+
+
+def body_clearances(motion: Motion, chain: Chain) -> Iterable[Quantity]:
+    """Distances of the chain's bodies from boxes and from each other; see `clearances`."""
+    if chain.tool or any(joint.bodies for joint in chain.joints):
+        yield from clearances(chain, [frame[0] for frame in _frames(motion, chain)])
 
 
 def _mechanics(frame: _Frames, body: RigidBody, pull: Array) -> Array:
