@@ -105,9 +105,9 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in.
 
     Args:
-        name: of the new case.
+        name: name of the new case.
         like: name of a built-in case.
-        folder: to make; it must not hold a case yet.
+        folder: folder to make; it must not hold a case yet.
 
     Returns:
         The case file.
@@ -148,10 +148,10 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
     Args:
-        name: of the new case.
+        name: name of the new case.
         urdf: file that describes the robot.
         flange: link that carries the sensor.
-        folder: to make; it must not hold a case yet.
+        folder: folder to make; it must not hold a case yet.
 
     Returns:
         The case file.
@@ -263,8 +263,12 @@ def _place(name: str, folder: Path) -> Path:
 
 def explanations(part: type[Part]) -> Mapping[str, str]:
     """What each key of a table means: the string that stands below its field in the class."""
+    inherited: dict[str, str] = {}
+    for base in part.__bases__:
+        if issubclass(base, Part):
+            inherited |= explanations(base)
     (body,) = (node.body for node in ast.parse(inspect.getsource(part)).body if isinstance(node, ast.ClassDef))
-    return {
+    return inherited | {
         field.target.id: " ".join(str(text.value.value).split())
         for field, text in pairwise(body)
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)

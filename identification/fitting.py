@@ -34,10 +34,10 @@ class Fitted(NamedTuple):
     """Samples with their fit.
 
     Args:
-        samples: that were evaluated.
-        fit: to their forces.
-        delay: of the forces; None where nothing moves.
-        residuals: of the forces as recorded, shape (m, 6).
+        samples: samples that were evaluated.
+        fit: fit to their forces.
+        delay: delay of the forces; None where nothing moves.
+        residuals: residuals of the forces as recorded, shape (m, 6).
         whitening: W is its square, where it is given.
         columns: A and the nuisances, shape (n, 6, u + nuisances).
     """
@@ -73,10 +73,10 @@ def fit_samples(
     A long run is fitted from where a part of it ends.
 
     Args:
-        samples: to be evaluated.
+        samples: samples to be evaluated.
         how: estimator.
         problem: the samples' model, and which channels have the same noise.
-        delay: to start from [s].
+        delay: delay to start from [s].
         held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
     """
     model, forces = samples.model, samples.forces
@@ -109,7 +109,9 @@ def fit_samples(
     if how.biases is not None:
         fit = with_uncertain_offsets(fit, model, basis, columns, w_of(whitening, fit), how.biases)
     if isinstance(samples, WristRun):
-        fit = _with_uncertain_motion(samples, fit, columns, basis, w_of(whitening, fit), how.biases, delay, held)
+        known = samples.known_columns(delay, columns[:, :, : len(model.names)], fit.values[: len(model.names)])
+        uncertain = gain(columns @ basis, w_of(whitening, fit), known)
+        fit = widened(fit, basis @ uncertain, _of_known_motion(how.biases, held))
     if late:
         value = delay + (float(fit.values[-1]) if abs(fit.values[-1]) < CLOSE else 0.0)
         held = Delay(value, float(np.sqrt(max(fit.covariance[-1, -1], fit.covariance_robust[-1, -1]))))
@@ -120,7 +122,7 @@ class _Converged(NamedTuple):
     """Where Gauss-Newton over the delay ended.
 
     Args:
-        delay: of the linearisation [s].
+        delay: delay of the linearisation [s].
         columns: A and the nuisances there, shape (n, 6, u + nuisances).
         values: u, shape (u,).
         whitening: root of W, where the case states noise.
@@ -144,11 +146,11 @@ def _converged(
     """Gauss-Newton over the delay.
 
     Args:
-        run: to be evaluated.
-        forces: of that, shape (n, 6).
+        run: run to be evaluated.
+        forces: forces of that, shape (n, 6).
         how: what is known beforehand.
-        problem: with the nuisances and the filter of the run.
-        delay: to start from [s].
+        problem: problem with the nuisances and the filter of the run.
+        delay: delay to start from [s].
         held: a delay that is not estimated.
         near: u that a part of the run told, shape (u,), with its delay: one step is then enough.
 
@@ -203,24 +205,13 @@ def _converged(
     return _Converged(delay, columns, values, whitening)
 
 
-def _with_uncertain_motion(
-    run: WristRun,
-    fit: Fit,
-    augmented: Array,
-    basis: Array,
-    w: Array,
-    biases: Biases | None,
-    delay: float,
-    held: Delay | None,
-) -> Fit:
-    """The fit with the uncertainty of a held delay and of biases that were taken from the accelerometer."""
-    count = len(run.model.names)
-    columns = run.known_columns(delay, augmented[:, :, :count], fit.values[:count])
+def _of_known_motion(biases: Biases | None, held: Delay | None) -> Array:
+    """Covariance of what is not estimated: a delay, and biases that were taken from the accelerometer, shape (4, 4)."""
     covariance = np.zeros((4, 4))
     covariance[0, 0] = 0.0 if held is None else held.std**2
     if biases is not None:
         covariance[1:, 1:] = biases.require_accelerometer().covariance
-    return widened(fit, basis @ gain(augmented @ basis, w, columns), covariance)
+    return covariance
 
 
 def require_sense(model: Model, fit: Fit) -> None:

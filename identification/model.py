@@ -70,7 +70,7 @@ class Model:
         structure: J^-T of the sensor frame, shape (6, 6).
         gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
         whitening: root of W that multiplies all rows of A, shape (6, 6); None for W = 1.
-        machine: in whose coordinates motions are planned; None where nothing is.
+        machine: machine in whose coordinates motions are planned; None where nothing is.
         struts: where the sensors sit in the struts: then J^-T depends on the pose, and `structure` is that at home.
     """
 
@@ -137,7 +137,7 @@ class Model:
 
     def at_state(self, state: State) -> ca.SX:
         """A of (21) from what it depends on, shape (6, u)."""
-        cartesian = ca.horzcat(*(b.columns(state) for b in self.blocks if b.cartesian))
+        cartesian = ca.horzcat(ca.SX(6, 0), *(b.columns(state) for b in self.blocks if b.cartesian))
         if state.rods is None:
             at_sensors = ca.DM(np.linalg.inv(self.structure)) @ cartesian  # J^T
         else:
@@ -145,7 +145,7 @@ class Model:
         widths = np.cumsum([0, *(len(b.parameters) for b in self.blocks if b.cartesian)])
         through = iter(ca.horzsplit(at_sensors, [int(w) for w in widths]))
         columns = [next(through) if b.cartesian else b.columns(state) for b in self.blocks]
-        matrix = ca.horzcat(*columns)
+        matrix = ca.horzcat(ca.SX(6, 0), *columns)
         return ca.densify(matrix if self.whitening is None else ca.DM(self.whitening) @ matrix)
 
     @cached_property
@@ -241,7 +241,7 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
 
     Args:
         case: gives sensor frame and gravity.
-        number: in Table 2; in setup 1a, where nothing moves, model 0 is the offsets alone.
+        number: number in Table 2; in setup 1a, where nothing moves, model 0 is the offsets alone.
         terms: names of other forms of the error compensation than the model's, `ERROR_TERMS`.
 
     Raises:

@@ -21,8 +21,8 @@ class Request:
     """What to plan.
 
     Args:
-        family: of motions, with its settings.
-        duration: of the excitation [s].
+        family: family of motions, with its settings.
+        duration: duration of the excitation [s].
         criterion: letter of Table 4.
         model: number in Table 2.
         payload: number of the case's payloads that are mounted, at most.
@@ -88,7 +88,7 @@ class Request:
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json` that say what was asked for, beside criterion and model."""
         asked = {"duration_s": self.duration, "starts": self.starts, "seconds": self.seconds}
-        own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}  # type: ignore[call-overload]
+        own = {name: str(v) if isinstance(v, Path) else v for name, v in asdict(self.family).items()}
         return {"targets": list(self.targets), "seed": self.seed, "asked": asked | {"family": own}}
 
     @classmethod

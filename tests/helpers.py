@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
+import pytest
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
@@ -99,3 +100,9 @@ def jerked(jerk: Array, step: float) -> PolynomialMotion:
             derivative = np.polynomial.polynomial.polyder(built[-1].coefficients, order)
             taylor[order] = np.polynomial.polynomial.polyval(step, derivative) / (1, 1, 2)[order]
     return PolynomialMotion(tuple(built))
+
+
+def few(*values: object, kept: int = 1) -> list[object]:
+    """Values of a parametrisation of which `make test` takes the first ones and `make bench` the others."""
+    others = (v if isinstance(v, tuple) else (v,) for v in values[kept:])
+    return [*values[:kept], *(pytest.param(*v, marks=pytest.mark.slow) for v in others)]

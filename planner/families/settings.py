@@ -1,9 +1,9 @@
 """Families of motions as a user asks for them: values with their own defaults, limits and messages."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import Field, dataclass, replace
 from pathlib import Path
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -31,6 +31,7 @@ class FamilySettings:
     """What requests and searches ask of a family; what stands here is true of most."""
 
     __slots__ = ()
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
     name: ClassVar[str]
     """In files, and on the command line."""
     optimised: ClassVar[bool] = True
@@ -242,8 +243,8 @@ class PointToPoint(FamilySettings):
         """Number of moves; where it is not stated, of any duration one that can be had.
 
         Args:
-            case: with the limits that count, see `controlled`.
-            duration: of all moves [s].
+            case: case with the limits that count, see `controlled`.
+            duration: duration of all moves [s].
         """
         if self.moves is not None:
             return self.moves

@@ -20,7 +20,7 @@ class SingleFile:
     """A target that is one file.
 
     Args:
-        suffix: of the file, where none is given.
+        suffix: suffix of the file, where none is given.
         text: what it holds, from the calibration and the name of the model.
         named: whether the file's name becomes the name of the model.
     """
@@ -55,7 +55,7 @@ def export(
         result: identified parameters.
         target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
-        force: in spite of warnings, which are written into the file.
+        force: whether to export in spite of warnings, which are written into the file.
         overwrite: replace what an earlier export wrote.
 
     Returns:

@@ -12,7 +12,7 @@ from identification.identify import identify
 from identification.model import identification_model
 from identification.parameters import linear_parameters, physical_form
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, ideal, simulated
+from tests.helpers import Harmonic, few, ideal, simulated
 from tests.simulated_machine import PoseExecution
 
 # White noise, no steps of the encoder: the conditions under which (28) must hold.
@@ -38,7 +38,7 @@ def test_of_30_runs_about_95_percent_of_the_intervals_hold_the_truth() -> None:
     assert 0.90 <= coverage(30) <= 0.99
 
 
-@pytest.mark.parametrize("colour", [0.0, 20.0])
+@pytest.mark.parametrize("colour", few(20.0, 0.0))
 def test_the_delay_is_as_sure_as_it_says_also_under_noise_with_memory(colour: float) -> None:
     """White, and behind a 20 Hz filter of first order, which makes the white formula four times too sure."""
     execution, window = PoseExecution(Hexapod.of(CASE), MOTION), np.array([[0.1, 1.9]])

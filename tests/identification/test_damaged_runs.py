@@ -11,7 +11,7 @@ from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.recording import read_recording, write_recording
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, answer
+from tests.helpers import Harmonic, answer, few
 from tests.simulated_machine import PoseExecution
 
 HEXAPOD = load_case("hexapod")
@@ -46,6 +46,6 @@ def within_3_std(seeds: range, folder: Path) -> float:
     return good / len(seeds)
 
 
-@pytest.mark.parametrize("seeds", [range(10), pytest.param(range(10, 200), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seeds", few(range(4), range(4, 200)))
 def test_mild_damage_leaves_most_runs_usable(seeds: range, tmp_path: Path) -> None:
     assert within_3_std(seeds, tmp_path) >= 0.9

@@ -19,7 +19,7 @@ from identification.identify import identify
 from identification.parameters import linear_parameters
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, one_line, simulated
+from tests.helpers import Harmonic, few, one_line, simulated
 from tests.identification.leaping import moves_without_jerk_limit
 from tests.identification.moving_run import MODEL
 from tests.simulated_machine import PoseExecution
@@ -87,7 +87,7 @@ def test_a_run_in_contact_for_too_long_is_refused(monkeypatch: pytest.MonkeyPatc
     one_line(caught.value)
 
 
-@pytest.mark.parametrize(("seed", "start", "duration"), [(0, 0.5, 1.2), (1, 0.3, 0.9), (2, 1.6, 1.2)])
+@pytest.mark.parametrize(("seed", "start", "duration"), few((0, 0.5, 1.2), (1, 0.3, 0.9), (2, 1.6, 1.2)))
 def test_a_contact_of_up_to_half_the_run_is_located_although_the_fit_follows_it(
     seed: int, start: float, duration: float
 ) -> None:
@@ -110,7 +110,7 @@ def test_noise_with_memory_is_no_contact() -> None:
     assert not any("contact from" in w for w in warnings)
 
 
-@pytest.mark.parametrize(("a", "b"), [(0, 1), (0, 3), (1, 4), (2, 5)])
+@pytest.mark.parametrize(("a", "b"), few((0, 1), (0, 3), (1, 4), (2, 5)))
 def test_exchanged_channels_are_named(a: int, b: int) -> None:
     swapped = with_forces(lambda f: f.__setitem__((slice(None), [a, b]), f[:, [b, a]]), run(3))
     with pytest.raises(IdentificationError, match=f"force channels {a + 1} and {b + 1} are exchanged") as caught:
@@ -118,7 +118,7 @@ def test_exchanged_channels_are_named(a: int, b: int) -> None:
     assert "run.csv" in one_line(caught.value)
 
 
-@pytest.mark.parametrize("channel", [0, 5])
+@pytest.mark.parametrize("channel", few(5, 0))
 def test_a_turned_sign_is_named(channel: int) -> None:
     turned = with_forces(lambda f: f.__setitem__((slice(None), channel), -f[:, channel]), run(3))
     with pytest.raises(IdentificationError, match=f"sign of force channel {channel + 1} is turned"):

@@ -18,7 +18,7 @@ from identification.noise import pose_noise
 from identification.parameters import linear_parameters, physical_form
 from identification.recording import Recording
 from identification.simulate import simulate_recording
-from tests.helpers import HOME, Harmonic, ideal, simulated
+from tests.helpers import HOME, Harmonic, few, ideal, simulated
 from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
@@ -53,7 +53,7 @@ def test_the_default_machine_gives_its_parameters_back_within_their_errors(seed:
     assert estimate.warnings == ()
 
 
-@pytest.mark.parametrize("delay_ms", [0.0, 2.0, 8.0, 15.0])
+@pytest.mark.parametrize("delay_ms", few(2.0, 0.0, 8.0, 15.0))
 @pytest.mark.parametrize("cycles", [0.0, 0.5, 1.0])
 def test_delay_and_sampling_offset_are_found_together(delay_ms: float, cycles: float) -> None:
     case = simulated(CASE, force_delay_ms=delay_ms, force_sampling_offset_cycles=cycles)
@@ -63,13 +63,13 @@ def test_delay_and_sampling_offset_are_found_together(delay_ms: float, cycles: f
     assert abs(estimate.physical["m"].value - 31.83) < 4.5 * estimate.physical["m"].std
 
 
-@pytest.mark.parametrize("delay_ms", [2.5, 8.5, 15.5])
+@pytest.mark.parametrize("delay_ms", few(8.5, 2.5, 15.5))
 def test_without_noise_the_delay_is_found_to_ten_microseconds(delay_ms: float) -> None:
     case = simulated(ideal(CASE), force_delay_ms=delay_ms)
     assert identify(run(case), case).delay.value == pytest.approx(delay_ms * 1e-3, abs=1e-5)
 
 
-@pytest.mark.parametrize("cutoff", [15.0, 100.0, 190.0])
+@pytest.mark.parametrize("cutoff", few(100.0, 15.0, 190.0))
 def test_the_cutoff_of_the_filter_is_no_matter_of_truth(cutoff: float) -> None:
     """A fast filter is short; its kernel must still reach as far as the delay."""
     recording = CASE.recording.model_copy(update={"filter_cutoff_Hz": cutoff})
@@ -138,7 +138,7 @@ def test_by_default_the_model_is_what_the_recording_can_carry() -> None:
     assert identify(standing, CASE).model == 5
 
 
-@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("threads", few(2, 1))
 def test_blas_has_one_thread_meanwhile_and_the_callers_setting_again_afterwards(
     monkeypatch: pytest.MonkeyPatch, threads: int
 ) -> None:

@@ -95,6 +95,7 @@ def interrupted(times: int, folder: Path) -> subprocess.Popen:
     return process
 
 
+@pytest.mark.slow
 def test_workers_of_a_plan_that_is_killed_end_with_it(cache: Path, tmp_path: Path):
     process = searching(tmp_path)
     process.kill()
@@ -122,6 +123,7 @@ def test_ctrl_c_ends_the_search_and_keeps_the_best_plan_so_far(cache: Path, tmp_
     assert 0 < len(plan["starts"]) < 400
 
 
+@pytest.mark.slow
 def test_a_second_ctrl_c_gives_up_in_one_line_and_leaves_nothing(cache: Path, tmp_path: Path):
     process = interrupted(2, tmp_path)
     _, err = process.communicate(timeout=300)

@@ -18,7 +18,7 @@ from identification.motion import StandingPoses
 from planner.motion_box import largest_box
 from planner.reach import UNITS, StaticLimits, reach
 from tests.cases.editing import written
-from tests.helpers import one_line
+from tests.helpers import few, one_line
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -152,7 +152,7 @@ def test_nothing_beyond_a_gap_counts_as_reach(hexapod_case: Case) -> None:
     assert found.limited_by[0] == (None, "distance from wall (origin)")
 
 
-@pytest.mark.parametrize("name", ["small", "with_vice"])
+@pytest.mark.parametrize("name", few("small", "with_vice"))
 def test_all_poses_of_the_proposal_keep_the_limits(name: str, request: pytest.FixtureRequest) -> None:
     case = request.getfixturevalue(name)
     proposal = largest_box(case)

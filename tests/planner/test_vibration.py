@@ -20,6 +20,7 @@ from planner.vibration import both_laws, vibration, with_other_law
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.writing import proven_program
+from tests.helpers import few
 from tests.postprocessors.changed_case import changed
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")
@@ -70,7 +71,7 @@ def test_softer_is_worse_and_equal_time_is_what_white_noise_counts(hexapod_case:
 
 
 @pytest.mark.parametrize("pose_error", [0.0, 1.45])
-@pytest.mark.parametrize("limited", [True, False])
+@pytest.mark.parametrize("limited", few(True, False))
 def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: float, hexapod_case: Case):
     """Identified from a recording of the run, the mode's part of the error of the mass is the one that is predicted.
 

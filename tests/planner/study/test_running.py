@@ -230,6 +230,7 @@ def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(he
     assert run["inside_95"] <= run["parameters"] == 20
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done_and_leaves_no_workers(tmp_path: Path) -> None:
     spec, folder = tmp_path / "small.toml", tmp_path / "study"
     spec.write_text(SMALL.replace("[0, 1]", str(list(range(1000)))))
