@@ -82,7 +82,8 @@ class SerialChain:
         """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""
         *links, sensor = self._links(q, rates, accelerations)
         placed = [Placed(k, frame.p, frame.turn) for k, frame in enumerate(links, 1)]
-        distances = clearance_shares(self.chain, placed, Placed(self.count, sensor.p, sensor.turn))
+        middle = self.home + case.need_chain("planning")[1].pose.mean(axis=0)
+        distances = clearance_shares(self.chain, q, middle, placed, Placed(self.count, sensor.p, sensor.turn))
         if not self.chain.limits_effort:
             return distances
         limited = [k for k, joint in enumerate(self.chain.joints) if math.isfinite(joint.effort)]
