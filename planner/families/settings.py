@@ -367,7 +367,8 @@ class Manual(FamilySettings):
         """The file and the limits make the duration."""
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """The file can be read."""
+        """The machine is one that such files are for, and the file can be read."""
+        case.need_machine("a hand-made sequence")
         file = self.file(case)
         if file.suffix.lower() == ".csv":
             load_poses(file)

@@ -1,5 +1,6 @@
 """Chains of five, six and seven joints, one on a rail: planned, written, run and identified as hexapods are."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ from planner.runs.running import execute
 from planner.runs.written import write
 from planner.search.parallel import SILENT, run_here
 from tests.chains import chain_case
+from tests.planner.command_line import refused
 
 PLANS: dict[int, FamilySettings] = {5: Fourier(order=3), 6: PointToPoint(moves=8), 7: Spline(knots=40)}
 
@@ -195,3 +197,17 @@ def test_the_demo_of_the_robot_is_right_within_its_deviations(tmp_path: Path):
     done = demo(load_case("ur10_wrist"), tmp_path / "demo", "virtual")
     assert done.worst < 4.0
     assert (tmp_path / "demo" / "excitation.csv").is_file()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "poses ur10_wrist",
+        "plan ur10_wrist --family manual",
+        "validate ur10_wrist --undisturbed",
+        "case show ur10_wrist",
+    ],
+)
+def test_what_a_chain_cannot_do_yet_is_refused_in_one_line_that_names_it(command: str):
+    line = refused(*command.split())
+    assert re.search(r"machine\.chain: .* for hexapods only", line)
