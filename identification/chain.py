@@ -20,7 +20,7 @@ from cases.sensors import RigidBody
 from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
-from identification.machine import Frame, Share
+from identification.machine import FrameMotion, Share
 from identification.overload import SHARE
 from identification.pose import rpy, skew
 
@@ -74,9 +74,9 @@ class SerialChain:
         """Which joints turn, shape (n,)."""
         return np.array([joint.turns for joint in self.chain.joints])
 
-    def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
+    def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of {P} in {B}."""
-        return Frame(*self._motion(q, rates, accelerations))
+        return FrameMotion(*self._motion(q, rates, accelerations))
 
     def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""
