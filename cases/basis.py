@@ -23,7 +23,7 @@ def plan_basis(case: Case, payload: int = 0, poses: bool = False) -> dict[str, A
     """Values behind a plan by dotted key: machine, limits, sensors, gravity, the body and the payloads that were used.
 
     Args:
-        case: that the plan is for.
+        case: case that the plan is for.
         payload: number of payloads mounted on the body; a range of the sensors counts all of them.
         poses: whether it is a plan of poses, which depends on `[poses]` too.
     """
@@ -93,7 +93,7 @@ class Artefact(NamedTuple):
     """What an artefact says of its case.
 
     Args:
-        file: that says it.
+        file: file that says it.
         about: its entries.
         again: what to do where the case has changed.
     """
@@ -127,7 +127,7 @@ class Artefact(NamedTuple):
 
         Args:
             now: values of the case today, by dotted key.
-            case_hash: of the case today, for artefacts of earlier versions, which know no more.
+            case_hash: case hash of the case today, for artefacts of earlier versions, which know no more.
         """
         then = self.about.get(KEPT)
         if not isinstance(then, Mapping):

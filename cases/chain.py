@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
+from cases.machine import KeepOut, Tool
 from cases.parts import Array, Part, Positive, Range, Vector, frozen
 from cases.parts import Number as Real
 from cases.sensors import RigidBody
@@ -28,7 +29,9 @@ class ChainFrame(Part):
     """Where a frame lies in the one before it: R = Rz(yaw) Ry(pitch) Rx(roll), as in a URDF."""
 
     origin_mm: Vector = (0.0, 0.0, 0.0)
+    """Its origin in the frame before it."""
     rpy_deg: Vector = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of its axes, about fixed axes, in this order."""
 
     @cached_property
     def origin(self) -> Array:
@@ -49,20 +52,27 @@ class Joint(ChainFrame):
     """
 
     name: str
+    """Name of the joint; messages use it."""
     kind: Literal["revolute", "continuous", "prismatic"]
+    """Turns between ends (revolute), turns without ends (continuous), or slides (prismatic)."""
     axis: Vector
     """In the joint's own frame; of any length."""
     position_deg: Range | None = None
     """Lower and upper end of the joint."""
     position_mm: Range | None = None
+    """The same of a joint that slides."""
     home_deg: Real | None = None
     """Where programs begin and end; limits of motion are relative to it."""
     home_mm: Real | None = None
+    """The same of a joint that slides."""
     torque_Nm: Positive | None = None
-    """What the joint's drive can do."""
+    """What the joint's drive can do; plans use 80 % of it at most, where every joint states its link."""
     force_N: Positive | None = None
+    """What the drive of a joint that slides can do."""
     link: RigidBody | None = None
     """The link behind the joint, in the joint's moved frame; centre of gravity, and inertia about it."""
+    bodies: tuple[Tool, ...] = ()
+    """Round bodies that cover the link, in the same frame; they stay out of boxes, and of links farther on."""
 
     @field_validator("name")
     @classmethod
@@ -134,8 +144,15 @@ class Chain(Part):
     """Joints from the base to the sensor."""
 
     joints: tuple[Joint, ...]
+    """From the base to the sensor."""
     sensor: ChainFrame = ChainFrame()
     """The sensor frame {P} in the last joint's moved frame."""
+    base: tuple[Tool, ...] = ()
+    """Round bodies that stand, in {B}: a pedestal."""
+    tool: tuple[Tool, ...] = ()
+    """Round bodies behind the sensor, in {P}: tool and workpiece."""
+    keep_out: tuple[KeepOut, ...] = ()
+    """Boxes in {B} that neither links nor tool may enter: floor, table, neighbour."""
 
     @field_validator("joints")
     @classmethod
@@ -170,11 +187,18 @@ class Chain(Part):
         """SI value of degrees or millimetres for each coordinate, shape (n,)."""
         return frozen([joint.unit for joint in self.joints])
 
+    @property
+    def limits_effort(self) -> bool:
+        """Whether torques of drives are limited: they can be where every link's inertia is stated."""
+        efforts = any(math.isfinite(joint.effort) for joint in self.joints)
+        return efforts and all(joint.link is not None for joint in self.joints)
+
 
 class SerialMachine(Part):
     """A machine whose coordinates are the positions of its joints."""
 
     chain: Chain
+    """The joints and links."""
 
     @property
     def home(self) -> Array:
@@ -186,15 +210,23 @@ class JointLimit(Part):
     """What an excitation may use of one joint; degrees and radians where it turns, millimetres and metres else."""
 
     name: str
+    """Name of the joint."""
     position_deg: Range | None = None
     """Relative to home."""
     position_mm: Range | None = None
+    """The same of a joint that slides."""
     velocity_deg_s: Positive | None = None
+    """Largest velocity."""
     velocity_mm_s: Positive | None = None
+    """The same of a joint that slides."""
     acceleration_rad_s2: Positive | None = None
+    """Largest acceleration."""
     acceleration_m_s2: Positive | None = None
+    """The same of a joint that slides."""
     jerk_rad_s3: Positive | None = None
+    """Largest jerk."""
     jerk_m_s3: Positive | None = None
+    """The same of a joint that slides."""
 
     @model_validator(mode="after")
     def _complete(self) -> "JointLimit":
@@ -288,6 +320,7 @@ class JointLimits(Part):
     """The limits of a case with a chain, by kind of excitation."""
 
     motion: JointMotionLimits
+    """Limits of moving excitations."""
 
 
 def joint_problems(chain: Chain, limits: JointMotionLimits) -> Iterator[str]:

@@ -342,8 +342,9 @@ class Controller(Part):
 
 def _needed(settings: Settings | None, case: str, name: str) -> Settings:
     if settings is None:
+        example = "ur10_wrist" if name == "urscript" else "hexapod"
         problem = (
-            f"is missing; the dialect {name} needs it: add the table to the case file, see cases/hexapod/case.toml"
+            f"is missing; the dialect {name} needs it: add the table to the case file, see cases/{example}/case.toml"
         )
         raise CaseError(f"case {case}", f"controller.{name}", problem)
     return settings

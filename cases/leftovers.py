@@ -23,12 +23,30 @@ def leftovers(case: Case) -> tuple[str, ...]:
     """Sentences about values that the user should look at, each with its key."""
     if case.name in built_in_cases() and case == load_case(case.name):
         return ()
-    return (*_of_other_machines(case), *_of_bodies(case), *_of_poses(case), *_of_gravity(case), *_of_units(case))
+    return (
+        *_of_torques(case),
+        *_of_other_machines(case),
+        *_of_bodies(case),
+        *_of_poses(case),
+        *_of_gravity(case),
+        *_of_units(case),
+    )
+
+
+def _of_torques(case: Case) -> Iterator[str]:
+    """Torques that nothing is compared with."""
+    joints = () if case.chain is None else case.chain.joints
+    without = [joint.name for joint in joints if joint.link is None]
+    if without and any(joint.torque_Nm or joint.force_N for joint in joints):
+        yield (
+            f"machine.chain.joints: torque_Nm and force_N limit nothing, for the link of {', '.join(without)} is not "
+            "stated; add its mass, centre of gravity and inertia"
+        )
 
 
 def _of_other_machines(case: Case) -> Iterator[str]:
     """Tables that equal those of a built-in case, each named once, with the case that has most of them."""
-    own = {name: table for name in _TABLES if (table := values(case, [name]))}
+    own = {name: table for name in _TABLES if len(table := values(case, [name])) > 1}  # one value may well be the same
     same = {
         other: [name for name, table in own.items() if table == values(load_case(other), [name])]
         for other in built_in_cases()

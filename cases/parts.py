@@ -63,7 +63,7 @@ def condition_of_lines(points: Array, directions: Array) -> float:
 
     Args:
         points: one on each line, shape (6, 3) [m].
-        directions: of any length but 0, shape (6, 3).
+        directions: directions of any length but 0, shape (6, 3).
     """
     unit = directions / np.linalg.norm(directions, axis=1)[:, None]
     size = max(float(np.linalg.norm(points, axis=1).max()), 1e-9)

@@ -68,6 +68,36 @@ _EXPLAINED: Mapping[str, type[Part]] = {
 """Tables whose keys are explained one by one, in the words of their classes."""
 
 FILL_IN = "TO BE FILLED IN"  # what stands beside a key that no URDF has
+_ARM_RECORDING = (
+    "# Columns are t_s, q1_deg .. (joints, from the base), fx_N .. mz_Nm and trigger. Files of Universal Robots' RTDE",
+    '# client need delimiter = " ", units = { joints = "rad" } and below all keys of this table',
+    "# [recording.columns]",
+    '# t_s = "timestamp"',
+    '# q1_deg = "actual_q_0" # and so on',
+    '# fx_N = "ft_raw_wrench_0" # and so on; the raw one, nothing compensated or zeroed',
+    '# trigger = "actual_digital_output_bits" # where only that output is ever on',
+    "[recording]",
+    "filter_cutoff_Hz = 20.0 # of moving runs; above the frequencies of the motion, below those of the structure",
+    "# rate_Hz = 500.0",
+)
+_ARM_CONTROLLER = (
+    f"# {_ADVICE['controller']}",
+    "[controller]",
+    "block_ms = 20.0 # between the points of a joint trajectory",
+    "settle_s = 0.3 # stood still before and after the excitation",
+    "safe_speed_percent = 10.0 # of the limits of motion: the first move, from wherever the robot stands to home",
+    '# plan_for = "urscript" # or "ros2", "setpoints": whose time law plans are made for',
+    "",
+    "# [controller.urscript] # robots of Universal Robots",
+    '# program_name = "hexcite"',
+    "# trigger_output = 0 # standard digital output that is on while the excitation runs",
+    "",
+    f"# {_ADVICE['nominal']}",
+    f"# [nominal] # {FILL_IN}",
+    "# mass_kg = 0.0",
+    "# centre_of_gravity_mm = [0.0, 0.0, 0.0]",
+    "# inertia_kg_m2 = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0] # I11, I12, I13, I22, I23, I33",
+)
 _WIDTH = 110  # characters of a comment
 
 
@@ -75,9 +105,9 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in.
 
     Args:
-        name: of the new case.
+        name: name of the new case.
         like: name of a built-in case.
-        folder: to make; it must not hold a case yet.
+        folder: folder to make; it must not hold a case yet.
 
     Returns:
         The case file.
@@ -118,10 +148,10 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
     Args:
-        name: of the new case.
+        name: name of the new case.
         urdf: file that describes the robot.
         flange: link that carries the sensor.
-        folder: to make; it must not hold a case yet.
+        folder: folder to make; it must not hold a case yet.
 
     Returns:
         The case file.
@@ -156,12 +186,16 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
         f"[sensor_frame.transducer] # {_ADVICE['sensor_frame']}",
         f'# sense = "load_on_sensor" # {FILL_IN}',
         "",
-        "[sensors] # its data sheet may state more: range_N, force_noise_N and moment_noise_Nm",
-        'weights = "per_unit" # N and N m have no common unit',
+        "[sensors] # of one recorded sample; a standstill of a second shows it",
+        f"# force_noise_N = 0.0 # {FILL_IN}: standard deviation of each force",
+        f"# moment_noise_Nm = 0.0 # {FILL_IN}: of each moment",
+        'weights = "stated" # by this noise: N and N m have no common unit',
+        "# range_N = 0.0 # of its data sheet: plans use 80 % of it at most",
+        "# range_Nm = 0.0",
         "",
-        f"# {_ADVICE['recording']}",
-        "[recording]",
-        "filter_cutoff_Hz = 20.0 # of moving runs; above the frequencies of the motion, below those of the structure",
+        *_ARM_RECORDING,
+        "",
+        *_ARM_CONTROLLER,
     ]
     write_text(file, "\n".join(lines) + "\n")
     return file
@@ -229,8 +263,12 @@ def _place(name: str, folder: Path) -> Path:
 
 def explanations(part: type[Part]) -> Mapping[str, str]:
     """What each key of a table means: the string that stands below its field in the class."""
+    inherited: dict[str, str] = {}
+    for base in part.__bases__:
+        if issubclass(base, Part):
+            inherited |= explanations(base)
     (body,) = (node.body for node in ast.parse(inspect.getsource(part)).body if isinstance(node, ast.ClassDef))
-    return {
+    return inherited | {
         field.target.id: " ".join(str(text.value.value).split())
         for field, text in pairwise(body)
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
@@ -295,6 +333,8 @@ def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
         yield "a hexapod (the machine is a chain)"
     elif case.hexapod is not None and command in _OF_A_CHAIN:
         yield "a chain of joints (the machine is a hexapod)"
+    elif case.chain is not None and command == "post --dialect linuxcnc" and not set(case.chain.names) <= set("XYZABC"):
+        yield "joints that are named as axes, X, Y, Z, A, B, C"
     else:
         yield from _missing(case, tuple(key for key in keys if case.chain is None or key not in _NOT_OF_A_CHAIN))
 

@@ -56,7 +56,7 @@ class UrdfJoint:
     """A joint on the way to the flange, fixed ones before it included.
 
     Args:
-        name: of the joint.
+        name: name of the joint.
         kind: revolute, continuous or prismatic.
         place: its frame in the moved frame of the joint before it.
         axis: unit vector in its frame, shape (3,).
@@ -84,7 +84,7 @@ class UrdfChain:
         robot: name of the robot.
         base: name of the root link, the frame {B}.
         flange: name of the link that carries the sensor.
-        joints: that move, from the root to the flange.
+        joints: joints that move, from the root to the flange.
         mount: the flange in the last joint's moved frame.
     """
 

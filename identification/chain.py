@@ -1,11 +1,14 @@
-"""Kinematics of a serial chain: pose, twist and twist rate of the sensor frame from positions of joints.
+"""Kinematics of a serial chain: pose, twist and twist rate of the sensor frame from positions of joints; joint torques.
 
 One recursion from the base to the sensor, all vectors in {B}: a joint at r from the one before it moves with it, and
 adds its own rate about or along its axis (Siciliano et al., Robotics, 2009, chapter 7; with Coriolis's term where it
 slides).
 """
 
+import math
+from collections.abc import Iterator, Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -13,14 +16,30 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.chain import Chain
 from cases.schema import Case
+from cases.sensors import RigidBody
+from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
 from identification.machine import Frame, Share
+from identification.overload import SHARE
 from identification.pose import rpy, skew
 
 Array = NDArray[np.float64]
 UPRIGHT = 1e-8  # cosine of a pitch below which roll and yaw are told apart by rounding only
+TORQUE = "joint torque"
 ROUNDING = 1e-15  # entries of a rotation below which they are 0, above one minus which they are 1
+
+
+class _Link(NamedTuple):
+    """A moved frame in {B}: origin, R, velocity, acceleration, angular velocity and acceleration, the joint's axis."""
+
+    p: ca.SX
+    turn: ca.SX
+    v: ca.SX
+    a: ca.SX
+    omega: ca.SX
+    alpha: ca.SX
+    axis: ca.SX
 
 
 class SerialChain:
@@ -60,9 +79,16 @@ class SerialChain:
         return Frame(*self._motion(q, rates, accelerations))
 
     def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
-        """A chain has no limits yet beside those of its joints."""
-        del case, q, rates, accelerations
-        return []
+        """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""
+        *links, sensor = self._links(q, rates, accelerations)
+        placed = [Placed(k, frame.p, frame.turn) for k, frame in enumerate(links, 1)]
+        distances = clearance_shares(self.chain, placed, Placed(self.count, sensor.p, sensor.turn))
+        if not self.chain.limits_effort:
+            return distances
+        limited = [k for k, joint in enumerate(self.chain.joints) if math.isfinite(joint.effort)]
+        most = SHARE * np.array([self.chain.joints[k].effort for k in limited])
+        found = [self.torques(q, rates, accelerations, case.gravity, load) for load in case.bodies or (None,)]
+        return [*distances, *(Share(TORQUE, 2, torques[limited] / ca.DM(most)) for torques in found)]
 
     def positions(self, coordinates: Array) -> Array:
         """Of the sensor, shape (k, 3) [m]."""
@@ -76,8 +102,39 @@ class SerialChain:
         """Of joints, which are the coordinates, shape (k, n) [rad or m]."""
         return np.asarray(drives, dtype=float)
 
+    def torques(
+        self, q: ca.SX, rates: ca.SX, accelerations: ca.SX, gravity: Sequence[float] | Array, load: RigidBody | None
+    ) -> ca.SX:
+        """What the drives must do to move links and load, friction apart, shape (n,) [N m or N].
+
+        Args:
+            q: positions of the joints, shape (n,) [rad or m]; `rates` and `accelerations` are their derivatives.
+            rates: shape (n,).
+            accelerations: shape (n,).
+            gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
+            load: body behind the sensor, in {P}.
+        """
+        *links, sensor = self._links(q, rates, accelerations)
+        force, moment = ca.SX(3, 1), ca.SX(3, 1)  # of all behind a joint, the moment about the origin of {B}
+        bodies = [*(joint.link for joint in self.chain.joints), load]
+        found = []
+        for k in range(self.count, -1, -1):
+            frame, body = ([*links, sensor][k], bodies[k])
+            if body is not None:
+                f, m = _inertial(frame, body, gravity)
+                force, moment = force + f, moment + m
+            if k < self.count:
+                about = moment - ca.cross(frame.p, force)
+                found.append(ca.dot(frame.axis, about if self.chain.joints[k].turns else force))
+        return ca.vertcat(*reversed(found))
+
     def _motion(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
         """Position, R, twist and twist rate of {P} in {B}."""
+        *_, last = self._links(q, rates, accelerations)
+        return last.p, last.turn, ca.vertcat(last.v, last.omega), ca.vertcat(last.a, last.alpha)
+
+    def _links(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Iterator[_Link]:
+        """The moved frame of each joint, then {P}, which has the last joint's axis."""
         p, v, a, omega, alpha = (ca.SX(3, 1) for _ in range(5))
         turn = ca.SX.eye(3)
         for k, joint in enumerate(self.chain.joints):
@@ -95,9 +152,11 @@ class SerialChain:
                 r = e * q[k]
                 a = a + _carried(r, omega, alpha) + 2 * drift + e * accelerations[k]
                 v, p = v + ca.cross(omega, r) + e * rates[k], p + r
+            yield _Link(p, turn, v, a, omega, alpha, e)
         r = turn @ ca.sparsify(ca.DM(self.chain.sensor.origin))
         a, v, p = a + _carried(r, omega, alpha), v + ca.cross(omega, r), p + r
-        return p, turn @ ca.sparsify(ca.DM(_turned(self.chain.sensor.rpy))), ca.vertcat(v, omega), ca.vertcat(a, alpha)
+        turn = turn @ ca.sparsify(ca.DM(_turned(self.chain.sensor.rpy)))
+        yield _Link(p, turn, v, a, omega, alpha, e)
 
     @cached_property
     def motion(self) -> ca.Function:
@@ -154,6 +213,15 @@ def _angles(turns: Array) -> Array:
     roll = np.where(upright, 0.0, np.arctan2(turns[:, 2, 1], turns[:, 2, 2]))
     yaw = np.where(upright, np.arctan2(-turns[:, 0, 1], turns[:, 1, 1]), np.arctan2(turns[:, 1, 0], turns[:, 0, 0]))
     return np.column_stack([roll, np.arctan2(-turns[:, 2, 0], level), yaw])
+
+
+def _inertial(frame: _Link, body: RigidBody, gravity: Sequence[float] | Array) -> tuple[ca.SX, ca.SX]:
+    """Force that moves a body in a frame, and its moment about the origin of {B}."""
+    arm = frame.turn @ ca.DM(body.centre_of_gravity)
+    force = body.mass_kg * (frame.a + _carried(arm, frame.omega, frame.alpha) - ca.DM(gravity))
+    inertia = frame.turn @ ca.DM(body.inertia) @ frame.turn.T
+    own = inertia @ frame.alpha + ca.cross(frame.omega, inertia @ frame.omega)
+    return force, own + ca.cross(frame.p + arm, force)
 
 
 def _carried(r: ca.SX, omega: ca.SX, alpha: ca.SX) -> ca.SX:

@@ -36,7 +36,7 @@ def singular_values(information: Array, names: Sequence[str]) -> Array:
 
     Args:
         information: F = A^T W A in a scaling, shape (u, u).
-        names: of the parameters, for the message.
+        names: names of the parameters, for the message.
 
     Raises:
         IdentificationError: F is singular; the message names the parameters that are not determined.

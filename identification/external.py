@@ -27,7 +27,7 @@ class ExternalForce(NamedTuple):
     Args:
         t: time, shape (n,) [s]; numbers of the standstills where there is no clock.
         wrench: shape (n, 6) [N, N m].
-        residuals: of the sensors, measured less expected, shape (n, 6) [N, or N and N m].
+        residuals: residuals of the sensors, measured less expected, shape (n, 6) [N, or N and N m].
         warnings: sentences about what was not measured, and is left out.
     """
 
@@ -52,7 +52,7 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
 
     Args:
         recording: the run.
-        case: of the same machine as the parameters.
+        case: case of the same machine as the parameters.
         result: identified parameters; their delay is compensated.
         whole: all samples; else only the excitation.
 
@@ -87,9 +87,9 @@ class Tare(NamedTuple):
 
     Args:
         values: u with the offsets replaced, shape (u,).
-        covariance: of u, shape (u, u): offsets and the rest no longer vary together.
+        covariance: covariance of u, shape (u, u): offsets and the rest no longer vary together.
         change: new offsets less old ones, shape (6,).
-        std: of the new offsets from the scatter of the standstill, shape (6,).
+        std: standard deviation of the new offsets from the scatter of the standstill, shape (6,).
     """
 
     values: Array
@@ -105,8 +105,8 @@ def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
     """Identifies f_q0 (11) anew from a standstill and leaves all other parameters.
 
     Args:
-        recording: of a standstill without contact: one pose, any number of samples.
-        case: of the same machine as the parameters.
+        recording: recording of a standstill without contact: one pose, any number of samples.
+        case: case of the same machine as the parameters.
         result: identified parameters.
 
     Raises:

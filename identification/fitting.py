@@ -34,10 +34,10 @@ class Fitted(NamedTuple):
     """Samples with their fit.
 
     Args:
-        samples: that were evaluated.
-        fit: to their forces.
-        delay: of the forces; None where nothing moves.
-        residuals: of the forces as recorded, shape (m, 6).
+        samples: samples that were evaluated.
+        fit: fit to their forces.
+        delay: delay of the forces; None where nothing moves.
+        residuals: residuals of the forces as recorded, shape (m, 6).
         whitening: W is its square, where it is given.
         columns: A and the nuisances, shape (n, 6, u + nuisances).
     """
@@ -73,10 +73,10 @@ def fit_samples(
     A long run is fitted from where a part of it ends.
 
     Args:
-        samples: to be evaluated.
+        samples: samples to be evaluated.
         how: estimator.
         problem: the samples' model, and which channels have the same noise.
-        delay: to start from [s].
+        delay: delay to start from [s].
         held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
     """
     model, forces = samples.model, samples.forces
@@ -122,7 +122,7 @@ class _Converged(NamedTuple):
     """Where Gauss-Newton over the delay ended.
 
     Args:
-        delay: of the linearisation [s].
+        delay: delay of the linearisation [s].
         columns: A and the nuisances there, shape (n, 6, u + nuisances).
         values: u, shape (u,).
         whitening: root of W, where the case states noise.
@@ -146,11 +146,11 @@ def _converged(
     """Gauss-Newton over the delay.
 
     Args:
-        run: to be evaluated.
-        forces: of that, shape (n, 6).
+        run: run to be evaluated.
+        forces: forces of that, shape (n, 6).
         how: what is known beforehand.
-        problem: with the nuisances and the filter of the run.
-        delay: to start from [s].
+        problem: problem with the nuisances and the filter of the run.
+        delay: delay to start from [s].
         held: a delay that is not estimated.
         near: u that a part of the run told, shape (u,), with its delay: one step is then enough.
 

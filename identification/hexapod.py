@@ -49,7 +49,7 @@ class StrutsDoNotClose(IdentificationError):
     Args:
         sample: index of the first such sample, from 0.
         lengths: its struts, shape (6,) [m].
-        place: of the sample in its file, where there is one.
+        place: place of the sample in its file, where there is one.
     """
 
     def __init__(self, sample: int, lengths: Array, place: str | None = None) -> None:
@@ -307,7 +307,7 @@ def _between(index: NDArray[np.int_], known: NDArray[np.int_], poses: Array) -> 
     Args:
         index: samples, shape (n,).
         known: samples whose poses are known, ascending, shape (k,).
-        poses: of these, shape (k, 6).
+        poses: poses of these, shape (k, 6).
     """
     linear = np.column_stack([np.interp(index, known, poses[:, k]) for k in range(6)])
     if len(known) < 4:

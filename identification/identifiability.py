@@ -36,13 +36,13 @@ class Identifiability:
     """What a regressor says about the parameters of its columns.
 
     Args:
-        names: of the columns.
+        names: names of the columns.
         correlation: Pearson coefficients of the columns, shape (u, u); 0 for a column without variation.
         r: R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements.
         zero: the paper's numerical zero m n eps max|R_ii|.
-        singular_values: of the scaled regressor, descending, shape (u,).
+        singular_values: singular values of the scaled regressor, descending, shape (u,).
         rank: singular values above the numerical zero.
-        groups: of what is not determined.
+        groups: groups of what is not determined.
     """
 
     names: tuple[str, ...]
@@ -103,7 +103,7 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
 
     Args:
         regressors: A_j, shape (n, 6, u), weighted if channels differ in unit.
-        names: of the u columns.
+        names: names of the u columns.
     """
     matrix = regressors.reshape(-1, regressors.shape[2])
     norms = np.linalg.norm(matrix, axis=0)

@@ -62,7 +62,7 @@ def identify(
     Args:
         recording: the run.
         case: machine, sensor frame and gravity.
-        number: of the model in Table 2; by default what the recording can carry.
+        number: number of the model in Table 2; by default what the recording can carry.
         how: estimator, and what is known beforehand.
         terms: other forms of the error compensation than the model's: K1 to K5.
         conditioning: what is done to a moving run beforehand.
@@ -122,7 +122,7 @@ def samples_of(
         model: gives A.
         conditioning: what is done to a moving run.
         found: samples that may not be used.
-        biases: of a wrist run, known beforehand.
+        biases: biases of a wrist run, known beforehand.
 
     Raises:
         RecordingError: it cannot be evaluated so.

@@ -65,7 +65,7 @@ def distances(box: KeepOut, workspace: Workspace, origin: Array, turn: Array, ba
     Args:
         box: which.
         workspace: gives the tools and the radius of the struts.
-        origin: of {P}, shape (n, 3) [m].
+        origin: origin of {P}, shape (n, 3) [m].
         turn: R, shape (n, 3, 3).
         base: joints of the base, shape (6, 3) [m].
         strut: vectors from these to the joints of the platform, shape (n, 6, 3) [m].

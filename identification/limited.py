@@ -25,13 +25,13 @@ class Quantity:
     """Something that is limited, one row an instant and one column a coordinate or strut.
 
     Args:
-        name: of the limit.
-        unit: of values and limits times `scale`.
-        labels: of the columns.
+        name: name of the limit.
+        unit: unit of values and limits times `scale`.
+        labels: labels of the columns.
         values: shape (n, k).
         limits: lower and upper limit of each column, twice the same where there is but one, shape (2, k).
         ratio: share of the limit that is used, infinite where a value is no number, shape (n, k).
-        scale: to the unit.
+        scale: scale to the unit.
     """
 
     name: str
@@ -49,9 +49,9 @@ class Quantity:
         """Two-sided limits: the share is the distance from their middle over half their width.
 
         Args:
-            name: of the quantity.
-            unit: in which people read it.
-            labels: of its k columns.
+            name: name of the quantity.
+            unit: unit in which people read it.
+            labels: labels of its k columns.
             values: shape (n, k) [SI].
             low: shape (k,) [SI].
             high: shape (k,) [SI].
@@ -111,7 +111,7 @@ def limited_coordinates(
     Args:
         motion: sampled.
         home: coordinates there, shape (k,).
-        limits: of moving excitations.
+        limits: limits of moving excitations.
         reach: where the machine gets at all.
         in_box: whether the box of `limits` holds; else only the reach limits the coordinates.
     """
@@ -243,10 +243,10 @@ def limited_struts(
 
     Args:
         motion: sampled.
-        rotation: that of `rotation_motion`.
+        rotation: orientation as `rotation_motion` gives it.
         machine: its geometry and home.
         workspace: what it can reach.
-        limits: of moving excitations.
+        limits: limits of moving excitations.
     """
     strut, velocity, acceleration, normal = _strut_vectors(motion, rotation, machine)
     yield from _keep_out(motion, rotation[0], machine.base.points, strut, workspace)

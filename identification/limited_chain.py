@@ -1,17 +1,22 @@
 """What a case with a chain limits, and how its load moves: in NumPy from the definitions, for the proof.
 
-Frames are homogeneous matrices, multiplied from the base to the sensor; their derivatives follow by the product rule.
+Frames are homogeneous matrices T, multiplied from the base to the sensor; their derivatives follow by the product rule.
+Torques are those of Lagrange's equations in this form: the sum over bodies of tr(dT/dq J (T'' - G)^T), J the integral
+of r r^T over the mass (Uicker 1965), G the acceleration of gravity.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.chain import Chain, Joint
 from cases.chain import ChainFrame as Place
+from cases.sensors import RigidBody
 from identification.limited import Quantity, axis_rotation
+from identification.limited_bodies import clearances
 from identification.motion import Motion
+from identification.overload import SHARE
 
 Array = NDArray[np.float64]
 
@@ -35,14 +40,79 @@ def frame_motion(motion: Motion, chain: Chain) -> tuple[tuple[Array, Array, Arra
     Returns:
         R, R', R'', shapes (n, 3, 3), and p'', shape (n, 3) [m/s^2], in {B}.
     """
+    *_, (place, first, second) = _frames(motion, chain)
+    return (place[:, :3, :3], first[:, :3, :3], second[:, :3, :3]), second[:, :3, 3]
+
+
+def joint_efforts(motion: Motion, chain: Chain, gravity: Array, bodies: Sequence[RigidBody]) -> Iterable[Quantity]:
+    """What the drives must do to move links and load, against 80 % of what they can; friction is not in it.
+
+    Args:
+        motion: sampled.
+        chain: with the inertia of every link, or nothing is limited.
+        gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
+        bodies: that may be behind the sensor, one at a time.
+    """
+    if not chain.limits_effort:
+        return
+    frames = list(_frames(motion, chain))
+    pull = np.zeros((4, 4))
+    pull[:3, 3] = gravity
+    links = [
+        _mechanics(frame, joint.link, pull) for frame, joint in zip(frames, chain.joints, strict=False) if joint.link
+    ]
+    loads = [(f"{n} payloads", _mechanics(frames[-1], body, pull)) for n, body in enumerate(bodies)]
+    turns = np.array([joint.turns for joint in chain.joints])
+    limited = np.isfinite([joint.effort for joint in chain.joints])
+    for name, unit, own in (("joint force", "N", limited & ~turns), ("joint torque", "N m", limited & turns)):
+        columns, labels, most = [], [], []
+        for words, load in loads or [("no load", np.zeros_like(links[0]))]:
+            behind = load
+            for k in range(len(chain.joints) - 1, -1, -1):
+                behind = behind + links[k]
+                if own[k]:
+                    columns.append(_generalised(frames[k][0], chain.joints[k], behind))
+                    labels.append(f"{chain.joints[k].name}, {words}")
+                    most.append(SHARE * chain.joints[k].effort)
+        if columns:
+            limit = np.array(most)
+            yield Quantity.between(name, unit, tuple(labels), np.column_stack(columns), -limit, limit, 1.0)
+
+
+def body_clearances(motion: Motion, chain: Chain) -> Iterable[Quantity]:
+    """Distances of the chain's bodies from boxes and from each other; see `clearances`."""
+    if chain.tool or any(joint.bodies for joint in chain.joints):
+        yield from clearances(chain, [frame[0] for frame in _frames(motion, chain)])
+
+
+def _mechanics(frame: _Frames, body: RigidBody, pull: Array) -> Array:
+    """T J (T'' - G)^T of a body in a frame, shape (n, 4, 4)."""
+    centre = np.append(body.centre_of_gravity, 1.0)
+    central = np.zeros((4, 4))
+    central[:3, :3] = np.trace(body.inertia) / 2 * np.eye(3) - body.inertia
+    return np.asarray(
+        frame[0] @ (central + body.mass_kg * np.outer(centre, centre)) @ (frame[2] - pull).transpose(0, 2, 1)
+    )
+
+
+def _generalised(frame: Array, joint: Joint, behind: Array) -> Array:
+    """tr(D `behind`), D = (dT/dq) T^-1 the joint's screw in {B}, shape (n,)."""
+    axis = frame[:, :3, :3] @ (np.array(joint.axis) / np.linalg.norm(joint.axis))
+    if not joint.turns:
+        return np.asarray(np.einsum("ni,ni->n", axis, behind[:, 3, :3]))
+    moment = np.stack([behind[:, j, i] - behind[:, i, j] for i, j in ((2, 1), (0, 2), (1, 0))], axis=1)
+    return np.asarray(np.einsum("ni,ni->n", axis, moment - np.cross(frame[:, :3, 3], behind[:, 3, :3])))
+
+
+def _frames(motion: Motion, chain: Chain) -> Iterator[_Frames]:
+    """T, T', T'' of the moved frame of each joint, then of the sensor's, shapes (n, 4, 4)."""
     count = len(motion.t)
     total: _Frames = (np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4)))
     for k, joint in enumerate(chain.joints):
         total = _fixed(total, _placed(joint))
         total = _times(total, _moved(joint, motion.pose[:, k], motion.rates[:, k], motion.accelerations[:, k]))
-    total = _fixed(total, _placed(chain.sensor))
-    place, first, second = total
-    return (place[:, :3, :3], first[:, :3, :3], second[:, :3, :3]), second[:, :3, 3]
+        yield total
+    yield _fixed(total, _placed(chain.sensor))
 
 
 def _fixed(before: _Frames, then: Array) -> _Frames:

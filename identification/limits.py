@@ -23,7 +23,7 @@ from identification.limited import (
     rotation_motion,
     strut_velocities,
 )
-from identification.limited_chain import frame_motion, joint_ranges
+from identification.limited_chain import body_clearances, frame_motion, joint_efforts, joint_ranges
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, sensor_loads
 
@@ -181,6 +181,9 @@ def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]
     if case.hexapod is not None:
         machine, workspace, limits = case.need_machine("the proof of limits")
         yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
+    if case.chain is not None:
+        yield from joint_efforts(motion, case.chain, case.gravity, case.bodies)
+        yield from body_clearances(motion, case.chain)
     yield from sensor_loads(rotation, acceleration, Loads.of(case))
 
 

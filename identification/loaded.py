@@ -22,7 +22,7 @@ class Circumstances(NamedTuple):
     """What is mounted on the simulated machine, and what disturbs it.
 
     Args:
-        weights: on the platform.
+        weights: weights on the platform.
         disturbances: None: an ideal structure, only sensors and encoders are imperfect.
     """
 
@@ -76,9 +76,9 @@ def vibrating(accelerations: Array, step: float, frequency: float, damping: floa
     Transfer function (2 d w s + w^2) / (s^2 + 2 d w s + w^2), exact for accelerations that are linear between samples.
 
     Args:
-        accelerations: of the drives, from rest, shape (n, k).
-        step: between samples [s].
-        frequency: of the undamped mode [Hz].
+        accelerations: accelerations of the drives, from rest, shape (n, k).
+        step: step between samples [s].
+        frequency: frequency of the undamped mode [Hz].
         damping: share of the critical one.
     """
     from scipy.signal import cont2discrete, lfilter
@@ -154,7 +154,7 @@ def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weigh
         disturbances: sizes and lengths.
         home: where the machine's poses are counted from, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
-        weight: of what is on the platform [N].
+        weight: weight of what is on the platform [N].
     """
     reduced = (poses - home) / _lengths(disturbances)
     size = np.sum(reduced**2, axis=1)

@@ -24,7 +24,7 @@ class Frame(NamedTuple):
     """Motion of the frame {P} of the load in {B}.
 
     Args:
-        position: of its origin, shape (3,) [m].
+        position: position of its origin, shape (3,) [m].
         rotation: R, shape (3, 3).
         twist: velocity of the origin and angular velocity, shape (6,) [m/s, rad/s].
         twist_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
@@ -40,8 +40,8 @@ class Share(NamedTuple):
     """A limit beside those of the coordinates.
 
     Args:
-        name: of the limit.
-        order: of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations.
+        name: name of the limit.
+        order: order of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations.
         value: shares that are used; the limit is satisfied between -1 and 1.
     """
 

@@ -70,7 +70,7 @@ class Model:
         structure: J^-T of the sensor frame, shape (6, 6).
         gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
         whitening: root of W that multiplies all rows of A, shape (6, 6); None for W = 1.
-        machine: in whose coordinates motions are planned; None where nothing is.
+        machine: machine in whose coordinates motions are planned; None where nothing is.
         struts: where the sensors sit in the struts: then J^-T depends on the pose, and `structure` is that at home.
     """
 
@@ -241,7 +241,7 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
 
     Args:
         case: gives sensor frame and gravity.
-        number: in Table 2; in setup 1a, where nothing moves, model 0 is the offsets alone.
+        number: number in Table 2; in setup 1a, where nothing moves, model 0 is the offsets alone.
         terms: names of other forms of the error compensation than the model's, `ERROR_TERMS`.
 
     Raises:

@@ -27,11 +27,11 @@ class Result:
     """Identified parameters.
 
     Args:
-        case: of the recording.
+        case: case of the recording.
         record: what result.json says.
         identifiability: what the run determined; None where nothing says.
-        estimate: with everything that is not saved; None where it was loaded.
-        residuals: of the recorded forces; None where it was loaded.
+        estimate: estimate with everything that is not saved; None where it was loaded.
+        residuals: residuals of the recorded forces; None where it was loaded.
     """
 
     case: Case
@@ -86,7 +86,7 @@ class Result:
         """The result of a folder.
 
         Args:
-            folder: that `save` or `hexcite identify` wrote.
+            folder: folder that `save` or `hexcite identify` wrote.
             case: instead of the one that the folder names.
             stale: read it although its case has changed since.
 

@@ -28,7 +28,7 @@ def sensor_forces(turn: Array, first: Array, second: Array, acceleration: Array,
         turn: R, shape (n, 3, 3).
         first: its time derivative.
         second: its second time derivative.
-        acceleration: of the origin of {P}, shape (n, 3) [m/s^2].
+        acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
         body: what the sensors carry.
         case: gravity and sensor frame.
     """
@@ -57,9 +57,9 @@ class Loads:
         angular: d, shape (channels, 3).
         spin: Q as coefficients of wx^2, wy^2, wz^2, wx wy, wx wz, wy wz, shape (channels, 6).
         gravity: shape (3,) [m/s^2].
-        limit: of each channel, shape (channels,) [N or N m].
+        limit: limit of each channel, shape (channels,) [N or N m].
         moments: which of them are moments with a range of their own, shape (channels,).
-        labels: of the channels.
+        labels: labels of the channels.
     """
 
     linear: Array
@@ -83,7 +83,7 @@ class Loads:
 
         Args:
             rotation: R and its first and second time derivative, shapes (n, 3, 3).
-            acceleration: of the origin of {P}, shape (n, 3) [m/s^2].
+            acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
         """
         turn, first, second = rotation
         back = turn.transpose(0, 2, 1)
@@ -150,8 +150,8 @@ def sensor_loads(rotation: tuple[Array, Array, Array], acceleration: Array, load
 
     Args:
         rotation: R and its first and second time derivative, shapes (n, 3, 3).
-        acceleration: of the origin of {P}, shape (n, 3) [m/s^2].
-        loads: of the case.
+        acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
+        loads: loads of the case.
     """
     if loads is None:
         return

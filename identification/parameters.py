@@ -38,7 +38,7 @@ class PhysicalForm:
 
         Args:
             linear: u, shape (u,).
-            covariance: of u, shape (u, u).
+            covariance: covariance of u, shape (u, u).
         """
         values, jacobian = (r.full() for r in self.map(np.asarray(linear, dtype=float)))
         return values[:, 0], jacobian @ np.asarray(covariance) @ jacobian.T

@@ -41,8 +41,8 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
 
     Args:
         before: without the payload.
-        after: with it.
-        model: of both; offsets only.
+        after: result with it.
+        model: model of both; offsets only.
 
     Raises:
         IdentificationError: the difference in mass is not significant.
@@ -128,9 +128,9 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
 
     Args:
         before: without the payload.
-        after: with it.
-        model_before: of `before`.
-        model_after: of `after`.
+        after: result with it.
+        model_before: model of `before`.
+        model_after: model of `after`.
 
     Raises:
         IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.

@@ -56,7 +56,7 @@ def read(paths: Path | str | Sequence[Path | str], case: Case) -> Recording:
     """The recording in a file, in several files of one run, or in a folder of `hexcite run`.
 
     Args:
-        paths: in any order.
+        paths: paths in any order.
         case: says which columns to expect and how the files write them.
 
     Raises:
@@ -127,8 +127,8 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
 
     Args:
         file: where; write into an atomic folder.
-        recording: with one clock.
-        case: for the names of the forces.
+        recording: recording with one clock.
+        case: case for the names of the forces.
     """
     import pyarrow as pa
     import pyarrow.csv as pacsv

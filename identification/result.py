@@ -35,7 +35,7 @@ class Evaluation(NamedTuple):
     Args:
         evaluated: what went into the fit.
         residuals: recorded forces less the model, shape (n, 6) [N, or N and N m].
-        delay: of the forces, where it was estimated.
+        delay: delay of the forces, where it was estimated.
         noise: what s0 consists of, where the case states noise.
         accelerometer: its biases, where standstills have its readings.
         conditioning: what was done to a moving run beforehand.
@@ -79,29 +79,29 @@ class Estimate:
         case_hash: its fingerprint.
         source: the recording.
         model: number in Table 2.
-        names: of the linear parameters u.
+        names: names of the linear parameters u.
         values: u, shape (u,).
-        covariance: of u by (28), shape (u, u).
-        covariance_robust: of u, autocorrelation-robust, shape (u, u).
+        covariance: covariance of u by (28), shape (u, u).
+        covariance_robust: covariance of u, autocorrelation-robust, shape (u, u).
         physical: physical parameters by name.
         s0: (27); dimensionless with per-channel weights, else [N]. Of a moving run: of the noise in the pass band, as
             white noise of the recorded forces.
         s0_N: rms residual of the recorded forces, over the channels in newtons [N].
-        residual_rms: of each channel, shape (6,) [N, or N and N m].
+        residual_rms: residuals' rms of each channel, shape (6,) [N, or N and N m].
         samples: used.
         freedom: degrees of freedom of the residuals.
-        rank: of the scaled regressor.
-        condition: of the scaled regressor (26).
+        rank: rank of the scaled regressor.
+        condition: condition of the scaled regressor (26).
         weights: `equal`, `per_channel`, `per_unit` or `stated`.
         w: diagonal of W for one sample, shape (6,); ones where only ratios were given [1/N^2, 1/(N m)^2].
-        delay: of the forces, where it was estimated.
+        delay: delay of the forces, where it was estimated.
         how: estimator and what was known beforehand.
         terms: forms of the error compensation other than the model's.
         findings: what speaks against it, and what is good to know.
         residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
         conditioning: what was done to a moving run beforehand.
         noise_sources: what s0 consists of, where the case states noise.
-        attenuation: of physical parameters by name, where the case states noise of the struts.
+        attenuation: attenuation of physical parameters by name, where the case states noise of the struts.
         accelerometer: its biases, where standstills have its readings.
         evaluated: the samples that it was made from, not saved.
     """

@@ -185,7 +185,7 @@ def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
     """Indices of a part of so many samples that stands for all of them: stretches at equal distances, or all.
 
     Args:
-        count: of the samples.
+        count: count of the samples.
         times: so many `PART` is the part.
     """
     most = times * PART
@@ -199,8 +199,8 @@ class Periodic(NamedTuple):
     """Evaluate a repeating run by Fourier series.
 
     Args:
-        period: of the run [s]; None: to be found.
-        harmonics: of the series; None: as many as stand out of the noise.
+        period: period of the run [s]; None: to be found.
+        harmonics: harmonics of the series; None: as many as stand out of the noise.
     """
 
     period: float | None = None
@@ -212,7 +212,7 @@ class Conditioning:
     """What a user asks to be done.
 
     Args:
-        periodic: by Fourier series instead of the low-pass.
+        periodic: evaluation by Fourier series instead of the low-pass.
         flexible: estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency.
     """
 

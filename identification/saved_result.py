@@ -30,13 +30,13 @@ class SavedResult:
 
     Args:
         source: the file.
-        case_name: of the case they belong to.
+        case_name: name of the case they belong to.
         model: number in Table 2.
         values: u, shape (u,).
-        covariance: of u by (28), shape (u, u).
-        covariance_robust: of u, autocorrelation-robust, shape (u, u).
+        covariance: covariance of u by (28), shape (u, u).
+        covariance_robust: covariance of u, autocorrelation-robust, shape (u, u).
         terms: forms of the error compensation other than the model's.
-        delay: of the forces [s]; 0 where none was estimated.
+        delay: delay of the forces [s]; 0 where none was estimated.
         accelerometer: its biases, where standstills told them.
         recordings: SHA-256 of the files that it was made of; empty where it does not say.
         about: all of result.json.
@@ -95,7 +95,7 @@ def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
 
     Args:
         data: its entries.
-        file: for messages.
+        file: file for messages.
     """
     if data.get("schema_version") != SCHEMA_VERSION:
         raise FileProblem(
@@ -142,7 +142,7 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
 
     Args:
         path: the result.
-        case: of the run.
+        case: case of the run.
         stale: go on although the machine has changed since.
 
     Raises:
@@ -168,10 +168,10 @@ def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array,
     """What `result.json` holds with other linear values: physical parameters and deviations follow from them.
 
     Args:
-        result: that is changed.
-        case: of the same machine.
+        result: result that is changed.
+        case: case of the same machine.
         values: new u, shape (u,).
-        covariance: of u, shape (u, u).
+        covariance: covariance of u, shape (u, u).
         source: the recording that they come from.
     """
     data = dict(result.about)
@@ -205,7 +205,7 @@ def provenance(files: Sequence[Path]) -> dict[str, Any]:
     """What `result.json` says of its origin: `inputs`, each with its SHA-256, and `versions`.
 
     Args:
-        files: that were read; they are read once more, piece by piece.
+        files: files that were read; they are read once more, piece by piece.
     """
     return {"inputs": [{"file": str(f), "sha256": _sha256(f)} for f in files], "versions": _versions()}
 

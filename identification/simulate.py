@@ -75,9 +75,9 @@ def force_parts(
     """The true forces of a motion, taken apart.
 
     Args:
-        case: with a simulated machine.
-        motion: of the drives, at n instants.
-        step: between them [s].
+        case: case with a simulated machine.
+        motion: motion of the drives, at n instants.
+        step: step between them [s].
         around: what is mounted and what disturbs.
         fields: force errors in these poses; None where nothing disturbs.
 
@@ -117,7 +117,7 @@ def simulate_recording(
     """What the machine would have recorded of a run.
 
     Args:
-        case: with a simulated machine.
+        case: case with a simulated machine.
         execution: the motion that the controller executed.
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
         seed: of the noise.
@@ -134,7 +134,7 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
     """What the machine did, once, for the sensors of one run or of several.
 
     Args:
-        case: with a simulated machine.
+        case: case with a simulated machine.
         execution: the motion that the controller executed.
         around: whether drives ripple.
         seed: of the ripple.
@@ -159,7 +159,7 @@ def sensed(
     """The recording of what the machine did, and what its true forces consist of.
 
     Args:
-        case: with a simulated machine.
+        case: case with a simulated machine.
         run: what it did.
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
         seed: of the noise.

@@ -94,9 +94,9 @@ def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rat
         hexapod: its joints.
         position: origin of {P} in {B}, shape (3,) [m].
         turn: R, shape (3, 3).
-        twist: in {B}, shape (6,) [m/s, rad/s].
+        twist: twist in {B}, shape (6,) [m/s, rad/s].
         twist_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
-        gravity: in {B}, shape (3,) [m/s^2].
+        gravity: gravity in {B}, shape (3,) [m/s^2].
     """
     velocity, omega, acceleration, alpha = twist[:3], twist[3:], twist_rate[:3], twist_rate[3:]
     columns: list[list[ca.SX]] = [[], [], [], []]

@@ -23,7 +23,7 @@ class Controlled(NamedTuple):
     """A case as a controller executes point-to-point moves.
 
     Args:
-        case: with the limits that count: those of jerk do not where the controller knows none.
+        case: case with the limits that count: those of jerk do not where the controller knows none.
         controller: its name; None where the plan is made for none, and all limits of the case count.
         step_time: within which its accelerations step; 0 where it limits the jerk [s].
     """
@@ -76,7 +76,7 @@ def moves_in(box: Box, duration: float) -> float:
 
     Args:
         box: limits that count, see `Controlled`.
-        duration: of all moves [s].
+        duration: duration of all moves [s].
     """
     width = box.pose[1] - box.pose[0]
     each = 2 * np.minimum(box.rate / box.acceleration, np.sqrt(width / box.acceleration))
@@ -97,8 +97,8 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
     Args:
         plan: its folder or name.
         made_for: the controller that it was made for.
-        motion: of point-to-point moves.
-        dialect_name: of the program.
+        motion: motion of point-to-point moves.
+        dialect_name: dialect of the program.
         case: settings of its controller.
 
     Raises:

@@ -33,9 +33,9 @@ class Demo:
 
     Args:
         plan: the motion.
-        program: for LinuxCNC, or as a table of set points, proven.
-        outcome: of the run.
-        result: of its identification.
+        program: program for LinuxCNC, or as a table of set points, proven.
+        outcome: outcome of the run.
+        result: result of its identification.
         truth: each parameter beside that of the simulated machine, as `truth_rows` has them.
         why: the reason for the controller.
     """
@@ -70,8 +70,8 @@ def demo(
     """Plans, programs, proves, executes and identifies, end to end.
 
     Args:
-        case: with a simulated machine.
-        folder: to make: plan, program, recording and result are written there, one after the other.
+        case: case with a simulated machine.
+        folder: folder to make: plan, program, recording and result are written there, one after the other.
         on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed and the program is for it.
         seed: of the starts and of the sensors' noise.
         starts: number of random starts; one is enough for a demo.

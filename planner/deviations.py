@@ -61,9 +61,9 @@ def predicted_std_at_poses(
 
     Args:
         case: gives the nominal body, and errors that depend on the pose.
-        model: of the parameters.
-        scaling: of its columns, shape (u,).
-        regressors: of the poses, scaled, shape (n, 6, u).
+        model: model of the parameters.
+        scaling: scaling of its columns, shape (u,).
+        regressors: regressors of the poses, scaled, shape (n, 6, u).
         poses: shape (n, 6) [m, rad].
         noise: standard deviation of an averaged force [N].
 
@@ -95,9 +95,9 @@ def predicted_std_of(
     Args:
         case: gives the nominal body and the weights.
         model: gives A.
-        scaling: of its columns, shape (u,).
-        motion: of the run.
-        noise: of the forces.
+        scaling: scaling of its columns, shape (u,).
+        motion: motion of the run.
+        noise: noise of the forces.
         payload: how many weights are mounted.
 
     Raises:
@@ -124,8 +124,8 @@ def worst_std(
     Args:
         case: gives the nominal body and the weights.
         model: gives A.
-        scaling: of its columns, shape (u,).
-        motion: of the run.
+        scaling: scaling of its columns, shape (u,).
+        motion: motion of the run.
         payloads: numbers of weights.
 
     Raises:

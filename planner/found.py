@@ -31,7 +31,7 @@ class Found(NamedTuple):
 
     Args:
         motion: the best, proven.
-        settings: of its family, as found.
+        settings: settings of its family, as found.
         limits: the proof.
         starts: the best first.
         failed: starts that led nowhere.

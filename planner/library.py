@@ -91,8 +91,8 @@ def plan(
 
     Args:
         case: machine and limits.
-        family: of motions; point-to-point moves unless given.
-        duration: of the excitation [s].
+        family: family of motions; point-to-point moves unless given.
+        duration: duration of the excitation [s].
         progress: shows a line now and then.
         **settings: see `Settings`.
 
@@ -208,7 +208,7 @@ class Progress:
 
     Args:
         request: what is planned.
-        case: for which machine.
+        case: case for which machine.
         remark: shows a line.
     """
 

@@ -72,7 +72,7 @@ def largest_box(case: Case, seed: int = 0) -> MotionBox:
     edges, inside, and where a search from these ends), not everywhere.
 
     Args:
-        case: with machine, workspace and limits.
+        case: case with machine, workspace and limits.
         seed: of the poses and starts.
 
     Raises:

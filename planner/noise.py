@@ -78,10 +78,10 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
     """What a case says about the noise of a run.
 
     Args:
-        case: with noise stated or not.
-        model: that turns accelerations into forces.
+        case: case with noise stated or not.
+        model: model that turns accelerations into forces.
         payload: number of the case's payloads that are mounted on the nominal body.
-        weights: of the identification; None for those of the case.
+        weights: weights of the identification; None for those of the case.
 
     Raises:
         CaseError: noise of accelerations without a nominal body, or fewer payloads.

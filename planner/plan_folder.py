@@ -28,8 +28,8 @@ def save_plan(plan: Plan, folder: Path, overwrite: bool = False) -> None:
     """Makes a folder with plan.json, and motion.csv or poses.csv.
 
     Args:
-        plan: to write.
-        folder: to make.
+        plan: plan to write.
+        folder: folder to make.
         overwrite: whether a plan that stands there may be replaced.
 
     Raises:
@@ -71,7 +71,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
 
     Args:
         folder: where it is.
-        case: for which the motion is taken, instead of the plan's own.
+        case: case for which the motion is taken, instead of the plan's own.
         stale: read it although what it was computed from has changed in its case.
 
     Raises:

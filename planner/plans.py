@@ -33,8 +33,8 @@ class Saved(NamedTuple):
     """Where a plan was loaded from.
 
     Args:
-        folder: of the plan.
-        fingerprint: of its plan.json, by which programs and recordings name it.
+        folder: folder of the plan.
+        fingerprint: fingerprint of its plan.json, by which programs and recordings name it.
         stale: what has changed in its case since, where the user went on; written into what is made of the plan.
     """
 
@@ -53,7 +53,7 @@ class Plan:
         motion: the excitation; of poses from home through all of them and back home.
         limits: the proof.
         predicted_std: standard deviation of each physical parameter for one run [SI].
-        assumed_noise: of a force sample behind it, of poses of an averaged force [N].
+        assumed_noise: assumed noise of a force sample behind it, of poses of an averaged force [N].
         assumed_rate: samples of a recording a second behind it [1/s].
         worth: figures of the motion or of the poses, and how they were found.
         saved: where it was loaded from; None for a new plan.

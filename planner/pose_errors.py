@@ -33,7 +33,7 @@ class PoseErrors:
 
     Args:
         hexapod: whose strut lengths tell one place from another.
-        field: of the errors.
+        field: field of the errors.
         rate: variance of a channel's error over that of its noise, times samples a second [1/s].
         mixing: R R^T, R the root of W that the regressors are multiplied with; None for W = 1, shape (6, 6).
     """
@@ -61,9 +61,9 @@ class PoseErrors:
         """sum_ij A_i^T C_ij A_j over samples of equal shares, in units of the mean information, shape (u, u).
 
         Args:
-            regressors: of the samples, shape (n, 6, u).
+            regressors: regressors of the samples, shape (n, 6, u).
             struts: their lengths, shape (n, 6) [m].
-            duration: for which they stand [s].
+            duration: duration for which they stand [s].
         """
         felt = regressors if self.mixing is None else self.mixing @ regressors
         flat, count = felt.reshape(len(felt), -1), len(felt)

@@ -86,7 +86,7 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     of. A pose counts as reachable by itself, whether or not a way leads there from home.
 
     Args:
-        case: with machine, workspace and limits.
+        case: case with machine, workspace and limits.
         count: number of random poses, uniform in the box, for the share of its volume.
         seed: of these poses.
 
@@ -147,7 +147,7 @@ class StaticLimits:
     `identification.keep_out`.
 
     Args:
-        case: with machine, workspace and limits.
+        case: case with machine, workspace and limits.
     """
 
     def __init__(self, case: Case) -> None:

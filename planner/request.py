@@ -21,8 +21,8 @@ class Request:
     """What to plan.
 
     Args:
-        family: of motions, with its settings.
-        duration: of the excitation [s].
+        family: family of motions, with its settings.
+        duration: duration of the excitation [s].
         criterion: letter of Table 4.
         model: number in Table 2.
         payload: number of the case's payloads that are mounted, at most.

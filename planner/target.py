@@ -30,10 +30,10 @@ class Target(NamedTuple):
     """A standard deviation that shall not be exceeded.
 
     Args:
-        name: of the physical parameter.
+        name: name of the physical parameter.
         std: [SI].
         text: as the user wrote it.
-        unit: in which the user wrote it.
+        unit: unit in which the user wrote it.
     """
 
     name: str

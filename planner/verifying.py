@@ -39,7 +39,7 @@ def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator
 
     Args:
         data: all of plan.json.
-        motion: that its entries describe.
+        motion: motion that its entries describe.
         case: unchanged since.
 
     Raises:

@@ -37,9 +37,9 @@ class Vibration:
     """What a motion is worth on a machine with a structural mode.
 
     Args:
-        frequency: of the mode with what is mounted [Hz].
-        errors: to be expected of each physical parameter: predicted standard deviation and the error that the mode
-            leaves, root of the sum of squares, by name [SI].
+        frequency: frequency of the mode with what is mounted [Hz].
+        errors: errors to be expected of each physical parameter: predicted standard deviation and the error that the
+            mode leaves, root of the sum of squares, by name [SI].
         times: errors over predicted standard deviations, geometric mean.
         s0: residual of a force sample that identification will report, errors that depend on the pose included [N].
     """
@@ -74,9 +74,9 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     """What a motion is worth on the simulated machine of a case; None where the case states no mode or no filter.
 
     Args:
-        case: with `[simulation.disturbances]`.
-        number: of the model.
-        motion: from rest to rest.
+        case: case with `[simulation.disturbances]`.
+        number: number of the model.
+        motion: motion from rest to rest.
         payload: number of payloads that are mounted.
         seconds: measuring time of the white noise: motions are compared at equal time [s].
 
@@ -164,8 +164,8 @@ class BothLaws:
 
     Args:
         steps: whether the accelerations of the plan step; those of the other do not, or the other way round.
-        own: of the plan.
-        other: of the same moves as fast as the other law allows, at equal measuring time.
+        own: value of the plan.
+        other: errors of the same moves as fast as the other law allows, at equal measuring time.
     """
 
     steps: bool

@@ -23,10 +23,10 @@ class Tried(NamedTuple):
         refined: whether all limits were constrained wherever they come close; else it was explored only.
         start_logdet: log det F where it began; None where F was singular.
         logdet: log det F where it ended.
-        criterion_value: of the criterion asked for, to be maximised.
+        criterion_value: value of the criterion asked for, to be maximised.
         solver: the solver's status.
         converged: whether its last stage converged.
-        iterations: of all stages.
+        iterations: iterations of all stages.
         seconds: spent.
     """
 
@@ -64,7 +64,7 @@ class Worth:
     """What a planned motion is worth.
 
     Args:
-        settings: of the family, as found.
+        settings: settings of the family, as found.
         search: how it was found.
         score: the criterion of Table 4, to be maximised, in reference scaling.
         logdet: log det of the mean information, reference scaling, W = 1.
@@ -73,7 +73,7 @@ class Worth:
         tight: what no motion from rest to rest with limited jerk can exceed, where that is known.
         noise: standard deviation of a sample of each channel behind the predictions [N, or N and N m].
         shaken: whether noise of the accelerations is part of it.
-        weights: of the identification that predictions assume.
+        weights: weights of the identification that predictions assume.
         weaknesses: why another plan would carry more information.
         notes: what the user should know before running it.
         vibration: what the time law costs on a machine with a structural mode, as `planner.vibration` tells it.
@@ -170,7 +170,7 @@ class PoseWorth:
         candidates: number of valid poses to choose from.
         travel: time of the moves [s].
         travel_unordered: the same in the order of choice [s].
-        value: of the criterion of Table 4, to be maximised: mean information, reference scaling.
+        value: value of the criterion of Table 4, to be maximised: mean information, reference scaling.
         condition: mu_1 / mu_u, reference scaling.
         efficiency: lower bound of the D-efficiency against every design over the candidates; certified.
         efficiency_space: D-efficiency against the design over the whole pose space; an estimate.

@@ -71,7 +71,7 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
 
     Args:
         name: what it is for.
-        trajectory: from rest to rest.
+        trajectory: trajectory from rest to rest.
         block: duration of a block at full speed, at most [s].
         speed: share of the planned speed; 0.1 takes ten times as long.
     """
@@ -88,7 +88,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
 
     Args:
         name: what it is for.
-        trajectory: from rest to rest.
+        trajectory: trajectory from rest to rest.
         block: duration of a block of a timed path at full speed, at most [s].
         speed: share of the planned speed.
     """

@@ -50,9 +50,9 @@ class Dialect:
     """A controller's language.
 
     Args:
-        name: on the command line.
+        name: name on the command line.
         description: one line for people.
-        suffixes: of its files, in lower case, the usual one first.
+        suffixes: suffixes of its files, in lower case, the usual one first.
         load: imports and returns what it can do with files of a suffix, by default the usual one.
         start: what the machine does first, for the program's header.
         in_struts: whether its controller has point-to-point moves that are straight in the struts.

@@ -24,7 +24,7 @@ class Pieces:
 
     Args:
         times: start of each and end of the last, shape (k + 1,) [s].
-        coefficients: of 1, p, p^2, .., shape (k, d + 1, 6) [m, rad].
+        coefficients: coefficients of 1, p, p^2, .., shape (k, d + 1, 6) [m, rad].
     """
 
     times: Array
@@ -67,7 +67,7 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
     A motion of polynomials of that degree is met exactly.
 
     Args:
-        motion: from rest to rest.
+        motion: motion from rest to rest.
         degree: 3 or 5.
         longest: duration of a piece, at most [s].
         tolerance: how far they may be off, positions [m] and angles [rad].

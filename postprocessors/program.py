@@ -149,7 +149,7 @@ class NeutralProgram:
 
     Args:
         header: comment lines that say where it comes from and what it was proven against.
-        blocks: in order.
+        blocks: blocks in order.
     """
 
     header: tuple[str, ...]

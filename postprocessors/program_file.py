@@ -20,12 +20,12 @@ class Program:
     """A program and what it says; whatever judges or runs it uses this content, not the file a second time.
 
     Args:
-        path: of the file, or the name that it was written for.
+        path: path of the file, or the name that it was written for.
         dialect: its language.
         content: byte by byte.
         reading: what it says.
         guarantees: what the controller answers for.
-        case: that it is for.
+        case: case that it is for.
         remarks: what to know of it beside its proof.
     """
 
@@ -87,9 +87,9 @@ def read_program(file: Path | str, case: Case, name: str | None = None) -> Progr
     """Reads a program.
 
     Args:
-        file: to read.
-        case: that it is for.
-        name: of its dialect; None for the one that the suffix names.
+        file: file to read.
+        case: case that it is for.
+        name: name of its dialect; None for the one that the suffix names.
 
     Raises:
         ProgramError: it cannot be read or understood, with line and column.

@@ -48,8 +48,8 @@ def arc_words(move: CircularMove, names: Sequence[str], values: Sequence[str], f
 
     Args:
         move: the arc.
-        names: of the six coordinates.
-        values: of the six coordinates at its end.
+        names: names of the six coordinates.
+        values: values of the six coordinates at its end.
         full: leave out where the circle ends in its plane, as LinuxCNC wants it of a full one.
     """
     axes = move.plane.axes[:2]
@@ -101,7 +101,7 @@ def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarant
 
     Args:
         block: the move, with its planned duration.
-        limits: that the controller is set up with.
+        limits: limits that the controller is set up with.
         guarantees: give its time law.
         linear: whether the feed counts X, Y, Z.
     """
@@ -132,7 +132,7 @@ def written_feed(block: PointToPoint, limits: MotionLimits, guarantees: Guarante
 
     Args:
         block: the move, with its planned duration.
-        limits: that the controller is set up with.
+        limits: limits that the controller is set up with.
         guarantees: give its time law.
     """
     written = as_written(block.move)
@@ -149,7 +149,7 @@ def strut_feed_of(move: StraightMove, limits: MotionLimits, guarantees: Guarante
 
     Args:
         move: the planned one, between the same poses.
-        limits: of the coordinates.
+        limits: limits of the coordinates.
         guarantees: give drives and time law.
 
     Raises:

@@ -27,8 +27,8 @@ class Written:
     """A program that may be written.
 
     Args:
-        content: of the file.
-        proof: of that content; it holds.
+        content: content of the file.
+        proof: proof of that content; it holds.
         reading: that content as read back.
     """
 

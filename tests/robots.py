@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from math import pi
 
 from cases.chain import Chain
+from cases.sensors import RigidBody
 
 
 def joint(name: str, kind: str = "revolute", **keys: object) -> dict[str, object]:
@@ -40,6 +41,19 @@ def odd() -> Chain:
         origin_mm=(3.0, -8.0, 45.0),
         rpy_deg=(180.0, 15.0, -70.0),
     )
+
+
+def weighing(of: Chain, effort: float = 100.0) -> Chain:
+    """The chain with a link of its own behind each joint, and drives of some strength [N m or N]."""
+    joints = []
+    for k, found in enumerate(of.joints):
+        link = RigidBody(
+            mass_kg=1.0 + k / 3,
+            centre_of_gravity_mm=(10.0 * k, -20.0, 35.0),
+            inertia_kg_m2=(0.02, 0.001 * k, -0.002, 0.03, 0.001, 0.025),
+        )
+        joints.append(found.model_copy(update={"link": link, "torque_Nm" if found.turns else "force_N": effort}))
+    return of.model_copy(update={"joints": tuple(joints)})
 
 
 Row = tuple[str, str, str, str, str, str, str]

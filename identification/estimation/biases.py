@@ -63,7 +63,7 @@ def accelerometer_bias(specific_forces: Array, rotations: Array, gravity: Array)
     Args:
         specific_forces: readings in the axes of {P}, shape (n, 3) [m/s^2].
         rotations: R of each standstill, shape (n, 3, 3).
-        gravity: in {B}, shape (3,) [m/s^2].
+        gravity: gravity in {B}, shape (3,) [m/s^2].
     """
     at_rest = -np.einsum("nji,j->ni", rotations, gravity)
     matrix = np.zeros((len(at_rest), 3, 6))
@@ -83,9 +83,9 @@ class Biases:
     """Offsets from another result.
 
     Args:
-        source: that result's file.
+        source: file of that result.
         values: f_q0, shape (6,) [N, or N and N m].
-        covariance: of them, the larger of white and robust, shape (6, 6).
+        covariance: covariance of them, the larger of white and robust, shape (6, 6).
         accelerometer: where that result has it.
         stale: what has changed in the case since that result, where the user went on.
     """
@@ -133,8 +133,8 @@ class Biases:
 
         Args:
             free: offsets that the run gives where it may choose them, shape (6,).
-            covariance: of these, shape (6, 6).
-            units: of the channels.
+            covariance: covariance of these, shape (6, 6).
+            units: units of the channels.
             mass: what the run makes of the mass then, in words.
         """
         away = free - self.values
@@ -155,8 +155,8 @@ def mass_told(model: Model, fit: Fit, exact: Fit) -> Finding:
     """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
 
     Args:
-        model: with a mass.
-        fit: with the uncertainty of the offsets, and of the accelerometer's biases.
+        model: model with a mass.
+        fit: fit with the uncertainty of the offsets, and of the accelerometer's biases.
         exact: the same fit as if these were exact.
     """
     place = model.names.index("m")
@@ -186,9 +186,9 @@ def widened(fit: Fit, moves: Array, covariance: Array) -> Fit:
     """The fit with the uncertainty of what it took as known.
 
     Args:
-        fit: of all of u and what is estimated beside.
+        fit: fit of all of u and what is estimated beside.
         moves: how its values answer to unit errors of the known quantities, shape (values, k).
-        covariance: of these, shape (k, k).
+        covariance: covariance of these, shape (k, k).
     """
     more = moves @ covariance @ moves.T
     return replace(fit, covariance=fit.covariance + more, covariance_robust=fit.covariance_robust + more)
@@ -198,9 +198,9 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
     """The fit with the uncertainty of offsets that it took from another result.
 
     Args:
-        fit: with the offsets held.
+        fit: fit with the offsets held.
         model: gives the places of the offsets in u.
-        basis: of what was free, shape (u, free).
+        basis: basis of what was free, shape (u, free).
         matrices: A, shape (n, 6, u).
         w: W for one sample, shape (6, 6).
         biases: the offsets and their covariance.
@@ -216,7 +216,7 @@ def drift_told(biases: Biases, model: Model, free: Fit) -> list[Finding]:
 
     Args:
         biases: as they were taken.
-        model: of the fit.
+        model: model of the fit.
         free: the fit with the offsets of the run itself.
     """
     offsets = [model.names.index(name) for name in OFFSET_NAMES]

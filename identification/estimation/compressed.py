@@ -93,7 +93,7 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
 
     Args:
         root: R, or any matrix with R^T R the information, shape (k, u).
-        names: of the u columns.
+        names: names of the u columns.
         rows: m n of the paper's numerical zero (Fig. 3).
         nuisance: so many of the last columns are no parameters of the model and are not counted.
 
@@ -170,7 +170,7 @@ def fit_along(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: of the free parameters theta, in their order.
+        names: names of the free parameters theta, in their order.
         weights: diagonal of W for one sample, shape (6,).
         compressed: of these.
         values: u(theta) at the minimum, shape (u,).
@@ -196,7 +196,7 @@ def with_kernel(fit: Fit, regressors: Array, filtered: Filtered = UNFILTERED) ->
     """A fit that allows for noise with memory by Bartlett's kernel, `long_run_covariance`.
 
     Args:
-        fit: by `fit_along`.
+        fit: fit by `fit_along`.
         regressors: A_j of that, shape (n, 6, u).
         filtered: what was done to regressors and forces before.
     """

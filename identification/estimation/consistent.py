@@ -35,7 +35,7 @@ class ConsistentFit:
             of the free one: the projection onto a convex set that holds the truth brings the estimate nearer to it
             (in the metric of F), so that the confidence ellipsoid of (28) holds the truth at least as often (ours).
         bound: whether the free estimate was inconsistent.
-        rise: of chi^2 by the constraint, over s0^2; 0 where it did not bind.
+        rise: rise of chi^2 by the constraint, over s0^2; 0 where it did not bind.
         p_value: probability that noise makes a consistent body look as inconsistent as this or more, at most; a tiny
             one says that the model or the data are wrong, not the luck.
         failure: why the solver failed, or None.
@@ -75,7 +75,7 @@ def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit
     Args:
         regressors: A_j, shape (n, 6, u); for the residuals.
         forces: shape (n, 6) [N, or N and N m].
-        names: of the u columns.
+        names: names of the u columns.
         free: estimate of a Gauss-Markov estimator of these; chi^2 rises from it by (u - free)^T F (u - free), F and s0
             being in its covariance.
         thinnest: rms distance of the body's mass from any plane through its centre of gravity, at least [m]. A sheet

@@ -35,7 +35,7 @@ def gauss_markov(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: of the u columns.
+        names: names of the u columns.
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
         nuisance: so many of the last columns are no parameters of the model: they are estimated too, and cost
             certainty, but rank and condition are told without them.
@@ -164,7 +164,7 @@ def independent_poses(regressors: Array, residuals: Array, weights: Array) -> Ar
 
     Args:
         regressors: A_j, shape (n, 6, u).
-        residuals: of a fit to these, shape (n, 6).
+        residuals: residuals of a fit to these, shape (n, 6).
         weights: diagonal of W for one sample, shape (6,).
     """
     root_weights = np.sqrt(weights)
@@ -214,7 +214,7 @@ def full_weights(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: of the u columns.
+        names: names of the u columns.
         nuisance: so many of the last columns are no parameters of the model.
         filtered: what was done to both before.
 

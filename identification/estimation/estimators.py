@@ -41,12 +41,12 @@ class FitProblem:
     """What stacked data do not say about themselves.
 
     Args:
-        model: that the first columns of the regressors belong to.
+        model: model that the first columns of the regressors belong to.
         pooled: all channels have the same noise, as identical sensors do; else each its own.
         nuisance: columns beyond the model's.
         filtered: what was done to regressors and forces before.
         alike: where they are not pooled, channels with the same number have the same noise.
-        noise: that the case states and that W follows from; forces and regressors are then multiplied with its
+        noise: noise that the case states and that W follows from; forces and regressors are then multiplied with its
             `whitening` before they are estimated from, after which all channels are alike.
     """
 
@@ -82,8 +82,8 @@ class Method:
     """How parameters are estimated.
 
     Args:
-        maker: of the estimator.
-        name: of the estimator, for results.
+        maker: function that makes the estimator.
+        name: name of the estimator, for results.
         known: exact values by linear or physical name [SI].
         dropped: linear parameters without a column.
         priors: uncertain knowledge.

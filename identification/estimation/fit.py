@@ -36,7 +36,7 @@ class Robust(NamedTuple):
     """What a run says of an estimate where noise is not white.
 
     Args:
-        covariance: of u, shape (u, u).
+        covariance: covariance of u, shape (u, u).
         findings: what noise it allows for.
         field: errors that depend on the pose, where the run shows them.
     """
@@ -58,7 +58,7 @@ class Fit:
         freedom: degrees of freedom of s0.
         residuals: f - A u, shape (n, 6) [N, or N and N m].
         weights: diagonal of W for one sample, shape (6,).
-        rank: of the scaled regressor.
+        rank: rank of the scaled regressor.
         condition: mu_1 / mu_u of the scaled regressor (26).
         findings: what the estimator did beside, as a constraint that bound, or a prior that moved it, and what speaks
             against it, as a prior that disagrees, or a search that did not settle.
@@ -112,7 +112,7 @@ def of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array)
 
     Args:
         whitening: root of W, shape (6, 6); None where nothing was whitened.
-        fit: to the whitened forces.
+        fit: fit to the whitened forces.
         matrices: A, not whitened, shape (n, 6, u).
         forces: not whitened, shape (n, 6) [N, or N and N m].
     """

@@ -36,12 +36,12 @@ class NonlinearFit:
     """An estimate in physical parameters.
 
     Args:
-        fit: in u, so that `physical_form` gives the values below back; rank and condition are those of the local
+        fit: fit in u, so that `physical_form` gives the values below back; rank and condition are those of the local
             Jacobian; None where the search failed.
         values: p, shape (p,); where the search failed the last ones.
-        covariance: of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p); None where
-            the search failed.
-        steps: of Gauss-Newton.
+        covariance: covariance of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p);
+            None where the search failed.
+        steps: steps of Gauss-Newton.
         failure: why it failed, or None.
     """
 
@@ -89,7 +89,7 @@ def nonlinear(
     Args:
         regressors: A_j, shape (n, 6, u); columns beyond the model's (a delay) are estimated too.
         forces: shape (n, 6) [N, or N and N m].
-        model: that the regressors belong to.
+        model: model that the regressors belong to.
         weights: diagonal of W for one sample, shape (6,).
         known: exact values of physical parameters, by name [SI].
         filtered: what was done to regressors and forces before.

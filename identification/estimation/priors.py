@@ -114,8 +114,8 @@ class PriorEffect(NamedTuple):
 
     Args:
         prior: the prior.
-        estimate: with it [SI].
-        std: of the estimate [SI].
+        estimate: estimate with it [SI].
+        std: standard deviation of the estimate [SI].
         moved: by how many of the standard deviations that the estimate would have without this prior the prior moved
             it; 0 where the data are silent.
         conflict: by how many standard deviations of their difference the prior is above data and other priors;
@@ -136,8 +136,8 @@ class PriorFit:
     """An estimate from data and priors.
 
     Args:
-        fit: of u; covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom
-            those of the data alone; None where the search failed.
+        fit: fit of u; covariances, rank and condition are those of data and priors together, s0 and its degrees of
+            freedom those of the data alone; None where the search failed.
         effects: one for each prior; none where the search failed.
         data_share: trace of the resolution matrix over u: the share of the unknowns that the data determine, 0 to 1.
         failure: why the search failed, or None.
@@ -162,7 +162,7 @@ def with_priors(
     Args:
         regressors: A_j, shape (n, 6, u); columns beyond the model's (a delay) have no prior.
         forces: shape (n, 6) [N, or N and N m].
-        model: that the regressors belong to.
+        model: model that the regressors belong to.
         weights: diagonal of W for one sample, shape (6,); s0 is estimated, only their ratios matter.
         priors: at most one for each name.
         filtered: what was done to regressors and forces before.

@@ -27,7 +27,7 @@ class Selection:
     """Which parameters of a model are estimated, and how u follows from them: u = offset + basis @ free.
 
     Args:
-        names: of the free parameters, in the order of (17).
+        names: names of the free parameters, in the order of (17).
         known: values that were given, by linear or physical name [SI].
         dropped: linear parameters that were left out, u = 0.
         offset: u0, shape (u,).
@@ -152,8 +152,8 @@ def estimate_selected(
     Args:
         regressors: A_j of the full model, shape (n, 6, u); columns beyond it (a delay) stay free.
         forces: shape (n, 6) [N, or N and N m].
-        names: of the u columns.
-        selection: of the model that the regressors belong to.
+        names: names of the u columns.
+        selection: selection of the model that the regressors belong to.
         estimator: what to estimate with.
 
     Returns:

@@ -287,9 +287,9 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
     """Raises IdentificationError where too much of a run is in contact.
 
     Args:
-        share: of its samples.
+        share: share of its samples.
         contacts: what is told of each.
-        model: that the forces leave.
+        model: model that the forces leave.
     """
     if share > MOST_TOUCHED:
         if model.needs_position and not model.needs_motion:

@@ -45,7 +45,7 @@ class Scan(NamedTuple):
     """What was found in a recording.
 
     Args:
-        findings: with places.
+        findings: findings with places.
         bad: samples that no estimate may use, shape (n,).
     """
 

@@ -232,11 +232,11 @@ class NoiseComponents:
     """Standard deviations of white noise of one recorded sample that would leave such residuals.
 
     Args:
-        force: of a force channel [N].
-        moment: of a moment channel of a force/torque sensor [N m]; None for bars.
-        acceleration: of the origin of {P}, in each direction [m/s^2].
-        angular: of the angular acceleration [rad/s^2].
-        share: of the residuals' variance, in units of the channels' own, that the accelerations explain.
+        force: standard deviation of a force channel [N].
+        moment: standard deviation of a moment channel of a force/torque sensor [N m]; None for bars.
+        acceleration: standard deviation of the acceleration of the origin of {P}, in each direction [m/s^2].
+        angular: standard deviation of the angular acceleration [rad/s^2].
+        share: share of the residuals' variance, in units of the channels' own, that the accelerations explain.
     """
 
     force: float
@@ -269,7 +269,7 @@ def noise_components(run: Run, fit: Fit, wrench: bool) -> NoiseComponents | None
     """Takes the residuals of a run apart; None where they are too few.
 
     Args:
-        run: that was fitted.
+        run: run that was fitted.
         fit: its values begin with u; its residuals are those of the forces behind the filter.
         wrench: whether the channels are three forces and three moments.
     """

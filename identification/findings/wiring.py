@@ -38,7 +38,7 @@ def require_wiring(recording: Recording, case: Case, model: Model, negative: boo
     Args:
         recording: a run that something speaks against.
         case: its case.
-        model: that its forces are compared with.
+        model: model that its forces are compared with.
         negative: whether the mass came out negative for certain.
     """
     if (found := other_wiring(recording, case, model, negative)) is not None:
@@ -85,7 +85,7 @@ class Data(NamedTuple):
     Args:
         forces: shape (n, 6) [N, or N and N m].
         slopes: their derivative, which a delay adds, shape (n, 6); None of standstills.
-        weights: of each channel, shape (6,).
+        weights: weights of each channel, shape (6,).
         struts: lengths, velocities and accelerations, each of shape (n, 6); None without struts.
         regressors: A as recorded, shape (n, 6, u); None where the struts do not close.
     """
@@ -103,7 +103,7 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     Args:
         recording: the run.
         case: its case.
-        model: that the forces are compared with.
+        model: model that the forces are compared with.
         negative: whether the mass came out negative for certain.
     """
     try:
@@ -243,9 +243,9 @@ def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int
     """Rms residuals of the forces in an order; infinite where the struts do not close, or a mass would be negative.
 
     Args:
-        data: of the run.
+        data: data of the run.
         matrices: A, shape (n, 6, u); None where the struts do not close.
-        order: of the forces.
+        order: order of the forces.
         mass: its place among the parameters, where it must not be negative.
     """
     nothing = Explained(float("inf"), float("inf"))

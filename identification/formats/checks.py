@@ -149,7 +149,7 @@ class Marked(NamedTuple):
     """A table with numbers only.
 
     Args:
-        table: in which every value is finite.
+        table: table in which every value is finite.
         missing: rows in which one stands for nothing, shape (n,); None: there are none.
         columns: those in which they are, as the file calls them.
     """

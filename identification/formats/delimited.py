@@ -59,9 +59,9 @@ def rows_of(
     """Turns lines of numbers into tables.
 
     Args:
-        file: for messages.
+        file: file for messages.
         blocks: the lines.
-        names: of all their fields.
+        names: names of all their fields.
         chosen: the fields that are wanted.
         dialect: how numbers are written.
         tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.

@@ -73,7 +73,7 @@ def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form
     """Raises RecordingError unless some of the names are ours; looks for ours elsewhere in the header.
 
     Args:
-        file: for the message.
+        file: file for the message.
         names: found in line `row`.
         lines: the first lines of the file.
         form: what the names should be.

@@ -28,8 +28,8 @@ class TextLayout:
         dialect: separator, decimal sign and encoding.
         header_rows: lines above the numbers.
         names_row: which of them holds the names, counted from 1; 0: none does.
-        names: of the columns; numbered where the file has none.
-        units: of the columns, where a line of the header holds them; else empty.
+        names: names of the columns; numbered where the file has none.
+        units: units of the columns, where a line of the header holds them; else empty.
         numeric: whether each column holds numbers.
         trailing_rows: lines below the numbers.
         cut_off: whether the last line ends early.

@@ -34,6 +34,7 @@ from identification.formats.text import Fields, parse, read_blocks, require_file
 CUTOFF_HZ = 40.0  # of a proposal where the case states none
 _USUAL_RATE = 1000.0
 _FORCES_OVER_WEIGHT = (0.02, 50.0)  # how much forces change in a motion, over the weight that is moved
+_MOST_RADIANS = 6.5  # of joints; in degrees one of them is beyond that in any motion
 _STANDSTILLS = 300  # rows without a clock, from which on they are taken for a motion
 
 
@@ -53,7 +54,9 @@ def look(file: Path | str, case: Case | None = None) -> Look:
         parquet = stream.read(4) == b"PAR1"
     layout = None if parquet else layout_of(file)
     names, columns = _parquet(file) if layout is None else _numbers(file, layout)
-    places, units = matched(names, layout.units if layout is not None else ())
+    chain = None if case is None else case.chain
+    joints = None if chain is None else dict(zip((j.name for j in chain.joints), chain.columns, strict=True))
+    places, units = matched(names, layout.units if layout is not None else (), joints)
     places = {ours: k for ours, k in places.items() if k in columns}
     scope = layout is not None and layout.format == "twincat-scope"
     if scope:
@@ -163,6 +166,7 @@ def _units(
 ) -> dict[str, str]:
     """Units that names do not state, from the values; what is a guess is added to `guessed`."""
     units: dict[str, str] = {}
+    chain = None if case is None else case.chain
     if CLOCK in places and CLOCK not in stated:
         steps = np.diff(columns[places[CLOCK]])
         step = float(np.median(steps)) if len(steps) else 0.0
@@ -177,6 +181,13 @@ def _units(
         unit = _strut_unit([columns[places[name]] for name in STRUTS], case)
         units |= dict.fromkeys(STRUTS, unit) if unit else {}
         guessed |= set(STRUTS) if unit not in (None, "mm") else set()
+    turning = [
+        ours for ours in (chain.columns if chain is not None else ()) if ours.endswith("_deg") and ours in places
+    ]
+    if turning and not {*turning} & stated.keys():
+        widest = max(float(np.nanmax(np.abs(columns[places[ours]]))) for ours in turning)
+        units |= dict.fromkeys(turning, "rad") if widest <= _MOST_RADIANS else {}
+        guessed |= set(turning) if widest <= _MOST_RADIANS else set()
     for group in (BAR_FORCES, WRENCH[:3]):
         if group[0] in places and group[0] not in stated and case is not None and case.nominal is not None:
             weight = case.nominal.mass_kg * float(np.linalg.norm(case.gravity))

@@ -27,7 +27,7 @@ class Column:
     Args:
         name: as the file has it.
         ours: our name of it; None: it means nothing to hexcite, or nobody knows what.
-        unit: that the file is taken to use; empty where there is none.
+        unit: unit that the file is taken to use; empty where there is none.
         guessed: whether meaning or unit follow from the values alone.
         values: numbers, shape (n,); empty where the column holds text.
     """
@@ -45,8 +45,8 @@ class Look:
 
     Args:
         file: the file.
-        rows: of numbers.
-        columns: in the order of the file.
+        rows: rows of numbers.
+        columns: columns in the order of the file.
         settings: proposal for `[recording]` of the case, by key.
         odd: what to look at, one sentence each.
         reads: whether the file is read with these settings.
@@ -132,7 +132,7 @@ def oddities(found: Look, layout: TextLayout | None, case: Case | None) -> Itera
     guesses = [c.name for c in found.columns if c.guessed and c.ours != CLOCK]
     if guesses:
         names = ", ".join(map(shown, guesses))
-        yield f"guessed from values, not from names: {names}; compare order and unit with the recorder's settings"
+        yield f"meaning or unit guessed from values: {names}; compare order and unit with the recorder's settings"
     if (possible := strut_range(case)) is not None and STRUTS[0] in known:
         low, high = (limit / MM for limit in possible)
         factor = units_of(STRUTS[0])[known[STRUTS[0]].unit] / MM

@@ -29,16 +29,20 @@ _KNOWN = ("s", "ms", "us", "ns", "mm", "m", "um", "nm", "cm", "in", "N", "kN", "
 _BRACKETED = re.compile(r"[\[(<]\s*([^\])>]*?)\s*[\])>]")
 _SUFFIX = re.compile(r"(?<=[A-Za-z0-9])[_ /]+([A-Za-zµμ%/]+)$")
 _COMMANDED = re.compile(r"soll|target|cmd|command|setp|desired|_ref")
-_RATE = re.compile(r"vel|speed|geschw|ld\d|qd\d")
+_RATE = re.compile(r"vel|speed|geschw|ld_?\d|qd_?\d")
 _NUMBERED: tuple[tuple[str, Sequence[str], Sequence[str]], ...] = (
     (r"(?:strut|leg|bein|strebe)\D*(\d)|^(?:l|ld|len|length|laenge)(\d)", STRUTS, STRUT_VELOCITIES),
     (r"(?:force|kraft|loadcell|dms)\D*(\d)|^(?:f|fs|lc|sensor)(\d)", BAR_FORCES, ()),
-    (r"(?:axis|achse|drive|antrieb|joint|motor|actpos|enc)\D*(\d)|^(?:q|qd|j)(\d)", DRIVES, DRIVE_VELOCITIES),
+    (
+        r"(?:axis|achse|drive|antrieb|joint|motor|actpos|enc)\D*(\d)|(?:^|actual|target)(?:q|qd|j)(\d)",
+        DRIVES,
+        DRIVE_VELOCITIES,
+    ),
 )
 _LETTERED: tuple[tuple[str, Sequence[str]], ...] = (
-    (r"(?:^|\W|_)(?:f|force|kraft)[_ ]?([xyz])$", WRENCH[:3]),
-    (r"(?:^|\W|_)(?:m|t|moment|torque|drehmoment)[_ ]?([xyz])$", WRENCH[3:]),
-    (r"(?:^|\W|_)(?:a|acc|accel)[_ ]?([xyz])$", ACCELEROMETER),
+    (r"(?:^|\W|_)(?:f|force|kraft)[_ ./]?([xyz])$", WRENCH[:3]),
+    (r"(?:^|\W|_)(?:m|t|moment|torque|drehmoment)[_ ./]?([xyz])$", WRENCH[3:]),
+    (r"(?:^|\W|_)(?:a|acc|accel)[_ ./]?([xyz])$", ACCELEROMETER),
     (r"(?:^|\W|_)(?:r|rot)[_ ]?([xyz])$", POSE[3:]),
     (r"^([xyz])(?:_?(?:pos|act|ist))?$", POSE[:3]),
 )
@@ -55,12 +59,15 @@ GROUPS = (STRUTS, STRUT_VELOCITIES, DRIVES, DRIVE_VELOCITIES, POSE, ROTATION, AC
 """Columns that belong together: one of them is nothing without the others."""
 
 
+_OF_DRIVES = (DRIVES, DRIVE_VELOCITIES)
+
+
 class Named(NamedTuple):
     """What the name of a column says.
 
     Args:
         ours: our name of it; None: it says nothing.
-        unit: that it states; None: none.
+        unit: unit that it states; None: none.
         commanded: whether it is what was asked for, not what was measured.
     """
 
@@ -116,12 +123,15 @@ def _ours(key: str) -> str | None:
     return None
 
 
-def matched(names: Sequence[str], units: Sequence[str]) -> tuple[dict[str, int], dict[str, str]]:
+def matched(
+    names: Sequence[str], units: Sequence[str], joints: Mapping[str, str] | None = None
+) -> tuple[dict[str, int], dict[str, str]]:
     """Our columns among a file's, and the units that names state.
 
     Args:
-        names: of the file's columns.
-        units: of the file's columns, or empty.
+        names: names of the file's columns.
+        units: units of the file's columns, or empty.
+        joints: name of each joint of a chain, from the base -> our column; None: the machine is not a chain.
 
     Returns:
         Our name -> position in the file; our name -> unit. Numbers that count from 0 are shifted; of two columns for
@@ -135,7 +145,10 @@ def matched(names: Sequence[str], units: Sequence[str]) -> tuple[dict[str, int],
         if ours is not None:
             places.setdefault(ours, k)
     shifted = dict(_from_one(places))
-    whole = {ours: k for ours, k in shifted.items() if _is_whole(ours, shifted)}
+    if joints is not None:
+        shifted = _of_joints(names, shifted, joints)
+    groups = GROUPS if joints is None else (tuple(joints.values()), *(g for g in GROUPS if g not in _OF_DRIVES))
+    whole = {ours: k for ours, k in shifted.items() if _is_whole(ours, shifted, groups)}
     stated = {ours: unit for ours, k in whole.items() if (unit := said[k].unit) is not None}
     return whole, stated
 
@@ -153,8 +166,20 @@ def _from_one(places: Mapping[str, int]) -> Iterator[tuple[str, int]]:
     yield from ((ours, k) for ours, k in places.items() if ours in COLUMNS and ours not in numbered)
 
 
-def _is_whole(ours: str, places: Mapping[str, int]) -> bool:
-    group = next((group for group in GROUPS if ours in group), (ours,))
+def _of_joints(names: Sequence[str], places: Mapping[str, int], joints: Mapping[str, str]) -> dict[str, int]:
+    """Drives that are the joints of a chain: by the joints' own names in those of the columns, else by numbers."""
+    found = {ours: k for ours, k in places.items() if not any(ours in group for group in _OF_DRIVES)}
+    for number, (joint, ours) in enumerate(joints.items()):
+        called = [k for k, name in enumerate(names) if joint.lower() in name.lower() and not named(name).commanded]
+        numbered = places.get(f"q{number + 1}_mm", places.get(ours))
+        place = called[0] if len(called) == 1 else numbered
+        if place is not None:
+            found[ours] = place
+    return found
+
+
+def _is_whole(ours: str, places: Mapping[str, int], groups: Sequence[Sequence[str]]) -> bool:
+    group = next((group for group in groups if ours in group), (ours,))
     return all(column in places for column in group)
 
 
@@ -162,7 +187,7 @@ def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]
     """Six free columns next to each other, by names that differ in a number only: each of them may be six channels.
 
     Args:
-        names: of the file's columns.
+        names: names of the file's columns.
         free: positions that mean nothing yet.
     """
     for start in range(len(free) - 5):

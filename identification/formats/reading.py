@@ -127,7 +127,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     """Reads the files of one run, told apart by their columns.
 
     Args:
-        paths: in any order; at least one.
+        paths: paths in any order; at least one.
         case: says which columns to expect and how the files write them.
 
     Returns:

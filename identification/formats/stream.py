@@ -31,12 +31,12 @@ class Stream:
         t: time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill.
         struts: what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad].
         rotations: R, shape (n, 3, 3).
-        forces: of the sensors, shape (n, 6) [N, or N and N m].
+        forces: forces of the sensors, shape (n, 6) [N, or N and N m].
         trigger: shape (n,).
         strut_velocities: measured, shape (n, 6) [m/s].
-        poses: of {P} in {B}, shape (n, 6) [m, rad].
+        poses: poses of {P} in {B}, shape (n, 6) [m, rad].
         specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
-        override: of the feed, shape (n,); 1 is none.
+        override: override of the feed, shape (n,); 1 is none.
         lines: where the rows stand in the file.
         missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
         missing_in: the columns in which they are, as the file calls them.
@@ -77,8 +77,8 @@ class Averaged(NamedTuple):
 
     Args:
         ratio: samples of the forces in an interval.
-        interval: of the motion [s].
-        noise: of a sample, from the differences of neighbours, shape (6,) [N, or N and N m].
+        interval: interval of the motion [s].
+        noise: noise of a sample, from the differences of neighbours, shape (6,) [N, or N and N m].
     """
 
     ratio: float
@@ -95,7 +95,7 @@ class Averaged(NamedTuple):
 
         Args:
             w: W of (24) for one sample, shape (6, 6).
-            s0: of the fit.
+            s0: s0 of the fit.
         """
         expected = float(np.sqrt(np.trace(w @ np.diag(self.expected**2)) / 6.0))
         told = {
@@ -124,20 +124,20 @@ class Recording:
         t: time, shape (n,) [s]; None: every row is an averaged standstill.
         struts: what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad].
         rotations: R, shape (n, 3, 3).
-        forces: of the sensors, shape (n, 6) [N, or N and N m].
+        forces: forces of the sensors, shape (n, 6) [N, or N and N m].
         trigger: shape (n,).
         strut_velocities: measured, shape (n, 6) [m/s].
-        poses: of {P} in {B}, shape (n, 6) [m, rad].
+        poses: poses of {P} in {B}, shape (n, 6) [m, rad].
         specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
         others: what was sampled by other clocks, on the same time axis.
         lines: where the rows stand in the file.
-        weights: of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
+        weights: weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
         averaged: how forces were averaged that were sampled faster than the motion.
-        override: of the feed, shape (n,); 1 is none.
+        override: override of the feed, shape (n,); 1 is none.
         missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
         missing_in: the columns in which they are, as the file calls them.
-        case: that it is of; None where that is not known.
-        paths: of the files that it was read from.
+        case: case that it is of; None where that is not known.
+        paths: paths of the files that it was read from.
         record: what `recording.json` says of the run; empty where there is none.
     """
 

@@ -22,7 +22,7 @@ class Lines:
         first: number of the line of the first row, counted from 1.
         skipped: numbers of lines behind it that hold no row, ascending.
         word: what the file's rows are called.
-        every: of the file's rows only each so-manyth is one of the samples.
+        every: distance of the samples among the file's rows.
         inserted: rows that stand in no line, counted from 0 and ascending, before only each so-manyth is taken.
     """
 
@@ -57,7 +57,7 @@ class ColumnTable:
         source: the file, for messages.
         names: all columns that the file has, as it calls them.
         values: our column name -> numbers, shape (n,); missing ones are NaN. Only columns that we know.
-        stamps: of the clock, shape (n,), as the file counts; integers where it writes such. None: no clock.
+        stamps: stamps of the clock, shape (n,), as the file counts; integers where it writes such. None: no clock.
         tick: duration of one unit of the stamps [s].
         lines: where the rows stand.
     """

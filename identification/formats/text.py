@@ -40,10 +40,10 @@ class TextFormat:
     """How a text file writes its numbers.
 
     Args:
-        delimiter: between the fields of a line.
+        delimiter: delimiter between the fields of a line.
         decimal: sign, point or comma.
         missing: fields that stand for no value; without them an empty field is an error.
-        encoding: of the text.
+        encoding: encoding of the text.
     """
 
     delimiter: str
@@ -190,7 +190,7 @@ class Fields:
     """Which fields of each line are wanted.
 
     Args:
-        names: of all fields, as the file calls them, in their order.
+        names: names of all fields, as the file calls them, in their order.
         numbers: positions of measured values.
         stamps: positions of clocks; they stay integers where the file writes integers.
     """
@@ -250,9 +250,9 @@ def explain(
     Args:
         file: where the block is from.
         block: the lines.
-        names: of all fields.
+        names: names of all fields.
         wanted: positions of the fields that must be numbers.
-        dialect: of the file.
+        dialect: dialect of the file.
         cause: what the parser said, for damage that is not understood here.
     """
     for number, raw, ends in _lines(block):

@@ -37,8 +37,8 @@ class Turned(NamedTuple):
         taken: C, the fit takes C_k times that away from channel k, shape (n, 6, u).
         noise: residuals, of variance 1 but for degrees of freedom, shape (n, 6).
         freedom: degrees of freedom of a channel.
-        places: of the samples in a series of equal steps, from 0 upwards, shape (n,).
-        share: of the run's samples that these are; noise in all of them tells that much more.
+        places: places of the samples in a series of equal steps, from 0 upwards, shape (n,).
+        share: share of the run's samples that these are; noise in all of them tells that much more.
     """
 
     half: Array
@@ -72,7 +72,7 @@ def turned(regressors: Array, residuals: Array, weights: Array, places: Places |
         regressors: A_j, shape (n, 6, u), of full rank.
         residuals: f - A u of the weighted fit, shape (n, 6).
         weights: diagonal of W for one sample, shape (6,).
-        places: of the samples in a series of equal steps, ascending, shape (n,); by default one after the other.
+        places: places of the samples in a series of equal steps, ascending, shape (n,); by default one after the other.
     """
     samples, sensors, unknowns = regressors.shape
     root = np.sqrt(weights)

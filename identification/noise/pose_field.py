@@ -63,7 +63,7 @@ def matern(distance: Array) -> tuple[Array, Array]:
     """Matern's correlation of smoothness 3/2, and its derivative by the logarithm of the length.
 
     Args:
-        distance: in lengths.
+        distance: distance in lengths.
     """
     scaled = np.sqrt(3.0) * distance
     fading = np.exp(-scaled)

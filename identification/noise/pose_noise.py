@@ -88,7 +88,7 @@ def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[
 
     Args:
         left: samples.
-        family: of covariances.
+        family: family of covariances.
         start: parameters to begin with, shape (p,).
         bounds: least and most of each, shape (p, 2).
     """
@@ -129,7 +129,7 @@ def shares_by_channel(left: Left, kernels: Array, shares: Array) -> Array:
     Args:
         left: samples.
         kernels: covariances of the noises, shape (c, m, m).
-        shares: that are the likeliest for all channels alike, shape (c,).
+        shares: shares that are the likeliest for all channels alike, shape (c,).
     """
     found = _solved(left, np.tensordot(shares, kernels, 1))
     channels, count = left.noise.shape[1], len(kernels)
@@ -167,7 +167,7 @@ class ByPose(NamedTuple):
     """A field of errors over the pose.
 
     Args:
-        covariance: of u, with noise that has memory, shape (u, u).
+        covariance: covariance of u, with noise that has memory, shape (u, u).
         share: variance of the field over that of the residuals; more than 1 where the fit took some.
         length: distance in the space of the struts' lengths at which errors are half alike [m].
     """
@@ -267,7 +267,7 @@ def _felt_field(found: Turned, places: Array, shares: Array) -> Array:
 
     Args:
         found: gives the answer to errors.
-        places: in lengths of the field, shape (n, 6).
+        places: places in lengths of the field, shape (n, 6).
         shares: shape (6,).
     """
     apart = places - places.mean(axis=0)

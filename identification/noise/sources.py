@@ -60,15 +60,16 @@ class NoiseSources:
     """Shares of s0^2; estimates, since s0 is one.
 
     Args:
-        force_sensors: of the stated noise of the forces; None where none is stated.
-        accelerations: of what the stated noise of struts and accelerations does to the forces; None where none is
-            stated.
-        acceleration_std: of a strut acceleration behind the filter [m/s^2]; None where no noise of struts is stated.
+        force_sensors: share of the stated noise of the forces; None where none is stated.
+        accelerations: share of what the stated noise of struts and accelerations does to the forces; None where
+            none is stated.
+        acceleration_std: standard deviation of a strut acceleration behind the filter [m/s^2]; None where no noise of
+            struts is stated.
         equivalent_force_noise: white noise of the recorded forces that leaves as large residuals as that of the
             accelerations, in units of s0; None where none is stated. Errors of struts reach the accelerations mostly
             near the cut-off, where the motion tells nothing: they scatter the parameters far less than such white
             noise, which is what `std_robust` beside (28) shows.
-        bias: of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes
+        bias: bias of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes
             up half of what the run tells of a parameter.
     """
 
@@ -115,11 +116,11 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
     """Compares what a case states about its noise with what a Gauss-Markov fit left.
 
     Args:
-        run: that was fitted.
+        run: run that was fitted.
         fit: its values begin with u; its covariance is (28).
         w: W for one sample, shape (6, 6).
-        delay: of the forces [s].
-        sensors: with noise of forces, of struts or both.
+        delay: delay of the forces [s].
+        sensors: sensors with noise of forces, of struts or both.
     """
     effect = None
     if sensors.strut_variance is not None or sensors.acceleration_noise is not None:
@@ -135,8 +136,8 @@ class RegressorNoise(NamedTuple):
 
     Args:
         moment: D, the expected sum over its samples of dA^T W dA, shape (u, u).
-        samples: that it is of.
-        variance: of the accelerations of a strut, by noise of the struts [m^2/s^4].
+        samples: samples that it is of.
+        variance: variance of the accelerations of a strut, by noise of the struts [m^2/s^4].
     """
 
     moment: Array
@@ -154,8 +155,8 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
     Args:
         run: gives the motion.
         w: W for one sample, shape (6, 6).
-        delay: of the forces [s].
-        sensors: with noise of struts, of accelerations or both.
+        delay: delay of the forces [s].
+        sensors: sensors with noise of struts, of accelerations or both.
     """
     unknowns = len(run.model.parameters)
     moment = np.zeros((unknowns, unknowns))
@@ -179,11 +180,11 @@ def sources_of(effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filt
     """What a case states beside what a Gauss-Markov fit left.
 
     Args:
-        effect: of noise of struts and accelerations; None where none is stated.
+        effect: effect of noise of struts and accelerations; None where none is stated.
         fit: its values begin with u; its covariance is (28).
         w: W for one sample, shape (6, 6).
         filtered: what the filter did to white noise.
-        sensors: with noise of forces, of struts or both.
+        sensors: sensors with noise of forces, of struts or both.
     """
     squared = max(fit.s0**2, np.finfo(float).tiny)
     force_share = None
@@ -214,10 +215,10 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
     """The bias of u as that of physical parameters.
 
     Args:
-        form: of the model.
+        form: form of the model.
         u: as estimated, shape (u,).
-        bias: of it, shape (u,).
-        std: of the physical parameters as reported, shape (parameters,).
+        bias: bias of it, shape (u,).
+        std: standard deviation of the physical parameters as reported, shape (parameters,).
     """
     nothing = np.zeros((len(u), len(u)))
     values = form.of(u, nothing)[0]
@@ -260,8 +261,8 @@ def strut_noise_moment(run: PeriodicRun, motion: Kinematics, sensors: Sensors, w
 
     Args:
         run: the run.
-        motion: at its fine instants.
-        sensors: with noise of the struts.
+        motion: motion at its fine instants.
+        sensors: sensors with noise of the struts.
         w: W for one sample, shape (6, 6).
     """
     periods = len(run.scatter.series) if run.scatter is not None else 1

@@ -28,9 +28,9 @@ class StatedNoise:
     """White noise of one recorded sample.
 
     Args:
-        model: that turns accelerations into forces.
+        model: model that turns accelerations into forces.
         force: standard deviation of each channel, shape (6,) [N, or N and N m].
-        acceleration: of each component of the twist rate, shape (6,) [m/s^2, rad/s^2].
+        acceleration: acceleration of each component of the twist rate, shape (6,) [m/s^2, rad/s^2].
     """
 
     model: Model

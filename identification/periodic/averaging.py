@@ -54,11 +54,11 @@ class PeriodicRun:
         model: gives A.
         hexapod: kinematics.
         recording: bad samples mended.
-        part: that repeats.
+        part: part that repeats.
         used: recorded samples of the periods that are evaluated, shape (n of the recording,).
         struts: their motion, with some harmonics more than the forces: oscillations mix in the regressor [m].
-        forces_series: of H harmonics [N, or N and N m].
-        scatter: of the periods' forces; None where there is one period.
+        forces_series: Fourier series of the forces, of H harmonics [N, or N and N m].
+        scatter: scatter of the periods' forces; None where there is one period.
         chosen: whether the number of harmonics was chosen here.
         limited: whether the filter's cut-off bounded it.
         window: what is found about the window.
@@ -172,7 +172,7 @@ class PeriodicRun:
             matrices: A, whitened where there is a whitening, shape (2 H + 1, 6, u).
             residuals: not needed, for noise is what does not repeat.
             weights: diagonal of W of these, shape (6,).
-            whitening: of the forces, shape (6, 6).
+            whitening: whitening of the forces, shape (6, 6).
         """
         if self.scatter is None:
             return None
@@ -258,7 +258,7 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic,
     """The part of a moving run that repeats itself.
 
     Args:
-        recording: with struts and a clock.
+        recording: recording with struts and a clock.
         case: machine; its filter's cut-off bounds the harmonics.
         model: gives A.
         wish: period and harmonics, where they are given.

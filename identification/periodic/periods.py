@@ -73,8 +73,8 @@ def each_period(t: Array, values: Array, part: RepeatingPart, harmonics: int) ->
     Args:
         t: time of all samples, shape (n,) [s].
         values: shape (n, channels).
-        part: that repeats.
-        harmonics: of each series; less than half of the samples of a period.
+        part: part that repeats.
+        harmonics: harmonics of each series; less than half of the samples of a period.
     """
     start = float(t[part.first])
     inside = np.arange(part.first, part.end)
@@ -173,7 +173,7 @@ def telling_harmonics(motion: FourierSeries, periods: PeriodScatter, t: Array, s
         motion: series of all harmonics that may be used.
         periods: the same, period by period.
         t: time of the recording, shape (n,) [s].
-        struts: of the recording, shape (n, 6) [m].
+        struts: struts of the recording, shape (n, 6) [m].
     """
     count = len(periods.series)
     floor = _floor(motion, periods, t, struts)

@@ -257,7 +257,7 @@ class FourierSeries(NamedTuple):
 
         Args:
             t: instants, shape (n,) [s].
-            order: of the derivative, 0, 1, 2, ..
+            order: order of the derivative, 0, 1, 2, ..
 
         Returns:
             Shape (n, channels).
@@ -319,7 +319,7 @@ def refined_period(t: Array, values: Array, period: float, harmonics: int) -> fl
     Args:
         t: instants, shape (n,) [s], over two periods or more.
         values: shape (n, channels), of like size.
-        period: to start from, off by less than a quarter of the shortest oscillation over the whole run [s].
+        period: period to start from, off by less than a quarter of the shortest oscillation over the whole run [s].
         harmonics: H.
     """
     start, span = float(t[0]), float(t[-1] - t[0])

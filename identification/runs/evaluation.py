@@ -37,10 +37,10 @@ class Run:
     """A moving run, ready to be evaluated at any delay between forces and motion.
 
     Args:
-        recording: with struts and a clock.
+        recording: recording with struts and a clock.
         model: gives A.
         machine: kinematics.
-        filter: for both sides.
+        filter: filter for both sides.
         rows: samples that are evaluated, counted after the filter's margin, shape (n,).
         samples: recorded samples of the window that they stand for.
         window: what is found about the window.

@@ -65,7 +65,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     """A moving run with its window found.
 
     Args:
-        recording: with struts and a clock.
+        recording: recording with struts and a clock.
         case: machine and filter.
         model: gives A.
         whole: evaluate all samples, not only the excitation.

@@ -33,7 +33,7 @@ def on_one_clock(recording: Recording, case: Case) -> Recording:
 
     Args:
         recording: any; without a clock or a machine, or with one rate, it is returned as it is.
-        case: with the machine whose struts were recorded, and the range of the sensors.
+        case: case with the machine whose struts were recorded, and the range of the sensors.
 
     Raises:
         RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
@@ -182,7 +182,7 @@ def interval_means(t: Array, values: Array, centres: Array, interval: float) -> 
     Args:
         t: increasing, shape (n,) [s].
         values: shape (n, channels).
-        centres: of the intervals, which lie inside t, shape (m,) [s].
+        centres: centres of the intervals, which lie inside t, shape (m,) [s].
         interval: their length [s].
 
     Returns:

@@ -58,8 +58,8 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
 
     Args:
         run: without.
-        fit: of it; its values begin with u.
-        basis: of the free parameters, shape (u, free).
+        fit: fit of it; its values begin with u.
+        basis: basis of the free parameters, shape (u, free).
         w: W for one sample, shape (6, 6).
         delay: as estimated [s].
     """
@@ -122,7 +122,7 @@ def below(case: Case, told: Any) -> Case | None:
     """The case with a low-pass at half the mode that an estimate was told of; None where it is as low already.
 
     Args:
-        case: with a filter.
+        case: case with a filter.
         told: `structural_mode_Hz` of the estimate; None where none is seen.
     """
     cutoff = case.recording.filter_cutoff_Hz

@@ -66,7 +66,7 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     With a trigger: where it is on. Without: where the struts stand, less the time to settle.
 
     Args:
-        recording: with struts and a clock.
+        recording: recording with struts and a clock.
         settle: time after a movement that is not averaged, where there is no trigger [s].
 
     Raises:
@@ -102,8 +102,8 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
     """Means of forces and struts over each standstill.
 
     Args:
-        recording: with struts and a clock.
-        windows: of at least ten rows each.
+        recording: recording with struts and a clock.
+        windows: windows of at least ten rows each.
 
     Raises:
         RecordingError: a standstill has too few samples with all values.

@@ -32,7 +32,7 @@ class CircularMove:
     Args:
         start: pose, shape (6,) [m, rad].
         end_angles: roll, pitch, yaw at the end, shape (3,) [rad].
-        plane: in which it lies.
+        plane: plane in which it lies.
         centre: along the plane's first and second axis, absolute in {B}, shape (2,) [m].
         angle: turned about the plane's normal, positive counter-clockwise seen from its positive end; 2 pi is a full
             circle, at most that [rad].
@@ -124,7 +124,7 @@ def fastest_circle(
 
     Args:
         start: pose, shape (6,) [m, rad].
-        plane: in which it lies.
+        plane: plane in which it lies.
         centre: along the plane's axes, shape (2,) [m].
         angle: see `CircularMove` [rad].
         rate: limits, shape (6,).

@@ -25,9 +25,9 @@ class OnlineProfile:
     """Phases of constant jerk over the share of the way covered, from rest to rest; a `TimeLaw`.
 
     Args:
-        lengths: of the phases, shape (k,) [s].
+        lengths: lengths of the phases, shape (k,) [s].
         jerks: shape (k,) [1/s^3].
-        duration: in whole cycles: after the last phase the move rests until its cycle is over [s].
+        duration: duration in whole cycles: after the last phase the move rests until its cycle is over [s].
     """
 
     lengths: Array
@@ -83,7 +83,7 @@ def online_move(
         rate: limits of the coordinates, shape (6,), above 0; infinity where there is none.
         acceleration: likewise.
         jerk: likewise.
-        cycle: of the controller; moves last whole cycles [s].
+        cycle: cycle of the controller; moves last whole cycles [s].
 
     Raises:
         UntimedMove: an argument has the wrong length, is no number or out of range, or ruckig finds no profile.
@@ -105,7 +105,7 @@ def online_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
         velocity: limit [1/s].
         acceleration: limit [1/s^2].
         jerk: limit [1/s^3].
-        cycle: of the controller [s].
+        cycle: cycle of the controller [s].
 
     Raises:
         UntimedMove: a limit is not a finite number above 0, or ruckig finds no profile.

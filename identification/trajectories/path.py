@@ -49,7 +49,7 @@ def executed_information(model: Model, scaling: Array, execution: Execution, win
         scaling: diagonal of H, shape (u,).
         execution: what the controller did.
         windows: when it ran the excitation, shape (k, 2) [s].
-        cutoff: of the low-pass [Hz].
+        cutoff: cutoff of the low-pass [Hz].
     """
     low_pass = Filter(cutoff, 1.0 / RATE)
     t = np.arange(int(execution.duration * RATE) + 1) / RATE

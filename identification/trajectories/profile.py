@@ -124,7 +124,7 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
 
     Args:
         way: how far each coordinate moves, at least one of them, shape (n,) [m or rad].
-        limits: of rates, accelerations or jerks, shapes (n,), or one number for all.
+        limits: limits of rates, accelerations or jerks, shapes (n,), or one number for all.
     """
     moves = way > 0.0
     return [float(np.min(np.broadcast_to(limit, way.shape)[moves] / way[moves])) for limit in limits]

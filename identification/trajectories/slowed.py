@@ -13,7 +13,7 @@ class Slowed:
     """A motion at a share of its speed: the same path, everything else slower.
 
     Args:
-        motion: at full speed.
+        motion: motion at full speed.
         speed: share of it, above 0.
     """
 

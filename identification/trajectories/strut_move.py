@@ -27,8 +27,8 @@ class Deviation(NamedTuple):
     """How far a path leaves the straight way between its ends.
 
     Args:
-        position: of the origin [m].
-        angle: of (roll, pitch, yaw) [rad].
+        position: position of the origin [m].
+        angle: angle of (roll, pitch, yaw) [rad].
     """
 
     position: float

@@ -49,7 +49,7 @@ class BoxDerivative:
     """Bounds of d over cells of angles and angular rates; see `planner.bounds.branch.Bounding`.
 
     Args:
-        features: of the case and model.
+        features: features of the case and model.
         form: Q of the design.
     """
 

@@ -34,7 +34,7 @@ class Design:
         states: as shares of the half widths of the box, shape (n, 18).
         weights: shape (n,), adding up to 1.
         logdet: log det F, reference scaling.
-        maximum: of the directional derivative over the box.
+        maximum: maximum of the directional derivative over the box.
     """
 
     states: Array
@@ -49,7 +49,7 @@ def optimal_design(
     """Finds the design.
 
     Args:
-        features: of the case and model.
+        features: features of the case and model.
         gap: wanted dmax / u - 1.
         deadline: `time.process_time()` at which to stop [s].
         progress: told the state of things now and then.
@@ -96,7 +96,7 @@ def improved_weights(products: Array, weights: Array, size: int, gap: float, ste
 
     Args:
         products: A_i^T A_i of each state as a row, shape (n, u * u).
-        weights: to start from, shape (n,), adding up to 1.
+        weights: weights to start from, shape (n,), adding up to 1.
         size: u.
         gap: see above.
         steps: at most.

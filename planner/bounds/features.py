@@ -36,7 +36,7 @@ class Features:
     Args:
         coefficients: W^1/2 A = sum_k y_k coefficients[k], in reference scaling, shape (21, 6, u).
         table: angles (3,) -> T, shape (21, 15).
-        middle: of the box: x, y, z, roll, pitch, yaw, then 12 zeros, shape (18,) [m, rad].
+        middle: middle of the box: x, y, z, roll, pitch, yaw, then 12 zeros, shape (18,) [m, rad].
         half: half widths of the box, shape (18,) [SI].
     """
 

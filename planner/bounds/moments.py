@@ -63,7 +63,7 @@ class Moments:
     Args:
         equal: coefficients, shape (m, 6 + 36 + 9 + 6).
         at_most: coefficients, shape (k, 6 + 36 + 9 + 6).
-        constant: of `at_most`, shape (k,).
+        constant: constant of `at_most`, shape (k,).
     """
 
     equal: Array
@@ -115,10 +115,10 @@ class Multipliers:
     """Lagrange multipliers, summed up as one function of the state: its mean is at most 0 for every such motion.
 
     Args:
-        linear: of a_j, shape (6,).
+        linear: coefficients of a_j, shape (6,).
         mixed: of q_i a_j, shape (6, 6).
-        rates: of v_i v_j of the angles, shape (3, 3).
-        squares: of a_i^2, shape (6,).
+        rates: rates of v_i v_j of the angles, shape (3, 3).
+        squares: coefficients of a_i^2, shape (6,).
         constant: added.
     """
 

@@ -72,11 +72,11 @@ def tight_design(
 
     Args:
         case: gives the limits.
-        features: of the case and model.
+        features: features of the case and model.
         gap: how far the proven maximum may lie above the largest value that was met, as a share, to count as proven.
         deadline: `time.process_time()` at which to stop [s]; the last part is kept for the proof.
         progress: told the state of things now and then.
-        rounds: of the exchange, at most; each makes the bound tighter.
+        rounds: rounds of the exchange, at most; each makes the bound tighter.
         aim: the gap at which search and proof end before their time; by default `gap`.
     """
     aim = gap if aim is None else aim
@@ -164,7 +164,7 @@ def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) 
     Args:
         derivative: h.
         known: states to start from too, as shares of the box, shape (k, 18).
-        draw: of the other starts.
+        draw: function that draws the other starts.
 
     Returns:
         States, shape (n, 18), and values, shape (n,).

@@ -39,9 +39,9 @@ class TightDerivative:
     """Bounds of h over cells; see `planner.bounds.branch.Bounding`.
 
     Args:
-        features: of the case and model.
+        features: features of the case and model.
         form: Q of the design.
-        multipliers: of the constraints.
+        multipliers: multipliers of the constraints.
     """
 
     features: Features

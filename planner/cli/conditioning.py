@@ -25,7 +25,7 @@ def read_conditioning(period: str | None, harmonics: int | None, flexible: bool 
 
     Args:
         period: `auto` or seconds, as typed.
-        harmonics: of the series.
+        harmonics: harmonics of the series.
         flexible: whether a structural mode is estimated.
 
     Raises:
@@ -75,7 +75,7 @@ def read_values(texts: Sequence[str], units: Mapping[str, str], option: str) -> 
     Args:
         texts: as typed.
         units: SI unit of each parameter that may be named.
-        option: that they were given with, for messages.
+        option: option that they were given with, for messages.
 
     Raises:
         HexciteError: not understood, an unknown name, a missing or unknown unit, or a name given twice.

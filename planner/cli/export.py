@@ -12,7 +12,10 @@ def export(
     result: Annotated[Path, typer.Argument(help="Result folder of hexcite identify or tare.")],
     to: Annotated[
         str,
-        typer.Option("--to", help="c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), json."),
+        typer.Option(
+            "--to",
+            help="c (C99), linuxcnc (HAL component), st (IEC 61131-3), isg-load (#LIMIT LOAD), urscript, json.",
+        ),
     ],
     case: Annotated[str | None, typer.Option(help="Built-in name, folder or file; a result knows its own.")] = None,
     force: Annotated[

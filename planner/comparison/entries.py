@@ -60,22 +60,22 @@ class Entry:
     Args:
         name: as the user named it.
         level: plan, run or result.
-        case: of it.
+        case: case of it.
         model: number in Table 2.
-        family: of the plan, or what the recording says.
+        family: family of the plan, or what the recording says.
         duration: measuring time [s]; None where nothing tells.
-        samples: of forces that count.
+        samples: samples of forces that count.
         criteria: A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown.
-        parameters: by name.
-        s0: of an identified one [N].
+        parameters: parameters by name.
+        s0: s0 of an identified one [N].
         notes: figures of the execution, by name.
         hashes: fingerprints of the recordings that it is or was made of.
         plan: fingerprint of the plan that it is or followed; None where nothing says.
-        noise: of a force sample that predictions assume [N]; None for identified ones.
+        noise: noise of a force sample that predictions assume [N]; None for identified ones.
         load: mass of the weights that are mounted [kg]; None where nothing tells.
-        machine: that was measured, in words; None for plans, and where nothing tells.
-        warnings: that its evaluation gave.
-        vibration: of a planned motion on a machine with a structural mode; None where the case states none.
+        machine: machine that was measured, in words; None for plans, and where nothing tells.
+        warnings: warnings that its evaluation gave.
+        vibration: vibration of a planned motion on a machine with a structural mode; None where the case states none.
     """
 
     name: str

@@ -20,9 +20,9 @@ class Layout:
     """A family's motion as functions of its unknowns.
 
     Args:
-        states: over which information is averaged, with their shares of the duration.
+        states: states over which information is averaged, with their shares of the duration.
         critical: states at which non-linear limits (struts, joints) are constrained.
-        peaks: at which of these, of each kind, shape (B, S) each.
+        peaks: peaks at which of these, of each kind, shape (B, S) each.
         rows: limits of the coordinates, linear ones and those of the family.
         lower: bound of each unknown, shape (n,).
         upper: bound of each unknown, shape (n,).

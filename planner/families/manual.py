@@ -47,7 +47,7 @@ def manual_motion(case: Case, file: Path) -> Joined:
         FileProblem: the file cannot be used.
         InfeasiblePlan: a step leaves the limits however slow it is.
     """
-    home = case.need_machine("planning")[0].home.vector
+    home = case.need_machine("a hand-made sequence")[0].home.vector
     if file.suffix.lower() == ".csv":
         builds = _through(home, [*load_poses(file), home], case)
     else:
@@ -59,7 +59,7 @@ def manual_motion(case: Case, file: Path) -> Joined:
 
 
 def _limits(case: Case, speed: float) -> tuple[Array, Array, Array]:
-    box = case.need_machine("planning")[2].motion
+    box = case.need_machine("a hand-made sequence")[2].motion
     share = speed * (1.0 - MARGIN)
     return box.rate * share, box.acceleration * share**2, box.jerk * share**3
 

@@ -92,12 +92,12 @@ class PointToPointFamily:
 
     Args:
         moves: 8 to 64.
-        duration: of all moves together [s].
-        cycle: of the controller [s].
+        duration: duration of all moves together [s].
+        cycle: cycle of the controller [s].
         middle: middle of the box of coordinates, shape (n,) [m or rad].
         half: half of its width, shape (n,) [m or rad].
-        limits: of rates, accelerations and jerks, shape (3, n); without those of jerks, for a controller that knows
-            none, shape (2, n).
+        limits: limits of rates, accelerations and jerks, shape (3, n); without those of jerks, for a controller that
+            knows none, shape (2, n).
         absent: phases of constant acceleration and of constant velocity that are left out, shape (moves, 2); others
             last at least three controller cycles. None while that is open.
     """

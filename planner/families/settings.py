@@ -243,8 +243,8 @@ class PointToPoint(FamilySettings):
         """Number of moves; where it is not stated, of any duration one that can be had.
 
         Args:
-            case: with the limits that count, see `controlled`.
-            duration: of all moves [s].
+            case: case with the limits that count, see `controlled`.
+            duration: duration of all moves [s].
         """
         if self.moves is not None:
             return self.moves

@@ -62,7 +62,7 @@ class SplineFamily:
 
     Args:
         intervals: 20 to 150.
-        duration: of the excitation [s].
+        duration: duration of the excitation [s].
         middle: middle of the box of coordinates, shape (n,) [m or rad].
         half: half of its width, shape (n,) [m or rad].
         slip: what positions and rates may pass their rows by between two of them, in half widths, shape (2, n).

@@ -47,7 +47,7 @@ def choose(
         model: static.
         candidates: valid poses, shape (n, 6) [m, rad].
         regressors: theirs, scaled, shape (n, 6, u); together of full rank.
-        scaling: of the columns, shape (u,).
+        scaling: scaling of the columns, shape (u,).
         done: called with the number of poses after each step.
 
     Raises:

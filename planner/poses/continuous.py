@@ -29,7 +29,7 @@ class ApproximateDesign:
     """A design with its certificate.
 
     Args:
-        weights: of the poses, shape (n,), sum 1.
+        weights: weights of the poses, shape (n,), sum 1.
         information: mean information, shape (u, u).
         dmax: largest directional derivative over all poses.
     """
@@ -48,7 +48,7 @@ class ApproximateDesign:
         """Lower bound of the D-efficiency of a set of poses against every design over the candidates.
 
         Args:
-            regressors: of the set, shape (k, 6, u), in the scaling of the design.
+            regressors: regressors of the set, shape (k, 6, u), in the scaling of the design.
         """
         rows = regressors.reshape(-1, regressors.shape[2])
         sign, logdet = np.linalg.slogdet(rows.T @ rows / len(regressors))
@@ -61,7 +61,7 @@ def approximate_design(regressors: Array, gap: float = GAP) -> ApproximateDesign
     """Multiplicative algorithm (Titterington 1976) on an active set that grows by whatever poses violate optimality.
 
     Args:
-        regressors: of all candidates, shape (n, 6, u); together of full rank.
+        regressors: regressors of all candidates, shape (n, 6, u); together of full rank.
         gap: stops when dmax <= u (1 + gap).
     """
     count, _, size = regressors.shape
@@ -115,7 +115,7 @@ def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> 
     Args:
         case: gives the space.
         model: static.
-        scaling: of the columns, shape (u,).
+        scaling: scaling of the columns, shape (u,).
         seeds: poses to start from, better many, together of full rank, shape (n, 6) [m, rad].
     """
     space = PoseSpace.of(case)

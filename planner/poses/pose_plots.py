@@ -61,7 +61,7 @@ def density_figure(case: Case, model: Model, deviations: dict[str, float], every
 
     Args:
         case: gives the nominal body; parameters without a nominal value are drawn about 0.
-        model: of the parameters.
+        model: model of the parameters.
         deviations: predicted standard deviation of each physical parameter from the chosen poses [SI].
         every: the same from all candidates.
     """

@@ -27,7 +27,7 @@ class Refinement:
 
     Args:
         poses: shape (n, 6) [m, rad]; the start where nothing better was found.
-        value: of the criterion, exact.
+        value: value of the criterion, exact.
         status: what the solver said.
     """
 
@@ -42,7 +42,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     Args:
         case: gives the space and what is valid.
         model: static.
-        scaling: of the columns, shape (u,).
+        scaling: scaling of the columns, shape (u,).
         criterion: what to make large.
         poses: valid, of full rank, shape (n, 6) [m, rad].
     """

@@ -29,7 +29,7 @@ class Reduction:
 
     Args:
         removed: indices of the poses in the order of their removal, shape (n - r,).
-        values: of the criterion after each removal, shape (n - r,).
+        values: values of the criterion after each removal, shape (n - r,).
         kept: indices of the poses that are left, ascending, shape (r,).
     """
 

@@ -26,7 +26,7 @@ class PoseSpace:
 
     Args:
         home: position of {P} at home, shape (3,) [m].
-        radius: of the disc [m].
+        radius: radius of the disc [m].
         low: lower end of the XY range relative to home, shape (2,) [m].
         high: upper end, shape (2,) [m].
         tilt: tangent of half the largest tilt.

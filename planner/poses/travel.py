@@ -93,7 +93,7 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
         case: its limits.
         start: shape (n, 6) [m, rad].
         end: shape (n, 6) [m, rad].
-        laws: of `_laws`, for each move.
+        laws: laws of `_laws`, for each move.
     """
     limits = case.need_machine("moves between poses")[2].motion
     way = (end - start)[:, None, :]

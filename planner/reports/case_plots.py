@@ -26,7 +26,7 @@ def case_figure(case: Case, reach: Reach) -> Figure:
     """The machine at home in 3-D, two maps of its reach (over x and y, roll and pitch), and that of each coordinate.
 
     Args:
-        case: with machine, workspace and limits.
+        case: case with machine, workspace and limits.
         reach: its reachable part of the motion box.
 
     Raises:

@@ -22,8 +22,8 @@ def moving_machine(case: Case, trajectory: Trajectory, note: str) -> MachineItem
     """The machine of a case along a trajectory.
 
     Args:
-        case: with a machine.
-        trajectory: of the platform.
+        case: case with a machine.
+        trajectory: trajectory of the platform.
         note: caption.
     """
     rate = min(FRAMES_A_SECOND, MOST_FRAMES / max(trajectory.duration, 1e-9))
@@ -35,7 +35,7 @@ def posing_machine(case: Case, poses: Array, note: str) -> MachineItem:
     """The machine of a case in one pose after the other.
 
     Args:
-        case: with a machine.
+        case: case with a machine.
         poses: shape (n, 6) [m, rad].
         note: caption.
     """

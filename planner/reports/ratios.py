@@ -13,9 +13,9 @@ class Series(NamedTuple):
     """Standard deviations of one method.
 
     Args:
-        name: in the legend.
-        deviations: by parameter; parameters that it does not tell are missing.
-        colour: of its markers.
+        name: name in the legend.
+        deviations: deviations by parameter; parameters that it does not tell are missing.
+        colour: colour of its markers.
         symbol: plotly's name of the marker.
     """
 

@@ -27,7 +27,7 @@ def report(value: "Shown", file: Path | str) -> None:
 
     Args:
         value: a plan, a result, a comparison, a validation.
-        file: to write.
+        file: file to write.
     """
     write_text(Path(file), render(page(value)))
 

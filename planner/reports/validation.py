@@ -56,8 +56,8 @@ def validation_page(
     """The page of `hexcite validate`.
 
     Args:
-        case: with its payloads.
-        steps: of all methods.
+        case: case with its payloads.
+        steps: steps of all methods.
         verdict: claims about the methods, answered.
         columns: runs without payload by several models; empty where they were not made.
         machine: what was used, in words.

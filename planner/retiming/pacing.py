@@ -41,10 +41,10 @@ class Course:
 
     Args:
         s: places on the path, its own time, shape (n,) [s].
-        weights: of the integral over s, shape (n,) [s].
+        weights: weights of the integral over s, shape (n,) [s].
         first: derivatives of the six coordinates and the six strut lengths with respect to s, shape (n, 12).
         second: shape (n, 12).
-        third: of the six coordinates, shape (n, 6).
+        third: third derivatives of the six coordinates, shape (n, 6).
         velocity: limits, shape (12,).
         acceleration: shape (12,).
         jerk: shape (6,).
@@ -64,7 +64,7 @@ class Course:
         """The course of a path.
 
         Args:
-            path: from rest to rest.
+            path: path from rest to rest.
             case: gives limits and struts.
             margin: share of every limit that is left free.
 
@@ -167,8 +167,8 @@ def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Arra
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:
-        path: from rest to rest.
-        course: of that path.
+        path: path from rest to rest.
+        course: course of that path.
         most: times the planned pace, at most.
         held: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of
             shape (n,), above 0 and at most 1.

@@ -53,7 +53,7 @@ def retimed_path(
     """The path at the fastest pace that keeps all limits.
 
     Args:
-        path: from rest to rest.
+        path: path from rest to rest.
         case: gives the limits.
         fastest: up to `FASTEST` times the planned pace; otherwise never faster than planned.
         told: how it is getting on.
@@ -167,8 +167,8 @@ def fitted_spline(motion: Trajectory, step: float) -> PolynomialMotion:
     interval.
 
     Args:
-        motion: from rest to rest.
-        step: of the intervals, at most [s].
+        motion: motion from rest to rest.
+        step: step of the intervals, at most [s].
     """
     from scipy.interpolate import BSpline
     from scipy.sparse.linalg import spsolve

@@ -70,8 +70,8 @@ class Retimed:
     Args:
         method: what re-timed it.
         motion: the motion after.
-        before: of the motion as it was.
-        after: of the motion after.
+        before: value of the motion as it was.
+        after: value of the motion after.
         remarks: what the method says of it.
         off_path: largest distance from the planned path, of the position [m] and of an angle [rad].
     """
@@ -103,11 +103,11 @@ def retimed(
     """Re-times a motion and rates both.
 
     Args:
-        motion: from rest to rest.
+        motion: motion from rest to rest.
         case: limits and controller.
         model: whose parameters count.
         method: how.
-        fastest: for ipopt: as fast as the limits allow, instead of never faster than planned.
+        fastest: whether ipopt makes the path as fast as the limits allow, instead of never faster than planned.
         told: how it is getting on.
 
     Raises:
@@ -228,10 +228,10 @@ def retime(
     """A plan of the same path at another pace.
 
     Args:
-        plan: of a motion.
+        plan: plan of a motion.
         method: ruckig: moves as a jerk-limited controller times them; ipopt: paths under every limit; by default what
             fits.
-        fastest: for ipopt: as fast as the limits allow, not only as slow as needed.
+        fastest: whether ipopt makes the path as fast as the limits allow, not only as slow as needed.
         progress: shows a line now and then.
 
     Raises:

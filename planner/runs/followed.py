@@ -50,7 +50,7 @@ def changed_motion(read: Program, case: Case, model_number: int) -> dict[str, An
     Args:
         read: the program.
         case: its machine.
-        model_number: of the identification model that the plan is for.
+        model_number: number of the identification model that the plan is for.
 
     Returns:
         `off_path_mm`, `off_path_deg`: largest distance from the straight ways, of position and of (a, b, c);

@@ -61,7 +61,7 @@ def identify(
 
     Args:
         recording: the run.
-        case: of the machine; the recording's own unless given.
+        case: case of the machine; the recording's own unless given.
         model: number in Table 2; by default what the run can carry.
         how: estimator, and what is known beforehand.
         terms: forms of the error compensation instead of the model's: K1 to K5.
@@ -86,7 +86,7 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
 
     Args:
         recording: the run.
-        case: of the machine.
+        case: case of the machine.
         wish: what is asked.
         stale: what has changed in the case since the run.
     """
@@ -111,8 +111,8 @@ def result_of(
 
     Args:
         run: as it was identified.
-        case: of the machine.
-        estimate: of its parameters.
+        case: case of the machine.
+        estimate: estimate of its parameters.
         standing: what is to be said of averaged standstills.
         stale: what has changed in the case since the run.
     """

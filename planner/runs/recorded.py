@@ -46,7 +46,7 @@ def case_of(
     """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
 
     Args:
-        path: of the recording.
+        path: path of the recording.
         case: as it was named, which is taken as it is now; None where the folder knows.
         stale: go on although the case has changed since.
         result: folder of a result, whose case is taken where the recording names none.
@@ -75,8 +75,8 @@ def fitting_case(lengths: Array, case: Case, name: str | None) -> str | None:
     """A case whose machine has a pose with such strut lengths: a built-in one, or one in a folder beside this case's.
 
     Args:
-        lengths: of a sample that no pose of the case has, shape (6,) [m].
-        case: that was tried.
+        lengths: lengths of a sample that no pose of the case has, shape (6,) [m].
+        case: case that was tried.
         name: under which it was named, if it was.
     """
     own = None if name is None or name in built_in_cases() else find_case(name)
@@ -145,8 +145,8 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
     """Poses of a plan in the order of visit, shape (n, 6) [m, rad].
 
     Args:
-        folder: of the plan.
-        case: of the recording.
+        folder: folder of the plan.
+        case: case of the recording.
 
     Raises:
         FileProblem: no plan there, or damaged.

@@ -46,7 +46,7 @@ class RunRating(NamedTuple):
         executed: with the controller [s].
         path_error: [m].
         efficiency_planned: D-efficiency of the program's excitation; None where it measures standing still.
-        efficiency: of the executed one, behind the filter of the evaluation; None as before.
+        efficiency: efficiency of the executed one, behind the filter of the evaluation; None as before.
         peaks: largest share of each kinetic limit in the whole run, approach and return included.
     """
 
@@ -75,8 +75,8 @@ class RunOutcome:
         program_hash: fingerprint of the program that ran.
         guarantees: what the controller that it was written for answers for.
         around: what was mounted and what disturbed.
-        poses: at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
-        plan_hash: of the plan that the program says it was written from; None where it says nothing.
+        poses: poses at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
+        plan_hash: fingerprint of the plan that the program says it was written from; None where it says nothing.
     """
 
     run: ExecutedRun
@@ -117,7 +117,7 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
 
     Args:
         program: as it was read or written.
-        case: with a simulated machine.
+        case: case with a simulated machine.
         on: `virtual` or `linuxcnc`.
         seed: of the sensors' noise.
         around: what is mounted and what disturbs.
@@ -253,7 +253,7 @@ def run(
 
     Args:
         program: as `write` or `read_program` returned it, or its file.
-        case: with a simulated machine.
+        case: case with a simulated machine.
         on: controller: virtual or linuxcnc.
         seed: of the sensors' noise.
         payload: number of the case's weights that are mounted.

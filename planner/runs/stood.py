@@ -21,7 +21,7 @@ class Stood(NamedTuple):
     """How a run went.
 
     Args:
-        duration: from the first movement to the last [s].
+        duration: duration from the first movement to the last [s].
         off: largest distance of a standstill from its pose of the program [m].
     """
 

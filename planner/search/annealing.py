@@ -53,7 +53,7 @@ class EqualMoves:
     """Moves that share their times.
 
     Args:
-        times: of a segment with jerk, of constant acceleration, of constant velocity [s].
+        times: times of a segment with jerk, of constant acceleration, of constant velocity [s].
         steps: largest way of each coordinate in these times, in half widths of the box, shape (n,).
         size: number of parameters u.
         rows: start and end in half widths, shape (2 n,), -> matrix R, shape (12, u), of which R^T R is the mean

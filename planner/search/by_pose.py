@@ -25,7 +25,7 @@ class Felt(NamedTuple):
     Args:
         information: S, shape (u, u).
         rows: shape (K, r u).
-        slopes: by the components of the state, shape (K, d, r u).
+        slopes: slopes by the components of the state, shape (K, d, r u).
         own: dS/d share = (rows^T own + own^T rows) / 2, shape (K, r u).
     """
 
@@ -39,8 +39,8 @@ class FieldByStates:
     """Errors of the pose at the states of a motion.
 
     Args:
-        errors: of the machine.
-        duration: of the motion [s].
+        errors: errors of the machine.
+        duration: duration of the motion [s].
     """
 
     def __init__(self, errors: PoseErrors, duration: float) -> None:
@@ -70,7 +70,7 @@ class FieldByStates:
         Args:
             states: shape (K, d).
             regressors: A, shape (K, 6 u).
-            slopes: of A by the states, shape (K, d, 6 u).
+            slopes: slopes of A by the states, shape (K, d, 6 u).
         """
         struts, ways = self.struts.slopes(states)
         matrices, mixed, answer, scatter = self._parts(states, regressors, struts)

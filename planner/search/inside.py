@@ -45,9 +45,9 @@ class Inside(NamedTuple):
     """A motion that satisfies every limit.
 
     Args:
-        unknowns: of the motion.
-        report: of its limits.
-        share: of all ways that are left.
+        unknowns: unknowns of the motion.
+        report: report of its limits.
+        share: share of all ways that are left.
     """
 
     unknowns: Array

@@ -112,11 +112,11 @@ def solve(program: Program, start: Array, iterations: int, watch: Watch, options
     """Solves a program from a start, which need not be inside its limits.
 
     Args:
-        program: with its rows.
+        program: program with its rows.
         start: shape (n,).
         iterations: at most.
         watch: is told the objective of each iteration.
-        options: of IPOPT.
+        options: options of IPOPT.
     """
     n, bounds = program.unknowns, program.row_bounds
     count = len(bounds[0])

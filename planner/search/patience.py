@@ -67,7 +67,7 @@ class Patience:
         """Whether more starts are not worth their time.
 
         Args:
-            results: of all starts until now, in the order of their seeds.
+            results: results of all starts until now, in the order of their seeds.
         """
         if len(results) >= self.most:
             return True

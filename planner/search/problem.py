@@ -30,10 +30,10 @@ class Problem:
 
     Args:
         layout: the family's motion as functions of the unknowns.
-        program: with all rows.
+        program: program with all rows.
         limits: non-linear limits that can bind, one for each of the program's last rows.
         box: limits of the coordinates.
-        middle: of the box, shape (n,) [m or rad].
+        middle: middle of the box, shape (n,) [m or rad].
         half: half of its width, shape (n,) [m or rad].
     """
 
@@ -107,7 +107,7 @@ def build_problem(
         family: what the unknowns mean.
         scaling: reference scaling, shape (u,).
         margin: share of each limit that is left free.
-        errors: of the pose, which the information counts.
+        errors: errors of the pose, which the information counts.
     """
     layout, limits = family.layout(case, margin), near_limits(case)
     rows = tuple(

@@ -54,17 +54,17 @@ class Program:
     """Minimise a criterion of the mean information over unknowns within bounds and rows.
 
     Args:
-        states: over which the information is averaged, with their shares of the duration.
-        regressor: of one state, see `regressor_kernel`.
+        states: states over which the information is averaged, with their shares of the duration.
+        regressor: regressor of one state, see `regressor_kernel`.
         rows: limits.
-        lower: of each unknown, shape (n,).
-        upper: of each unknown, shape (n,).
-        letter: of the criterion, Table 4.
+        lower: lower limit of each unknown, shape (n,).
+        upper: upper limit of each unknown, shape (n,).
+        letter: letter of the criterion, Table 4.
         halvings: see `planner.search.criterion`.
         convex: whether second derivatives leave out what bends the information itself. That part is negative nearly
             everywhere: without it Newton steps are longer, need no correction, and lead to better optima from afar; the
             last digits take more of them.
-        errors: of the pose, which the information then counts; second derivatives are convex with them.
+        errors: errors of the pose, which the information then counts; second derivatives are convex with them.
     """
 
     states: States

@@ -21,7 +21,7 @@ class Blocks(NamedTuple):
     """Symmetric matrices that add up to one over all unknowns.
 
     Args:
-        unknowns: of each, shape (B, m).
+        unknowns: unknowns of each, shape (B, m).
         matrices: shape (B, m, m).
     """
 
@@ -70,9 +70,9 @@ class LinearRows:
 
     Args:
         matrix: sparse, shape (L, n).
-        order: of the derivative that each limits, 0 (pose) to 3 (jerk), shape (L,).
+        order: order of the derivative that each limits, 0 (pose) to 3 (jerk), shape (L,).
         chosen: which of its rows count, shape (L,).
-        bound: of each, shape (L,).
+        bound: bound of each, shape (L,).
         equal: None, or what they are equal to.
     """
 
@@ -132,7 +132,7 @@ class BlockRows:
     Args:
         index: unknowns of each block, shape (B, m).
         kernel: m unknowns -> r values.
-        bound: of all of them.
+        bound: bound of all of them.
     """
 
     index: Indices
@@ -176,10 +176,10 @@ class StateRows:
     """Limits of states: values of a kernel between -bound and bound where they are chosen.
 
     Args:
-        states: of the motion, S in each of B blocks.
+        states: states of the motion, S in each of B blocks.
         kernel: state -> r values.
         chosen: which of them are rows, shape (B, S, r).
-        bound: of all of them.
+        bound: bound of all of them.
     """
 
     states: States
@@ -245,7 +245,7 @@ def pulled_back(states: States, unknowns: Array, slopes: Array, own: Array, pull
     Args:
         states: S in each of B blocks.
         unknowns: shape (n,).
-        slopes: of the states, shape (B, S, d, m).
+        slopes: slopes of the states, shape (B, S, d, m).
         own: second derivatives of the function by each state, shape (B, S, d, d).
         pull: its first derivatives, shape (B, S, d).
     """

@@ -54,7 +54,7 @@ class Start:
         score: the criterion of the motion within the limits; the larger the better.
         status: the solver's last words.
         converged: whether the solver says that its last stage is done.
-        iterations: of the solver, all stages.
+        iterations: iterations of the solver, all stages.
         seconds: time spent.
         unknowns: the motion.
         family: what the unknowns mean.
@@ -135,11 +135,11 @@ class _Stage(NamedTuple):
     """One run of the solver.
 
     Args:
-        letter: of the criterion.
+        letter: letter of the criterion.
         halvings: see `planner.search.criterion`.
         convex: see `planner.search.program.Program`.
         iterations: at most.
-        options: of the solver.
+        options: options of the solver.
     """
 
     letter: str

@@ -33,7 +33,7 @@ class LimitGroup(NamedTuple):
     """Limits of one kind.
 
     Args:
-        name: of the kind.
+        name: name of the kind.
         peak: where they are used most.
         kernel: state -> shares of the limits.
         most: largest share in the motion box; infinity where that was not asked for.
@@ -83,7 +83,7 @@ def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
     """Shares of the limits of poses that a standstill uses, by kind, shapes (n, limits of the kind).
 
     Args:
-        case: with machine and limits.
+        case: case with machine and limits.
         poses: coordinates, shape (n, k) [m or rad].
     """
     states = np.hstack([poses, np.zeros((len(poses), state_size(poses.shape[1]) - poses.shape[1]))])

@@ -98,7 +98,7 @@ def linear_states(
 
     Args:
         maps: matrices (K, q) from the unknowns of a coordinate to its value, rate and acceleration in half widths.
-        middle: of the box, shape (n,) [m or rad].
+        middle: middle of the box, shape (n,) [m or rad].
         half: half of its width, shape (n,) [m or rad].
         shares: share of the duration of each state, shape (K,).
         blocks: number B of blocks of equally many successive states.

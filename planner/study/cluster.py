@@ -37,7 +37,7 @@ def local_client(workers: int | None, memory_GB: float) -> Iterator["Client"]:
 
     Args:
         workers: processes; by default one a core.
-        memory_GB: that a worker may take.
+        memory_GB: memory that a worker may take.
     """
     import dask
     from distributed import Client, LocalCluster, WorkerPlugin
@@ -79,7 +79,7 @@ def remote_client(address: str) -> Iterator["Client"]:
     """A running cluster, after its workers have been found to have this version of hexcite.
 
     Args:
-        address: of the scheduler, `tcp://host:port`.
+        address: address of the scheduler, `tcp://host:port`.
 
     Raises:
         HexciteError: it cannot be reached, has no workers, or one of them has no hexcite or another version.

@@ -49,7 +49,7 @@ def open_study(folder: Path, about: dict[str, Any]) -> None:
     """Makes a study folder, or finds that an older one is of the same study.
 
     Args:
-        folder: of the study.
+        folder: folder of the study.
         about: what study.json holds; `name` and what was used of the case must be those of the study there.
 
     Raises:
@@ -80,7 +80,7 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
     """Says before the work starts what would keep a study from its folder.
 
     Args:
-        folder: of the study; need not exist.
+        folder: folder of the study; need not exist.
         about: as for `open_study`.
 
     Raises:

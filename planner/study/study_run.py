@@ -31,7 +31,7 @@ class Job:
     Args:
         case: machine and limits, and a simulated machine where runs are asked for.
         request: what to plan, from one start.
-        noise_seeds: of the recordings to identify; none: the plan alone.
+        noise_seeds: noise seeds of the recordings to identify; none: the plan alone.
         disturbed: whether the simulated machine vibrates, ripples and errs with the pose.
     """
 
@@ -153,9 +153,9 @@ def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) ->
     """Cells with rows that are not in the folder yet, and the noise seeds of these rows.
 
     Args:
-        cells: of the study.
-        spec: of the study.
-        folder: of the study.
+        cells: cells of the study.
+        spec: spec of the study.
+        folder: folder of the study.
         retry: whether cells that failed count as missing.
 
     Raises:
@@ -206,10 +206,10 @@ def run_study(
     """Computes the rows that a study folder lacks, and keeps each as it arrives.
 
     Args:
-        client: of the cluster.
+        client: client of the cluster.
         spec: the study.
         case: machine and limits.
-        folder: of the study; continued where it holds rows.
+        folder: folder of the study; continued where it holds rows.
         done: told of each cell.
         retry: whether to try cells again that failed.
 

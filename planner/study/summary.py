@@ -23,11 +23,11 @@ class SettingsGroup:
     """Cells that differ in their seed only.
 
     Args:
-        settings: that they share.
+        settings: settings that they share.
         cells: how many.
-        done: of these.
+        done: number of these that are done.
         converged: share of those done whose solver said so.
-        scores: of the criterion, those done, shape (k,); the larger the better.
+        scores: scores of the criterion, those done, shape (k,); the larger the better.
         seconds: mean of a cell.
         iterations: mean of a cell.
         intervals: 95 % intervals of identified parameters, over all seeds of the noise.

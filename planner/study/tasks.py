@@ -21,10 +21,10 @@ class TaskEnd(NamedTuple):
     """What became of a task.
 
     Args:
-        key: of the task.
+        key: key of the task.
         value: what it returned; None where it failed.
         reason: why it failed twice, one line; None where it did not.
-        seconds: that it took on its worker; 0 where it failed.
+        seconds: seconds that it took on its worker; 0 where it failed.
     """
 
     key: str
@@ -41,10 +41,10 @@ def run_tasks(
     Only a few tasks a thread wait on the cluster at any time, so that a study of any size needs no more memory there.
 
     Args:
-        client: of a cluster whose workers have one thread each and can import `function`.
+        client: client of a cluster whose workers have one thread each and can import `function`.
         function: what to do with a payload; an exception that it raises twice is a reason.
         tasks: keys, each once, and payloads.
-        time_limit: for one try [s]; a worker that passes it ends, and its nanny starts another.
+        time_limit: time limit for one try [s]; a worker that passes it ends, and its nanny starts another.
 
     Raises:
         HexciteError: no worker is left.

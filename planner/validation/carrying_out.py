@@ -124,7 +124,7 @@ class CarriedOut(NamedTuple):
     """What became of the methods.
 
     Args:
-        steps: of those that could be carried out.
+        steps: steps of those that could be carried out.
         remedies: the same recordings with the structural mode, where that was the cause of an error.
         executed: controller of each method, and what to know about its run.
         failed: why the others could not be carried out.
@@ -151,9 +151,9 @@ def carry_out(
         case: machine and weights.
         methods: their names.
         mounted: numbers of weights, from 0 on.
-        disturbances: of the simulated machine.
+        disturbances: disturbances of the simulated machine.
         settings: how.
-        folder: that takes plans and programs; a plan that it holds already is not made again.
+        folder: folder that takes plans and programs; a plan that it holds already is not made again.
         count: called with what is done now and the number of steps that this ends.
 
     Raises:

@@ -45,15 +45,15 @@ class Excitation:
     """A method as a controller executed its program, without payload.
 
     Args:
-        case: with a simulated machine.
+        case: case with a simulated machine.
         name: key of METHODS.
-        meaning: in words.
+        meaning: meaning in words.
         duration: measuring time as executed [s].
         execution: what the controller did.
         trigger: start and end of each time the trigger was on, shape (k, 2) [s].
-        poses: at which the program measures standing still, shape (k, 6), empty for motions [m, rad].
+        poses: poses at which the program measures standing still, shape (k, 6), empty for motions [m, rad].
         seed: of the sensors' noise.
-        controller: that executed it, and what to know about the run.
+        controller: controller that executed it, and what to know about the run.
     """
 
     case: Case
@@ -77,7 +77,7 @@ class Excitation:
 
         Args:
             weights: so many.
-            disturbances: of the machine.
+            disturbances: disturbances of the machine.
             run: what the machine did, where it is known.
         """
         around = Circumstances(_weights(self.case, weights), disturbances)
@@ -108,7 +108,7 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
     Args:
         excitation: the method.
         mounted: numbers of weights, ascending from 0.
-        disturbances: of the machine.
+        disturbances: disturbances of the machine.
     """
     case = excitation.case
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None
@@ -140,8 +140,8 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
     """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
 
     Args:
-        case: with payloads.
-        folder: of one method.
+        case: case with payloads.
+        folder: folder of one method.
         read: reads a run, averaged where it stands.
 
     Raises:
@@ -236,10 +236,10 @@ def true_deviations(
     (28) has it.
 
     Args:
-        case: with a simulated machine.
-        answer: of the estimate to forces.
-        estimate: by least squares.
-        disturbances: of the machine.
+        case: case with a simulated machine.
+        answer: answer of the estimate to forces.
+        estimate: estimate by least squares.
+        disturbances: disturbances of the machine.
         load: mass of the weights on it [kg].
     """
     model = identification_model(case, estimate.model, estimate.terms)

@@ -14,8 +14,8 @@ class Remedy(NamedTuple):
 
     Args:
         step: as it was.
-        names: of the parameters that were off for the mode.
-        estimate: with the mode.
+        names: names of the parameters that were off for the mode.
+        estimate: estimate with the mode.
     """
 
     step: MethodStep
@@ -57,7 +57,7 @@ def remedy_of(excitation: Excitation, step: MethodStep, disturbances: Disturbanc
     Args:
         excitation: the method of the step.
         step: as it was.
-        disturbances: of its recording.
+        disturbances: disturbances of its recording.
     """
     names = tuple(
         n for n in BODY

@@ -29,7 +29,7 @@ class LinearAnswer:
         forces: as evaluated, shape (n, 6) [N].
         matrices: A_j of the parameters alone, shape (n, 6, u).
         answer: u = sum over j of answer_j f_j, what is estimated beside u included, shape (u, n, 6).
-        poses: of the evaluated samples, shape (n, 6) [m, rad].
+        poses: poses of the evaluated samples, shape (n, 6) [m, rad].
         run: a moving run with its filter; None where it stands.
     """
 
@@ -56,9 +56,9 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     """The answer of an estimate by least squares, at its delay.
 
     Args:
-        case: of the recording.
-        recording: that was identified, averaged where it stands.
-        estimate: of it.
+        case: case of the recording.
+        recording: recording that was identified, averaged where it stands.
+        estimate: estimate of it.
     """
     model = identification_model(case, estimate.model, estimate.terms)
     struts, run, forces = recording.struts, None, recording.forces
@@ -94,7 +94,7 @@ class Budget:
 
     Args:
         errors: estimate less truth, by parameter [SI].
-        parts: of each parameter, by cause; they add up to its error [SI].
+        parts: parts of each parameter, by cause; they add up to its error [SI].
     """
 
     errors: Mapping[str, float]
@@ -119,11 +119,11 @@ def error_budget(
     the evaluation sees in another way than the sensors felt it. Ripple that the mode amplifies counts as the mode's.
 
     Args:
-        case: of the recording.
-        answer: of the estimate to forces.
-        recording: that was identified, averaged where it stands.
+        case: case of the recording.
+        answer: answer of the estimate to forces.
+        recording: recording that was identified, averaged where it stands.
         parts: what its true forces consist of, at the same rows.
-        estimate: by least squares.
+        estimate: estimate by least squares.
         truth: linear parameters u of its model, shape (u,) [SI].
     """
     model = identification_model(case, estimate.model, estimate.terms)
@@ -196,10 +196,11 @@ class MethodStep:
         duration: measuring time [s].
         estimate: the identification.
         theory: values by the identification without payload plus the weights, by name [SI].
-        truth: of a simulated machine, by name [SI]; empty for recordings.
+        truth: truth of a simulated machine, by name [SI]; empty for recordings.
         budget: what a simulated machine's errors consist of; None for recordings.
         scatter: standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown.
-        columns: of Table 3: the same recording identified with other models, by number, for the methods in `TABLE_3`.
+        columns: columns of Table 3: the same recording identified with other models, by number, for the methods in
+            `TABLE_3`.
     """
 
     method: str

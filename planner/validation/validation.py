@@ -28,14 +28,15 @@ class Validation:
 
     Args:
         case: machine and weights.
-        machine: that was identified, in words.
+        machine: machine that was identified, in words.
         steps: a method with some weights mounted, each.
         findings: what follows from them.
         failed: methods that could not be carried out, and why.
         executed: controller of each method that was simulated.
         remedies: the same recordings with the structural mode estimated, where that was the cause of an error.
-        controller: that ran the programs; None for recordings of a machine.
-        disturbances: of the simulated machine; None for recordings of a machine and for an ideal structure.
+        controller: controller that ran the programs; None for recordings of a machine.
+        disturbances: disturbances of the simulated machine; None for recordings of a machine and for an ideal
+            structure.
         made: files of plans and programs by their place in the folder.
     """
 
@@ -103,12 +104,13 @@ def validate(
     """The payload experiment on the case's simulated machine.
 
     Args:
-        case: with payloads and a simulated machine.
+        case: case with payloads and a simulated machine.
         methods: names of the methods.
         mounted: numbers of weights, from 0 on; by default none, and each up to all.
         settings: how methods are carried out.
         undisturbed: whether the simulated structure is an ideal one.
-        folder: that keeps plans and programs, and a plan that it holds is not made again; a temporary one unless given.
+        folder: folder that keeps plans and programs, and a plan that it holds is not made again; a temporary one unless
+            given.
         count: told how it is getting on.
 
     Raises:
@@ -154,7 +156,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
     """The payload experiment from a real machine's recordings.
 
     Args:
-        case: with payloads.
+        case: case with payloads.
         recordings: folder with one folder a method, of the runs 0, 1, .. named after the weights mounted.
         methods: names of folders; None for all.
 

@@ -20,7 +20,7 @@ class Claim(NamedTuple):
     Args:
         claim: as a statement.
         holds: whether the figures bear it out.
-        figures: in words.
+        figures: figures in words.
     """
 
     claim: str
@@ -36,8 +36,8 @@ def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Iden
     """Answers to what the paper's comparison asks, for the methods that were run.
 
     Args:
-        case: with the truth, where the machine is simulated.
-        steps: of all methods.
+        case: case with the truth, where the machine is simulated.
+        steps: steps of all methods.
         columns: runs without payload by several models.
     """
     bare = {s.method: s for s in steps if s.weights == 0}

@@ -24,7 +24,7 @@ def block_durations(times: Array, poses: Array, acceleration: Array) -> Array:
     """How long straight blocks between poses take, from rest to rest, shape (k - 1,) [s].
 
     Args:
-        times: at which the poses are wanted, shape (k,) [s].
+        times: times at which the poses are wanted, shape (k,) [s].
         poses: shape (k, 6) [m, rad].
         acceleration: limits of the coordinates, shape (6,).
     """
@@ -77,7 +77,7 @@ def block_limited(points: TimedPoints, case: Case, tolerance: tuple[float, float
     Args:
         points: the path as written.
         case: its limits of rates and accelerations, of coordinates and struts.
-        tolerance: of corners [m], [rad].
+        tolerance: tolerance of corners [m], [rad].
 
     Raises:
         UntimedPath: no pace keeps the limits.

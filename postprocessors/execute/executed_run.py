@@ -54,7 +54,7 @@ def moving_windows(on: NDArray[np.bool_], struts: Array, period: float) -> Array
     Args:
         on: the trigger, shape (n,).
         struts: lengths, shape (n, 6) [m].
-        period: of both [s].
+        period: period of both [s].
     """
     moves = np.append(np.any(np.abs(np.diff(struts, axis=0)) > STILL, axis=1), False)
     trimmed = []
@@ -130,9 +130,9 @@ class PathTime(NamedTuple):
     """A timed path and how long it took.
 
     Args:
-        line: of the program at which it ends.
+        line: line of the program at which it ends.
         planned: duration in the program [s].
-        taken: with the controller [s].
+        taken: time that the controller took [s].
     """
 
     line: int
@@ -149,7 +149,7 @@ def slowest_path(reading: Reading, log: ControllerLog) -> PathTime | None:
 
     Args:
         reading: the program that was run.
-        log: of every cycle.
+        log: log of every cycle.
     """
     worst: PathTime | None = None
     for part in stretches(reading):

@@ -38,7 +38,7 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     Args:
         reading: the program.
         case: the machine.
-        guarantees: of the controller that the program is for.
+        guarantees: guarantees of the controller that the program is for.
 
     Raises:
         ProgramError: the motion is not defined.
@@ -67,7 +67,7 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     Args:
         reading: the program.
         case: the machine.
-        guarantees: of the controller that the program is for.
+        guarantees: guarantees of the controller that the program is for.
 
     Raises:
         ProgramError: the motion is not defined.

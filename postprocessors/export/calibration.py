@@ -39,8 +39,8 @@ class Calibration:
         recording: what they were identified from, and what the offsets were tared with.
         samples: how many samples that were.
         s0: (27).
-        result_hash: of the file of the result.
-        warnings: that the result carries.
+        result_hash: fingerprint of the file of the result.
+        warnings: warnings that the result carries.
     """
 
     result: SavedResult

@@ -41,8 +41,24 @@ def principal_axes(inertia: Array) -> PrincipalAxes:
     return best
 
 
-def isg_load(calibration: Calibration) -> str:
-    """NC code that defines the identified body as load 1 and selects it.
+class IdentifiedLoad(NamedTuple):
+    """What the force sensors carry, as a rigid body in {P}.
+
+    Args:
+        mass: [kg].
+        centre: of gravity, shape (3,) [m].
+        inertia: about the centre of gravity, shape (3, 3) [kg m^2].
+        principal: its principal moments and axes.
+    """
+
+    mass: float
+    centre: Array
+    inertia: Array
+    principal: PrincipalAxes
+
+
+def identified_load(calibration: Calibration, command: str) -> IdentifiedLoad:
+    """The identified body, for a controller's command of some name.
 
     Raises:
         IdentificationError: a static model, which has no inertia, or an inertia that no body has.
@@ -50,23 +66,33 @@ def isg_load(calibration: Calibration) -> str:
     source, number = calibration.result.source, calibration.model.number
     if INERTIA not in calibration.model.blocks:
         raise IdentificationError(
-            f"{source}: model {number} has no inertia, which #LIMIT LOAD needs; identify model 6, 7, 8 or 9"
+            f"{source}: model {number} has no inertia, which {command} needs; identify model 6, 7, 8 or 9"
         )
     value = {name: v.value for name, v in calibration.physical.items()}
     xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
-    principal = principal_axes(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    principal = principal_axes(inertia)
     smallest, middle, largest = np.sort(principal.moments)
     if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING):
         raise IdentificationError(
             f"{source}: no body has the principal inertias {', '.join(f'{v:.4g}' for v in principal.moments)} kg m^2; "
             "identify from a run that turns the machine more"
         )
-    rx, ry, rz = Rotation.from_matrix(principal.turn).as_euler("xyz") / DEG
-    place = [value[f"{c}C"] / MM for c in "xyz"]
-    words = [f"{letter}={v:.4f}" for letter, v in zip("XYZ", place, strict=True)]
+    return IdentifiedLoad(value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia, principal)
+
+
+def isg_load(calibration: Calibration) -> str:
+    """NC code that defines the identified body as load 1 and selects it.
+
+    Raises:
+        IdentificationError: a static model, which has no inertia, or an inertia that no body has.
+    """
+    body = identified_load(calibration, "#LIMIT LOAD")
+    rx, ry, rz = Rotation.from_matrix(body.principal.turn).as_euler("xyz") / DEG
+    words = [f"{letter}={v:.4f}" for letter, v in zip("XYZ", body.centre / MM, strict=True)]
     words += [f"{letter}={v:.4f}" for letter, v in zip(("RX", "RY", "RZ"), (rx, ry, rz), strict=True)]
-    words += [f"{letter}={v:.6f}" for letter, v in zip(("IX", "IY", "IZ"), principal.moments, strict=True)]
-    words.append(f"MASS={value['m']:.4f}")
+    words += [f"{letter}={v:.6f}" for letter, v in zip(("IX", "IY", "IZ"), body.principal.moments, strict=True)]
+    words.append(f"MASS={body.mass:.4f}")
     load = " ".join(words)
     comments = [
         *comment_lines(calibration),

@@ -12,6 +12,7 @@ from postprocessors.export.calibration import Calibration, calibration_of, check
 from postprocessors.export.document import json_document
 from postprocessors.export.isg import isg_load
 from postprocessors.export.structured_text import structured_text
+from postprocessors.export.urscript import urscript_payload
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +20,7 @@ class SingleFile:
     """A target that is one file.
 
     Args:
-        suffix: of the file, where none is given.
+        suffix: suffix of the file, where none is given.
         text: what it holds, from the calibration and the name of the model.
         named: whether the file's name becomes the name of the model.
     """
@@ -33,6 +34,7 @@ SINGLE_FILES = {
     "linuxcnc": SingleFile(".comp", linuxcnc_component, named=True),
     "st": SingleFile(".st", structured_text, named=True),
     "json": SingleFile(".json", lambda calibration, _: json_document(calibration), named=False),
+    "urscript": SingleFile(".script", lambda calibration, _: urscript_payload(calibration), named=False),
     "isg-load": SingleFile(".nc", lambda calibration, _: isg_load(calibration), named=False),
 }
 
@@ -53,7 +55,7 @@ def export(
         result: identified parameters.
         target: one of `TARGETS`.
         output: file, or folder for `c`; by default named after the case, in the current folder.
-        force: in spite of warnings, which are written into the file.
+        force: whether to export in spite of warnings, which are written into the file.
         overwrite: replace what an earlier export wrote.
 
     Returns:

@@ -52,7 +52,7 @@ class ForceBounds:
 
     Args:
         loads: the constants.
-        limits: of rates and accelerations, which the controller keeps.
+        limits: limits of rates and accelerations, which the controller keeps.
         chain: the machine, where it is one; else a hexapod.
     """
 

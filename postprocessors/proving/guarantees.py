@@ -34,10 +34,10 @@ class StrutDrives:
     """What the struts do at most where the controller moves them in proportion.
 
     Args:
-        hexapod: on them.
-        velocity: of each [m/s].
-        acceleration: of each [m/s^2].
-        jerk: of each [m/s^3].
+        hexapod: hexapod on them.
+        velocity: velocity of each [m/s].
+        acceleration: acceleration of each [m/s^2].
+        jerk: jerk of each [m/s^3].
         rapid: whether the program moves them as fast as they can; else a block's time does.
     """
 
@@ -64,7 +64,7 @@ class Guarantees:
         law: its time law in straight moves that it times itself, under the limits of the case.
         arc_law: the same in arcs.
         jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
-        drives: of the struts in moves that are straight in them; None where there are none or nothing is known.
+        drives: drives of the struts in moves that are straight in them; None where there are none or nothing is known.
         rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
         block_key: setting that the length of timed blocks comes from.
     """
@@ -104,5 +104,8 @@ def family(name: str) -> str:
 IN_STRUTS = frozenset({"strut velocity", "strut acceleration"})
 """Families that a controller can keep in a move straight in the struts: it plans the axes, not the platform."""
 
-KINETIC = ("velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment")
+KINETIC = (
+    "velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment",
+    "joint torque", "joint force",
+)  # fmt: skip
 """Families of limits that depend on a controller's time law; those of geometry do not."""

@@ -18,8 +18,8 @@ def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: flo
 
     Args:
         motion: pieces one after the other.
-        limits: of rates and accelerations.
-        cycle: of the controller [s].
+        limits: limits of rates and accelerations.
+        cycle: cycle of the controller [s].
         clock: when the motion starts [s].
     """
     rest = np.zeros((1, len(limits.rate)))

@@ -143,6 +143,8 @@ def _own_time(
             case "sensor force" | "sensor moment" as sensed:
                 kept = by.forces_kept(sensed, lambda forces: forces.along(motion, part.share_rate, clock), UNTIMED)
                 yield kept or by.own(check, status=Status.NOT_ENFORCED)
+            case "joint torque" | "joint force":
+                yield by.own(check, status=Status.NOT_ENFORCED)
             case "jerk":
                 yield _jerk(check, motion, by)
             case _:

@@ -18,7 +18,7 @@ def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMov
 
     Args:
         part: the move.
-        limits: that the controller is set up with.
+        limits: limits that the controller is set up with.
         guarantees: give its time law.
 
     Raises:

@@ -23,7 +23,7 @@ class Violation:
     """A limit that the program passes.
 
     Args:
-        line: of the program.
+        line: line of the program.
         check: which limit, and by how much.
     """
 
@@ -41,9 +41,9 @@ class ProgramProof:
 
     Args:
         file: the program.
-        controller: that would run it.
+        controller: controller that would run it.
         blocks: lines that hold words.
-        duration: of everything whose duration is known [s].
+        duration: duration of everything whose duration is known [s].
         excitation: duration of the motion with the trigger on [s].
         limits: worst case of each limit.
         violations: limits that are passed, the worst first.

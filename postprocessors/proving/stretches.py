@@ -42,7 +42,7 @@ class Untimed:
     """A straight move or an arc from standstill to standstill whose time law is the controller's.
 
     Args:
-        line: of the program.
+        line: line of the program.
         start: shape (6,) [m, rad], or None where the program cannot know it.
         end: shape (6,) [m, rad].
         feed: along XYZ [m/s] or ABC [rad/s]; None for a rapid.
@@ -51,7 +51,8 @@ class Untimed:
         trigger: whether the trigger is on.
         in_struts: straight in the struts; the feed is then a share of the way [1/s].
         counted: indices of the coordinates of a chain whose way the feed counts; None as `linear` says.
-        acceleration: of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2].
+        acceleration: acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or
+            rad/s^2].
     """
 
     line: int
@@ -96,7 +97,7 @@ class Still:
     """A dwell.
 
     Args:
-        line: of the program.
+        line: line of the program.
         duration: [s].
         trigger: whether the trigger is on.
     """

@@ -29,7 +29,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     The recording has no trigger: the whole motion counts as the excitation.
 
     Args:
-        content: of the file.
+        content: content of the file.
         file: its name, for messages.
         case: its chain names the joints.
 

@@ -33,7 +33,7 @@ class ArcWords(NamedTuple):
     """What a block says.
 
     Args:
-        plane: in which it lies.
+        plane: plane in which it lies.
         counter_clockwise: G3, seen from the positive end of the plane's normal; else G2.
         start: shape (6,) [mm, deg].
         end: shape (6,) [mm, deg].
@@ -108,7 +108,7 @@ class Spelling(NamedTuple):
     """How a controller writes what all of them have.
 
     Args:
-        name: of the language, for messages.
+        name: name of the language, for messages.
         groups: words of which one is active at a time, and one may stand in a block.
         last: the word that ends a program.
         rapid: the word of the fastest move.
@@ -133,7 +133,7 @@ class ModalState(ABC):
 
     Args:
         file: name of the program, for messages.
-        spelling: of the controller.
+        spelling: spelling of the controller.
         axes: words of the coordinates, in their order; those of lengths are X, Y and Z.
         angles: names of the others where F counts them.
         scale: what the coordinates count, shape (k,) [m or rad].

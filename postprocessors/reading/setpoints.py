@@ -70,10 +70,10 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
     """The numbers of a table.
 
     Args:
-        content: of the file.
+        content: content of the file.
         file: its name, for messages.
         most: rows that the controller's memory holds.
-        columns: that the table must have.
+        columns: columns that the table must have.
 
     Raises:
         ProgramError: not such a table, or a cell that is no number; with line and column.
@@ -279,7 +279,7 @@ def read_setpoints(content: bytes, file: str, case: Case) -> Reading:
     """Reads a table.
 
     Args:
-        content: of the file, CSV or Parquet.
+        content: content of the file, CSV or Parquet.
         file: its name, for messages.
         case: gives home, kinematics, cycle and the size of the controller's memory.
 

@@ -241,7 +241,7 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        content: of the file.
+        content: content of the file.
         file: its name, for messages.
         case: gives the words of the machine's transformation and the limits of its program memory.
 

@@ -102,7 +102,7 @@ def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
     """The words of a line.
 
     Args:
-        text: of the line, plain ASCII.
+        text: text of the line, plain ASCII.
         line: its number, for messages.
         file: name of the program, for messages.
 
@@ -191,8 +191,8 @@ def polynomial(
     """X = a0 + a1 p + .. + a5 p^5 for p from 0 to PL, a1 from the end; p is assumed to pass evenly in time.
 
     Args:
-        state: of the controller; its pose becomes the piece's end.
-        settings: of the case.
+        state: state of the controller; its pose becomes the piece's end.
+        settings: settings of the case.
         seen: words of the block but PO.
         pieces: the PO words.
         first: word of the motion, for messages.

@@ -13,11 +13,11 @@ def read_strut_move(
     """A move to a pose, shape (6,) as written. F under G94 would count axes that differ from machine to machine.
 
     Args:
-        state: of the controller.
+        state: state of the controller.
         drives: what the case says of them.
-        word: that switches these moves on, for messages.
+        word: word that switches these moves on, for messages.
         seen: words of the block.
-        first: of its coordinates.
+        first: first of its coordinates.
         end: where it leads.
 
     Raises:

@@ -81,7 +81,7 @@ def twincat_words(text: str, line: int, file: str) -> list[Word]:
     """The words of a line.
 
     Args:
-        text: of the line, plain ASCII.
+        text: text of the line, plain ASCII.
         line: its number, for messages.
         file: name of the program, for messages.
 
@@ -168,8 +168,8 @@ class PointPath:
     """The path of points that is open, if one is.
 
     Args:
-        state: of the controller.
-        settings: of the case.
+        state: state of the controller.
+        settings: settings of the case.
     """
 
     def __init__(self, state: ModalState, settings: TwinCat) -> None:

@@ -32,7 +32,7 @@ class Move:
     """A straight move in the six coordinates, or in the six struts.
 
     Args:
-        line: of the program, counted from 1.
+        line: line of the program, counted from 1.
         end: pose at its end, shape (6,) [m, rad].
         timing: what `value` means.
         value: see `Timing`.
@@ -40,7 +40,8 @@ class Move:
         linear: whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles.
         in_struts: straight in the struts (point to point), not in the coordinates; a feed is a share of the way [1/s].
         counted: indices of the coordinates of a chain whose way a feed counts; None as `linear` says.
-        acceleration: of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2].
+        acceleration: acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or
+            rad/s^2].
     """
 
     line: int
@@ -59,9 +60,9 @@ class Turn:
     """A circular move of the origin in a coordinate plane; the other coordinates change in proportion.
 
     Args:
-        line: of the program.
+        line: line of the program.
         end: pose at its end, shape (6,) [m, rad].
-        plane: in which it lies.
+        plane: plane in which it lies.
         centre: along the plane's first and second axis, absolute in {B}, shape (2,) [m].
         angle: turned about the plane's normal, positive counter-clockwise, at most a full circle [rad].
         value: feed along the arc [m/s].
@@ -82,7 +83,7 @@ class Polynomial:
     """A polynomial piece in the six coordinates: sum_i c_i p^i for p from 0 to 1.
 
     Args:
-        line: of the program.
+        line: line of the program.
         coefficients: c_0 (where the machine stands) to c_d, shape (d + 1, 6) [m, rad].
         duration: if p is passed evenly over it [s].
     """
@@ -102,7 +103,7 @@ class Stand:
     """The machine must stand here before the program starts: the program itself does not bring it there.
 
     Args:
-        line: of the program.
+        line: line of the program.
         pose: shape (6,) [m, rad].
     """
 
@@ -115,7 +116,7 @@ class TableRows:
     """A path given row by row, from rest to rest.
 
     Args:
-        line: of the program that holds its first row; the others follow line by line.
+        line: line of the program that holds its first row; the others follow line by line.
         cycle: time from row to row [s].
         poses: shape (k, 6) [m, rad].
         rates: shape (k, 6) [m/s, rad/s].
@@ -142,7 +143,7 @@ class Switch:
     """The trigger goes on or off.
 
     Args:
-        line: of the program.
+        line: line of the program.
         on: what it becomes.
         at_once: now, once all motion before has ended; else with the start of the next move.
     """
@@ -161,7 +162,7 @@ class Reading:
 
     Args:
         file: its name, for messages.
-        events: in order.
+        events: events in order.
         blocks: number of lines that hold words.
         unsaid: words that are missing before its first move, without which what another program left shifts its poses.
     """
@@ -181,7 +182,8 @@ def program_lines(text: str, file: str, longest: int, most: float = math.inf) ->
     """The lines of a program; only line feeds end one.
 
     Args:
-        text: of the program, one character a byte (latin-1), so that columns are right whatever the encoding really is.
+        text: text of the program, one character a byte (latin-1), so that columns are right whatever the encoding
+            really is.
         file: its name, for messages.
         longest: most characters that the controller takes in a line.
         most: most lines with content that its memory holds.
@@ -221,9 +223,9 @@ def each_word(
     """What stands in a line from a position on, word by word.
 
     Args:
-        text: of the line.
+        text: text of the line.
         position: where to begin.
-        pattern: of a word with blanks before it.
+        pattern: pattern of a word with blanks before it.
         found: makes something of a match and its column.
         unreadable: makes an error of the column and the first characters of what is no word.
 

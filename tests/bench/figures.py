@@ -37,6 +37,7 @@ from tests.bench.programs import programs
 from tests.bench.reliability.everything import reliability_rows
 from tests.bench.reliability.interrupted import interrupted_rows
 from tests.bench.retiming import retiming_table
+from tests.bench.robot import robot_figures
 from tests.bench.single_moves import single_moves_rows
 from tests.bench.size import sizes
 from tests.bench.study import study_rows
@@ -145,6 +146,7 @@ def main() -> None:
         anytime(Path(name), command, picture=Path("bench-anytime.png"))
     portfolio()
     pose_tables()
+    robot_figures()
 
 
 if __name__ == "__main__":

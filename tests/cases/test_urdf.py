@@ -34,6 +34,7 @@ def filled_in(text: str, homes: list[float]) -> str:
     text = re.sub(r"# home_deg = .*", lambda _: f"home_deg = {next(values)}", text)
     for key, value in {"position_deg": "[-5.0, 5.0]", "acceleration_rad_s2": "5.0", "jerk_rad_s3": "50.0"}.items():
         text = re.sub(rf"# {key} = .*", f"{key} = {value}", text)
+    text = re.sub(r"# (force_noise_N|moment_noise_Nm) = .*", r"\1 = 0.5", text)
     return text.replace('# sense = "load_on_sensor"', 'sense = "load_on_sensor"')
 
 

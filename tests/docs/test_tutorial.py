@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from cases.loading import load_case
+from cases.scaffold import readiness
+
 DOCS = Path(__file__).parents[2] / "docs"
 spec = importlib.util.spec_from_file_location("transcript", DOCS / "transcript.py")
 assert spec is not None
@@ -22,6 +25,13 @@ def test_the_tutorial_shows_what_its_commands_print(tmp_path: Path) -> None:
         now = transcript.matched(step.shown, transcript.printed(step.command, tmp_path))
         for shown, line in zip(step.shown, now, strict=True):
             assert not transcript.far_off(shown, line), f"{step.command}: shows {shown!r}, prints {line!r}"
+
+
+def test_the_case_of_the_second_tutorial_is_a_case(tmp_path: Path) -> None:
+    page = (DOCS / "own-machine.md").read_text(encoding="utf-8")
+    (tmp_path / "case.toml").write_text(page.split("```toml\n")[1].split("```")[0])
+    case = load_case(str(tmp_path))
+    assert {r.command for r in readiness(case) if not r.missing} >= {"identify a motion"}
 
 
 def test_a_page_is_compared_by_words_and_figures() -> None:

@@ -1,5 +1,6 @@
 """Kinematics of serial chains: closed forms, derivatives, and MuJoCo, which nobody here wrote."""
 
+import casadi as ca
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -8,14 +9,19 @@ from cases.chain import Chain
 from cases.sensors import RigidBody
 from identification.chain import SerialChain
 from identification.evaluate import over_samples
+from identification.limited_chain import joint_efforts
 from identification.model import MODELS, WRENCH_OFFSETS, Model
+from identification.motion import Motion
 from identification.parameters import body_parameters
 from tests.helpers import taylor_slope
 from tests.plant import Plant
-from tests.robots import chain, joint, odd, planar
+from tests.robots import chain, joint, odd, planar, weighing
 
 CHAINS = {"planar": planar(612.7, 571.6), "odd": odd()}
 GRAVITY = (0.3, -0.4, -9.79)
+LOAD = RigidBody(
+    mass_kg=2.7, centre_of_gravity_mm=(12.0, -34.0, 56.0), inertia_kg_m2=(0.03, 0.002, -0.001, 0.04, 0.003, 0.05)
+)
 
 
 def states(of: Chain, count: int = 50, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -79,17 +85,42 @@ def test_mujoco_moves_the_sensor_in_the_same_way(name: str) -> None:
 
 @pytest.mark.parametrize("name", CHAINS)
 def test_mujoco_feels_the_wrench_that_the_regressor_says(name: str) -> None:
-    load = RigidBody(
-        mass_kg=2.7, centre_of_gravity_mm=(12.0, -34.0, 56.0), inertia_kg_m2=(0.03, 0.002, -0.001, 0.04, 0.003, 0.05)
-    )
     q, rates, accelerations = states(CHAINS[name])
-    wrench = Plant(CHAINS[name], load, GRAVITY).read(q, rates, accelerations)["wrench"]
+    wrench = Plant(CHAINS[name], LOAD, GRAVITY).read(q, rates, accelerations)["wrench"]
     position, columns, twist, twist_rate = over_samples(SerialChain(CHAINS[name]).motion, q, rates, accelerations)
     model = Model(6, (*MODELS[6][:-1], WRENCH_OFFSETS), np.eye(6), np.array(GRAVITY))
     matrices = over_samples(model.regressor, position, columns, twist, twist_rate)[0]
-    known = body_parameters(load)
+    known = body_parameters(LOAD)
     u = np.array([known.get(name, 0.0) for name in model.names])
     np.testing.assert_allclose(matrices @ u, wrench, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_mujoco_needs_the_same_torques(name: str) -> None:
+    """By Newton and Euler for the search, by Lagrange for the proof."""
+    chain = weighing(CHAINS[name])
+    q, rates, accelerations = states(chain)
+    expected = Plant(chain, LOAD, GRAVITY).read(q, rates, accelerations)["torques"]
+    symbols = [ca.SX.sym(v, len(chain.joints)) for v in "qva"]
+    torques = ca.Function("torques", symbols, [SerialChain(chain).torques(*symbols, GRAVITY, LOAD)])
+    np.testing.assert_allclose(over_samples(torques, q, rates, accelerations)[0], expected, rtol=1e-10, atol=1e-9)
+    motion = Motion(np.arange(len(q)) * 1.0, q, rates, accelerations, np.zeros_like(q))
+    found = {
+        label.split(",")[0]: values
+        for quantity in joint_efforts(motion, chain, np.array(GRAVITY), [LOAD])
+        for label, values in zip(quantity.labels, quantity.values.T, strict=True)
+    }
+    for k, name in enumerate(chain.names):
+        np.testing.assert_allclose(found[name], expected[:, k], rtol=1e-10, atol=1e-9)
+
+
+def test_without_the_inertia_of_every_link_no_torque_is_limited() -> None:
+    chain = weighing(CHAINS["planar"])
+    bare = chain.model_copy(update={"joints": (chain.joints[0], CHAINS["planar"].joints[1])})
+    assert chain.limits_effort
+    assert not bare.limits_effort
+    q = np.zeros((3, 2))
+    assert not list(joint_efforts(Motion(np.arange(3.0), q, q, q, q), bare, np.array(GRAVITY), []))
 
 
 def test_a_sliding_joint_that_turns_feels_coriolis() -> None:

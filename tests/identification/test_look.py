@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from cases.errors import RecordingError
+from cases.loading import load_case
 from cases.recording_format import RecordingFormat
 from cases.schema import Case
 from identification.formats.look import look
@@ -166,6 +167,37 @@ def test_standstills_have_no_clock_and_need_none(wrist_case: Case, tmp_path: Pat
     assert found.reads, found.odd
     assert found.settings["columns"]["mx_Nm"] == "tx"
     assert found.rate is None
+
+
+@pytest.mark.parametrize(
+    ("head", "tick", "separator"),
+    [
+        (["timestamp", *(f"actual_q_{k}" for k in range(6)), *(f"ft_{c}{axis}" for c in "FT" for axis in "xyz")],
+         1.0, " "),
+        (["time_ns", *(f"{name}_joint" for name in ("base", "shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3")),
+          *(f"wrench.{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")], 1e9, ","),
+    ],
+    ids=["robot", "ros"],
+)  # fmt: skip
+def test_joints_of_a_robot_are_known_by_number_and_by_name(
+    head: list[str], tick: float, separator: str, tmp_path: Path
+) -> None:
+    case = load_case("ur10_wrist")
+    assert case.chain is not None
+    t = np.arange(900) * 0.002
+    joints = case.chain.home + 0.2 * np.sin(2.0 * np.pi * t[:, None] + np.arange(6))
+    forces = 5.0 * np.sin(t[:, None] + np.arange(6))
+    rows = np.column_stack([np.round(t * tick) if tick > 1.0 else t, joints, forces])
+    file = tmp_path / "robot.csv"
+    file.write_text(
+        "\n".join([separator.join(head), *(separator.join(f"{v:.10g}" for v in row) for row in rows)]) + "\n"
+    )
+    found = look(file, case)
+    assert found.reads, found.odd
+    settings = tomllib.loads(found.toml)["recording"]
+    assert settings["units"] == {"joints": "rad"}
+    recording = read_run([file], case.model_copy(update={"recording": RecordingFormat.model_validate(settings)}))
+    assert np.allclose(recording.forces, forces, atol=1e-8)
 
 
 @pytest.mark.parametrize(

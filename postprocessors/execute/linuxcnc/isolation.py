@@ -71,9 +71,9 @@ def run_session(folder: Path, arguments: list[str], environment: dict[str, str],
 
     Args:
         folder: holds everything that the session reads and writes; its output goes to `OUTPUT_FILE`.
-        arguments: of the command `linuxcnc`.
+        arguments: arguments of the command `linuxcnc`.
         environment: added to the session's environment; `{folder}` stands for its folder as seen from inside.
-        time_limit: on the wall clock [s].
+        time_limit: time limit on the wall clock [s].
 
     Returns:
         The exit code, None when the time was up.
@@ -208,8 +208,8 @@ def check_syntax(program: Path, lines: list[str], folder: Path, time_limit: floa
     Args:
         program: the program, for messages.
         lines: its lines.
-        folder: for files of the interpreter.
-        time_limit: on the wall clock [s].
+        folder: folder for files of the interpreter.
+        time_limit: time limit on the wall clock [s].
 
     Raises:
         ExecutionError: a line waits for an operator; or the interpreter refuses a line or does not come to an end.

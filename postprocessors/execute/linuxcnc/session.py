@@ -75,14 +75,14 @@ def run_linuxcnc(
     Args:
         program: a LinuxCNC program; dwells are `G4 P<seconds>` on lines of their own.
         case: a case with machine, workspace, limits and controller.
-        content: of the program, where it was read before; exactly this is run.
+        content: content of the program, where it was read before; exactly this is run.
         headroom: the axes' acceleration limits as a multiple of the case's; by default the case's own limits for a
             program without timed blocks (G93), else `acceleration_headroom`.
         speedup: controller time per wall-clock time, at most; less for programs with short blocks. Motion does not
             depend on it, but for some cycles before the first blocks of a path on a busy computer. A run that loses
             cycles or shortens dwells is repeated at half the speed-up and at a quarter; then that is an error.
-        time_limit: for the program [s on the wall]. By default its dwells and 20 s of controller time for each of its
-            lines, both divided by the speed-up, and a minute.
+        time_limit: time limit for the program [s on the wall]. By default its dwells and 20 s of controller time for
+            each of its lines, both divided by the speed-up, and a minute.
 
     Raises:
         ExecutionError: LinuxCNC is not installed, refuses the program, stops, loses cycles or does not end in time.
@@ -235,7 +235,7 @@ def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, 
     Args:
         program: the program, for messages.
         folder: the session's.
-        layout: of axes and joints.
+        layout: layout of axes and joints.
         report: the driver's.
         speedup: controller time per wall-clock time, for messages.
 

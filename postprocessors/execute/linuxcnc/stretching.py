@@ -99,7 +99,7 @@ class LongerBlocks(NamedTuple):
     """Blocks that keep their time.
 
     Args:
-        duration: of one [s].
+        duration: duration of one [s].
         cut: how far they leave the path [m].
     """
 
@@ -121,7 +121,7 @@ def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> 
     """What becomes of timed paths; None where there are none.
 
     Args:
-        paths: of a program.
+        paths: paths of a program.
         case: its acceleration limits.
         headroom: what LinuxCNC gets, as a multiple of them.
 

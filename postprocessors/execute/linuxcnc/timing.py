@@ -147,7 +147,7 @@ class _Standstill(NamedTuple):
     """Dwells and switches without a motion between them.
 
     Args:
-        numbers: of their lines, ascending.
+        numbers: numbers of their lines, ascending.
         start: first row of the log during which they stood.
         end: one past the last.
     """
@@ -180,7 +180,7 @@ def without_surplus(
     shortened by itself; where the log does not show the switches that the program asks for, nothing is left out.
 
     Args:
-        log: of a run whose dwells are proven.
+        log: log of a run whose dwells are proven.
         durations: line number and duration [s] of each dwell.
         switched: line number of each switch, and whether it switches on.
         window: rows between which the program ran: first, and one past the last.

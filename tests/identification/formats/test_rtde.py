@@ -1,0 +1,42 @@
+"""Recordings as the client of Universal Robots writes them: blanks between columns, names and radians of its own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from cases.schema import Case
+from identification.recording import read
+
+COLUMNS = {
+    "t_s": "timestamp",
+    **{f"q{k + 1}_deg": f"actual_q_{k}" for k in range(6)},
+    **{name: f"ft_raw_wrench_{k}" for k, name in enumerate(("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm"))},
+    "trigger": "actual_digital_output_bits",
+}
+
+
+def rtde_case() -> Case:
+    data = load_case("ur10_wrist").model_dump(exclude_none=True)
+    data["recording"] |= {"delimiter": " ", "units": {"joints": "rad"}, "columns": COLUMNS}
+    return Case.model_validate(data)
+
+
+def test_radians_names_and_the_output_bit_are_read(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    t = 17_000.0 + np.arange(400) / 500.0
+    q, wrench = rng.normal(size=(2, 400, 6))
+    trigger = ((t > t[100]) & (t < t[300])).astype(int)
+    rows = [
+        " ".join([f"{t[k]:.6f}", *(repr(float(v)) for v in (*q[k], *wrench[k])), str(trigger[k])]) for k in range(400)
+    ]
+    file = tmp_path / "robot_data.csv"
+    file.write_text("\n".join([" ".join(COLUMNS.values()), *rows]) + "\n")
+    found = read(file, rtde_case())
+    assert found.struts is not None
+    assert found.t is not None
+    np.testing.assert_allclose(found.struts, q, atol=1e-12)
+    np.testing.assert_allclose(found.forces, wrench, atol=1e-12)
+    np.testing.assert_array_equal(found.trigger, trigger == 1)
+    assert np.diff(found.t) == pytest.approx(np.full(399, 0.002), abs=1e-6)

@@ -1,0 +1,129 @@
+"""Clearances of a chain: MuJoCo's distances of capsules and boxes, and the search's balls on the safe side."""
+
+import casadi as ca
+import mujoco
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from cases.chain import Chain
+from cases.machine import KeepOut, Tool
+from identification.chain import SerialChain
+from identification.evaluate import over_samples
+from identification.limited_chain import body_clearances
+from identification.motion import Motion
+from tests.chains import ROBOT
+from tests.robots import odd
+
+TABLE = KeepOut(name="table", x_mm=(-400.0, 300.0), y_mm=(-900.0, -350.0), z_mm=(-50.0, 700.0))
+
+
+def bodied(of: Chain) -> Chain:
+    """The chain with a capsule on each link, from its joint to the next, a tool, a pedestal and a table."""
+    joints = []
+    for k, joint in enumerate(of.joints):
+        following = (*of.joints, of.sensor)[k + 1].origin_mm
+        to = following if np.linalg.norm(following) > 20.0 else (0.0, 30.0, 60.0)
+        joints.append(
+            joint.model_copy(update={"bodies": (Tool(name=f"link {k + 1}", to_mm=to, radius_mm=40.0 + 5 * k),)})
+        )
+    tool = (Tool(name="tool", from_mm=(0.0, 0.0, 10.0), to_mm=(30.0, 0.0, 180.0), radius_mm=35.0),)
+    base = (Tool(name="pedestal", to_mm=(0.0, 0.0, 150.0), radius_mm=90.0),)
+    return of.model_copy(update={"joints": tuple(joints), "tool": tool, "base": base, "keep_out": (TABLE,)})
+
+
+CHAINS = {"robot": bodied(ROBOT.chain), "odd": bodied(odd())}
+
+
+def states(chain: Chain, count: int = 60) -> np.ndarray:
+    size = np.where([joint.turns for joint in chain.joints], 1.5, 0.15)
+    return chain.home + np.random.default_rng(0).normal(size=(count, len(chain.joints))) * size
+
+
+def found(chain: Chain, q: np.ndarray) -> dict[str, np.ndarray]:
+    still = np.zeros_like(q)
+    motion = Motion(np.arange(len(q)) * 1.0, q, still, still, still)
+    return {
+        f"{quantity.name} ({label})": values
+        for quantity in body_clearances(motion, chain)
+        for label, values in zip(quantity.labels, quantity.values.T, strict=True)
+    }
+
+
+def in_mujoco(chain: Chain) -> mujoco.MjModel:
+    def capsule(body: Tool) -> str:
+        ends = " ".join(repr(float(v)) for v in body.axis.ravel())
+        return f'<geom name="{body.name}" type="capsule" fromto="{ends}" size="{body.radius_mm / 1e3}" mass="0.1"/>'
+
+    def frame(of: object) -> str:
+        turn = Rotation.from_euler("xyz", of.rpy).as_quat(scalar_first=True)
+        return f'pos="{" ".join(map(repr, map(float, of.origin)))}" quat="{" ".join(map(repr, map(float, turn)))}"'
+
+    text = f"<body {frame(chain.sensor)}>{''.join(map(capsule, chain.tool))}</body>"
+    for joint in reversed(chain.joints):
+        kind, axis = ("hinge" if joint.turns else "slide"), " ".join(map(str, joint.axis))
+        own = f'<joint type="{kind}" axis="{axis}"/>'
+        text = f"<body {frame(joint)}>{own}{''.join(map(capsule, joint.bodies))}{text}</body>"
+    boxes = ""
+    for box in chain.keep_out:
+        middle, half = box.corners.mean(axis=0), np.diff(box.corners, axis=0)[0] / 2
+        boxes += (
+            f'<geom name="{box.name}" type="box" pos="{" ".join(map(str, middle))}" size="{" ".join(map(str, half))}"/>'
+        )
+    world = f"<worldbody>{''.join(map(capsule, chain.base))}{boxes}{text}</worldbody>"
+    return mujoco.MjModel.from_xml_string(f'<mujoco><compiler angle="radian"/>{world}</mujoco>')
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_mujoco_measures_the_same_distances_between_links(name: str) -> None:
+    chain, q = CHAINS[name], states(CHAINS[name])
+    distances = {k: v for k, v in found(chain, q).items() if k.startswith("distance between")}
+    n = len(chain.joints)
+    assert len(distances) == sum(max(0, n - first - 1) + (first < n - 1) for first in range(n + 1))
+    model = in_mujoco(chain)
+    data = mujoco.MjData(model)
+    for row, coordinates in enumerate(q):
+        data.qpos = coordinates
+        mujoco.mj_kinematics(model, data)
+        for label, values in distances.items():
+            ids = [model.geom(body).id for body in label.removeprefix("distance between links (")[:-1].split(", ")]
+            measured = mujoco.mj_geomDistance(model, data, *ids, 10.0, np.zeros(6))
+            assert values[row] == pytest.approx(measured, abs=2e-6)
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_a_box_is_never_nearer_than_it_says(name: str) -> None:
+    """Distances from boxes are those along the axis that separates most: below the true one, and 0 with it."""
+    chain, q = CHAINS[name], states(CHAINS[name])
+    distances = {k: v for k, v in found(chain, q).items() if "table" in k}
+    assert len(distances) == len(chain.joints) + 1
+    model = in_mujoco(chain)
+    data = mujoco.MjData(model)
+    for row, coordinates in enumerate(q):
+        data.qpos = coordinates
+        mujoco.mj_kinematics(model, data)
+        for label, values in distances.items():
+            body = label.removeprefix("distance from table (")[:-1]
+            measured = mujoco.mj_geomDistance(
+                model, data, model.geom(body).id, model.geom("table").id, 10.0, np.zeros(6)
+            )
+            if measured > 0.0:
+                assert values[row] <= measured + 1e-6
+            else:
+                assert values[row] <= 1e-6
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_the_search_keeps_off_before_anything_touches(name: str) -> None:
+    chain, q = CHAINS[name], states(CHAINS[name])
+    case = ROBOT.model_copy(update={"machine": ROBOT.machine.model_copy(update={"chain": chain})})
+    symbol, none = ca.SX.sym("q", len(chain.joints)), ca.SX(len(chain.joints), 1)
+    shares = [s.value for s in SerialChain(chain).shares(case, symbol, none, none) if s.name == "distance"]
+    largest = over_samples(ca.Function("shares", [symbol], [ca.vertcat(*shares)]), q)[0].max(axis=1)
+    nearest = np.min(list(found(chain, q).values()), axis=0)
+    assert np.all(largest[nearest < 0.0] > 1.0)
+    assert np.any(largest[nearest > 0.05] < 1.0) or not np.any(nearest > 0.05)
+
+
+def test_without_bodies_nothing_is_kept_off() -> None:
+    assert not found(ROBOT.chain.model_copy(update={"keep_out": (TABLE,), "tool": ()}), states(ROBOT.chain))
