@@ -83,7 +83,7 @@ def unlikely(fit: Fit, forces: Array) -> list[Finding]:
     ratio = float(np.sqrt(np.median(robust[white > 0.0] / white[white > 0.0])))
     if ratio > SUSPICIOUS_RATIO:
         told = f"robust standard deviations are {ratio:.1f} times those of (28): residuals are not white, the model or "
-        told += "the evaluation leaves something systematic; trust the robust ones at most"
+        told += "the evaluation leaves something systematic: report the robust ones, and take them for a lower bound"
         found.append(warning(Kind.NOISE, told))
     spread = np.sum(fit.weights * forces.var(axis=0))
     left = np.sum(fit.weights * np.mean(fit.residuals**2, axis=0))

@@ -54,6 +54,8 @@ def motion_plots(case: Case, motion: Motion) -> list[Plot]:
             figure.update_xaxes(title="time [s]")
             figure.update_yaxes(title=f"{name} [{unit}]")
             note = f"{name[0].upper()}{name[1:]} of each {kind} over time; dashed: its limits."
+            if name == "jerk" and not np.any(values) and np.any(motion.accelerations):
+                note = "Accelerations step, and the jerk between the steps is zero: limits of jerk do not count here."
             plots.append(Plot(f"{name.split()[0]}-{kind}", figure.update_layout(height=280), note, half=not own.all()))
     return plots
 
