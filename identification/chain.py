@@ -20,7 +20,7 @@ from cases.sensors import RigidBody
 from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
-from identification.machine import Frame, Share
+from identification.machine import FrameMotion, Share
 from identification.overload import SHARE
 from identification.pose import rpy, skew
 
@@ -74,15 +74,16 @@ class SerialChain:
         """Which joints turn, shape (n,)."""
         return np.array([joint.turns for joint in self.chain.joints])
 
-    def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
+    def frame(self, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of {P} in {B}."""
-        return Frame(*self._motion(q, rates, accelerations))
+        return FrameMotion(*self._motion(q, rates, accelerations))
 
     def shares(self, case: Case, q: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Clearances, and torques with each number of weights as shares of 80 % of what the drives can do."""
         *links, sensor = self._links(q, rates, accelerations)
         placed = [Placed(k, frame.p, frame.turn) for k, frame in enumerate(links, 1)]
-        distances = clearance_shares(self.chain, placed, Placed(self.count, sensor.p, sensor.turn))
+        middle = self.home + case.need_chain("planning")[1].pose.mean(axis=0)
+        distances = clearance_shares(self.chain, q, middle, placed, Placed(self.count, sensor.p, sensor.turn))
         if not self.chain.limits_effort:
             return distances
         limited = [k for k, joint in enumerate(self.chain.joints) if math.isfinite(joint.effort)]

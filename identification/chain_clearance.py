@@ -1,7 +1,7 @@
 """Distances of the bodies of a chain from boxes and from each other, as CasADi expressions for the search.
 
-Bodies enter as balls along their axes, a little larger than the bodies, so that nothing of these is between two balls;
-what the roundings do not hold back is left to the proof, which has its own distances, and to drawing back.
+Bodies enter as balls along their axes, half a radius apart, with a clearance for what is between these; what it does
+not hold back is left to the proof, which has its own distances, and to drawing back.
 """
 
 from collections.abc import Sequence
@@ -18,9 +18,9 @@ from identification.machine import Share
 
 Array = NDArray[np.float64]
 
-MOST_BALLS = 8  # of a body
-ROUNDING = 0.003  # [m] by about which least distances are rounded
-CLEARANCE = 0.01  # [m] for what comes near between two instants
+MOST_BALLS = 20  # of a body
+ROUNDING = 0.001  # [m] by about which least distances are rounded
+CLEARANCE = 0.01  # [m] for what comes near between two balls or instants; less where the middle of the box is nearer
 VICINITY = 0.25  # [m] in which the share falls by a factor of e: comparable with the ways of motions
 
 
@@ -34,16 +34,17 @@ class Placed(NamedTuple):
 
 class _Balls(NamedTuple):
     link: int
-    name: str
     centres: list[ca.SX]
     radius: float
 
 
-def clearance_shares(chain: Chain, frames: Sequence[Placed], sensor: Placed) -> list[Share]:
+def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[Placed], sensor: Placed) -> list[Share]:
     """Shares of what keeps bodies from boxes and from each other: 1 where the clearance begins, 0 far away.
 
     Args:
         chain: with bodies of links and tool, and boxes to keep out of.
+        q: positions of the joints, shape (n,).
+        middle: of the motion box, shape (n,) [rad or m].
         frames: moved frame of each joint.
         sensor: {P}.
     """
@@ -58,17 +59,20 @@ def clearance_shares(chain: Chain, frames: Sequence[Placed], sensor: Placed) -> 
             if abs(other.link - one.link) > 1:
                 apart = [ca.norm_2(a - b) for a in one.centres for b in other.centres]
                 found.append(_least(apart, one.radius + other.radius))
-    return [Share("distance", 0, ca.exp((CLEARANCE - distance) / VICINITY)) for distance in found]
+    if not found:
+        return []
+    there = ca.Function("distances", [q], [ca.vertcat(*found)])(middle).full()[:, 0]
+    kept = np.clip(there / 2, 0.0, CLEARANCE)
+    return [Share("distance", 0, ca.exp((k - distance) / VICINITY)) for k, distance in zip(kept, found, strict=True)]
 
 
 def _balls(place: Placed, body: Tool) -> _Balls:
-    """Balls that cover a body: between two of them it is as wide as they are where they meet."""
+    """Balls along the axis of a body."""
     low, high = body.axis
     length, radius = float(np.linalg.norm(high - low)), body.radius_mm * MM
-    count = int(np.clip(np.ceil(length / max(radius, 1e-3)) + 1, 2, MOST_BALLS))
-    half = length / (count - 1) / 2
+    count = int(np.clip(np.ceil(2 * length / max(radius, 1e-3)) + 1, 2, MOST_BALLS))
     centres = [place.origin + place.turn @ ca.DM(low + s * (high - low)) for s in np.linspace(0.0, 1.0, count)]
-    return _Balls(place.link, body.name, centres, float(np.hypot(radius, half)))
+    return _Balls(place.link, centres, radius)
 
 
 def _box(point: ca.SX, corners: Array) -> ca.SX:

@@ -15,7 +15,7 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod_limits import hexapod_shares
-from identification.machine import Frame, Share
+from identification.machine import FrameMotion, Share
 from identification.pose import rotation, rpy, skew, twist, twist_rate
 
 Array = NDArray[np.float64]
@@ -101,9 +101,9 @@ class Hexapod:
         """Struts slide."""
         return np.zeros(6, dtype=bool)
 
-    def frame(self, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
+    def frame(self, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of {P} in {B} from the pose and its derivatives, (37) and (38)."""
-        return Frame(pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations))
+        return FrameMotion(pose[:3], rotation(pose[3:]), twist(pose, rates), twist_rate(pose, rates, accelerations))
 
     def shares(self, case: Case, pose: ca.SX, rates: ca.SX, accelerations: ca.SX) -> list[Share]:
         """Limits of struts, joints, singularities and boxes."""

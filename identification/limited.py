@@ -118,17 +118,16 @@ def limited_coordinates(
     scale = np.where(limits.turns, 1 / DEG, 1 / MM)  # to mm and degrees for the report
     if in_box:
         offset = motion.pose - home
-        yield from _by_kind("position", "mm", "angle", "deg", offset, limits.pose[0], limits.pose[1], scale, limits)
+        yield from _by_kind(("position", "mm"), ("angle", "deg"), offset, limits.pose[0], limits.pose[1], scale, limits)
     yield from reach
     a, j = limits.acceleration, limits.jerk
     one = np.ones(len(home))
     yield from limited_rates(motion, limits)
-    yield from _by_kind(
-        "acceleration", "m/s^2", "angular acceleration", "rad/s^2", motion.accelerations, -a, a, one, limits
-    )
+    kinds = ("acceleration", "m/s^2"), ("angular acceleration", "rad/s^2")
+    yield from _by_kind(*kinds, motion.accelerations, -a, a, one, limits)
     if limits.limits_jerk:
         jerks = _with_steps(motion, j)
-        yield from _by_kind("jerk", "m/s^3", "angular jerk", "rad/s^3", jerks, -j, j, one, limits)
+        yield from _by_kind(("jerk", "m/s^3"), ("angular jerk", "rad/s^3"), jerks, -j, j, one, limits)
 
 
 def plane(motion: Motion, machine: Machine, workspace: Workspace) -> Quantity:
@@ -158,22 +157,20 @@ def strut_velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> 
 def limited_rates(motion: Motion, limits: Box) -> Iterable[Quantity]:
     """Rates of the coordinates alone."""
     scale, v = np.where(limits.turns, 1 / DEG, 1 / MM), limits.rate
-    yield from _by_kind("velocity", "mm/s", "angular velocity", "deg/s", motion.rates, -v, v, scale, limits)
+    yield from _by_kind(("velocity", "mm/s"), ("angular velocity", "deg/s"), motion.rates, -v, v, scale, limits)
 
 
 def _by_kind(
-    length_name: str,
-    length_unit: str,
-    angle_name: str,
-    angle_unit: str,
+    length: tuple[str, str],
+    angle: tuple[str, str],
     values: Array,
     low: Array,
     high: Array,
     scale: Array,
     limits: Box,
 ) -> Iterable[Quantity]:
-    """Translations and rotations of a derivative of the coordinates."""
-    for name, unit, axes in ((length_name, length_unit, ~limits.turns), (angle_name, angle_unit, limits.turns)):
+    """Translations and rotations of a derivative of the coordinates; name and unit of each, values in SI."""
+    for (name, unit), axes in ((length, ~limits.turns), (angle, limits.turns)):
         if axes.any():
             labels = tuple(label for label, own in zip(limits.labels, axes, strict=True) if own)
             yield Quantity.between(name, unit, labels, values[:, axes], low[axes], high[axes], float(scale[axes][0]))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Frame(NamedTuple):
+class FrameMotion(NamedTuple):
     """Motion of the frame {P} of the load in {B}.
 
     Args:
@@ -73,7 +73,7 @@ class Machine(Protocol):
         """Which drives measure angles, shape (n,)."""
         ...
 
-    def frame(self, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX) -> Frame:
+    def frame(self, coordinates: ca.SX, rates: ca.SX, accelerations: ca.SX) -> FrameMotion:
         """Motion of the load's frame from coordinates and their derivatives, shapes (n,)."""
         ...
 

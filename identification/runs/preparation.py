@@ -200,9 +200,9 @@ def require_position(recording: Recording, model: Model) -> None:
 
 def _words(case: Case) -> tuple[str, str]:
     """What moves the sensors, and a thousandth of its unit."""
-    return (
-        ("struts", "mm") if case.chain is None else ("joints", "mrad" if case.chain.units.min() > MM else "mrad or mm")
-    )
+    if case.chain is None:
+        return "struts", "mm"
+    return "joints", "mrad" if case.chain.units.min() > MM else "mrad or mm"
 
 
 def _window(

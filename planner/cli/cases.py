@@ -72,7 +72,8 @@ def check(
     print(f"{figures['name']} is valid: {figures['title']} (setup {figures['setup']}, hash {figures['hash']})")
     print(f"sensor frame: condition {figures['frame_condition']:.3g} (moments in units of the frame's size)")
     if "limits_in_box" in figures:
-        print(f"struts at home: {', '.join(f'{v:.1f}' for v in figures['home_struts_mm'])} mm")
+        if "home_struts_mm" in figures:
+            print(f"struts at home: {', '.join(f'{v:.1f}' for v in figures['home_struts_mm'])} mm")
         rows = limit_rows(figures["limits_in_box"])
         print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box", LIMIT_COLUMNS, rows

@@ -66,8 +66,8 @@ def plan(
         str | None,
         typer.Option(
             "--for",
-            help="ptp: plan with the time law of linuxcnc, virtual, sinumerik, twincat or setpoints; by default as the "
-            "case says, else with limited jerk.",
+            help="ptp: plan with the time law of linuxcnc, virtual, sinumerik, twincat, setpoints, urscript or ros2; "
+            "by default as the case says, else with limited jerk.",
         ),
     ] = None,
     knots: Annotated[int | None, typer.Option(help="spline: intervals, 20 to 150; by default ten a second.")] = None,

@@ -69,7 +69,8 @@ def validate(
         found = validate_recordings(loaded, recordings, named)
         save_with_page(found, VALIDATION, place, overwrite, plots=True)
     else:
-        disturbances_of(loaded, settings, undisturbed)  # before anything is made
+        loaded.need_machine("a validation")  # before anything is made
+        disturbances_of(loaded, settings, undisturbed)
         with unfinished(place, loaded, settings, overwrite) as work:
             with progress("validating", len(wanted) * len(mounted), json) as count:
                 found = carried_out(

@@ -217,8 +217,8 @@ class PointToPoint(FamilySettings):
 
     Args:
         moves: 8 to 64; None for as many as reach their velocity, where jerk is limited ten in three seconds at most.
-        controller: whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat or setpoints; None
-            for the one that the case plans for, else limited jerk.
+        controller: whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat, setpoints,
+            urscript, ros2; None for the one that the case plans for, else limited jerk.
     """
 
     moves: int | None = None
@@ -367,7 +367,8 @@ class Manual(FamilySettings):
         """The file and the limits make the duration."""
 
     def require_plannable(self, case: Case, duration: float) -> None:
-        """The file can be read."""
+        """The machine is one that such files are for, and the file can be read."""
+        case.need_machine("a hand-made sequence")
         file = self.file(case)
         if file.suffix.lower() == ".csv":
             load_poses(file)

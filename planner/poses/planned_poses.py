@@ -45,6 +45,7 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
         CaseError: the case lacks machine, limits or poses.
     """
     began = perf_counter()
+    case.need_machine("a plan of poses")
     model = identification_model(case, request.model)
     candidates = candidates_of(request, case)
     unscaled = pose_regressors(model, candidates.poses)

@@ -16,6 +16,7 @@ from planner.motion_box import MotionBox, largest_box
 from planner.reach import Reach, reach
 
 GRID = (-1.0, 0.0, 1.0)
+MOST_COORDINATES = 7  # whose corners and middles are all looked at
 STATIC = ("strut length", "base joint angle", "platform joint angle", "singularity", "position", "angle")
 
 
@@ -39,7 +40,32 @@ def case_figures(name: str) -> dict[str, Any]:
         "setup": case.setup,
         "hash": case.hash,
         "frame_condition": float(np.linalg.cond(scaled)),
-    } | (_in_box(case, str(find_case(name))) if has_motion_box(case) else {})
+    } | _of_machine(case, str(find_case(name)))
+
+
+def _of_machine(case: Case, file: str) -> dict[str, Any]:
+    if case.chain is not None and case.limits is not None:
+        return _joints_in_box(case, file)
+    return _in_box(case, file) if has_motion_box(case) else {}
+
+
+def _joints_in_box(case: Case, file: str) -> dict[str, Any]:
+    """Clearances of a chain's bodies and torques at rest, at home and in the corners and middles of the motion box."""
+    home, limits = case.need_motion("the check of its reach")
+    count = len(home)
+    if count <= MOST_COORDINATES:
+        corners = np.stack(np.meshgrid(*([GRID] * count), indexing="ij"), axis=-1).reshape(-1, count)
+    else:
+        corners = np.random.default_rng(0).choice(GRID, (len(GRID) ** MOST_COORDINATES, count))
+    middle, half = limits.pose.mean(axis=0), np.ptp(limits.pose, axis=0) / 2
+    poses = np.vstack([home, home + middle + corners * half])
+    at_home = prove(StandingPoses(poses[[0, 0]]), case, 1.0)
+    if at_home.violations:
+        problem = at_home.violations[0].sentence(timed=False)
+        raise CaseError(file, "machine.chain.joints", f"home cannot be: {problem}; choose another home")
+    found = prove(StandingPoses(poses), case, 1.0).to_json()
+    told = {k: v for k, v in found.items() if k.startswith(("distance", "joint torque", "joint force"))}
+    return {"poses": len(poses), "limits_in_box": told} if told else {}
 
 
 def has_motion_box(case: Case) -> bool:

@@ -35,7 +35,7 @@ def write(
 
     Args:
         plan: a motion or poses.
-        dialect: the controller's language: linuxcnc, sinumerik, twincat or setpoints; by default what the suffix of
+        dialect: the controller's language: one of `DIALECTS`; by default what the suffix of
             `file` says, else that of the controller that the plan was made for, else linuxcnc.
         speed: share of the planned speed; 0.1 for a first try.
         accept: limits that the controller does not enforce and that the caller answers for, such as `("jerk",)`.

@@ -116,6 +116,7 @@ def validate(
     Raises:
         HexciteError: no method could be carried out, an unknown controller, or a case without simulation.
     """
+    case.need_machine("a validation")
     disturbances = disturbances_of(case, settings, undisturbed)
     mounted = mounted_weights(case, None) if mounted is None else mounted
     with ExitStack() as places:

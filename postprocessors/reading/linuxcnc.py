@@ -195,7 +195,9 @@ def axis_letters(chain: Chain, file: str) -> str:
         letters = "ABC" if joint.turns else "XYZ"
         if joint.name not in tuple(letters):
             problem = f"joint {joint.name} {'turns' if joint.turns else 'slides'} and is no axis of LinuxCNC"
-            remedy = f"name it {', '.join(letters)} in machine.chain, or choose another dialect"
+            remedy = (
+                f"name it {', '.join(letters)} in machine.chain, or write with --dialect urscript, ros2 or setpoints"
+            )
             raise ProgramError(file, 0, 0, f"{problem}; {remedy}")
     return "".join(chain.names)
 

@@ -1,5 +1,6 @@
 """Chains of five, six and seven joints, one on a rail: planned, written, run and identified as hexapods are."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,8 @@ from identification.limited_chain import frame_motion
 from identification.limits import prove
 from identification.model import identification_model
 from identification.motion import Motion, StandingPoses
-from identification.recording import load_recording
+from identification.parameters import linear_parameters
+from identification.recording import load_recording, read
 from identification.simulate import truth_rows
 from planner.bounds.kept import compute_bound
 from planner.demonstration import demo
@@ -28,6 +30,7 @@ from planner.runs.running import execute
 from planner.runs.written import write
 from planner.search.parallel import SILENT, run_here
 from tests.chains import chain_case
+from tests.planner.command_line import refused
 
 PLANS: dict[int, FamilySettings] = {5: Fourier(order=3), 6: PointToPoint(moves=8), 7: Spline(knots=40)}
 
@@ -195,3 +198,37 @@ def test_the_demo_of_the_robot_is_right_within_its_deviations(tmp_path: Path):
     done = demo(load_case("ur10_wrist"), tmp_path / "demo", "virtual")
     assert done.worst < 4.0
     assert (tmp_path / "demo" / "excitation.csv").is_file()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "poses ur10_wrist",
+        "plan ur10_wrist --family manual",
+        "validate ur10_wrist --undisturbed",
+        "case show ur10_wrist",
+    ],
+)
+def test_what_a_chain_cannot_do_yet_is_refused_in_one_line_that_names_it(command: str):
+    line = refused(*command.split())
+    assert re.search(r"machine\.chain: .* for hexapods only", line)
+
+
+def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):
+    case = load_case("ur10_wrist")
+    rigid = identification_model(case, 6)
+    truth = linear_parameters(rigid, case.need_simulation("a test").parameters)
+    home, box = case.need_motion("a test")
+    draw = np.random.default_rng(0)
+    lines = [",".join((*case.drive_columns, *WRENCH))]
+    for _ in range(12):
+        q, still = home + draw.uniform(*box.pose), np.zeros_like(home)
+        forces = (rigid.coordinate_regressor(q, still, still).full() @ truth).ravel()
+        lines.append(",".join(f"{v:.9f}" for v in (*np.rad2deg(q), *forces)))
+    file = tmp_path / "standing.csv"
+    file.write_text("\n".join(lines) + "\n")
+    result = identify(read(file, case), case)
+    assert result.estimate is not None
+    assert result.estimate.model == 0
+    assert result["m"].value == pytest.approx(2.61, abs=1e-6)
+    assert result["f_q0_5"].value == pytest.approx(-0.22, abs=1e-6)
