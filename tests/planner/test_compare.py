@@ -55,7 +55,7 @@ def test_a_long_measurement_may_be_best_and_yet_not_per_second(hexapod_case: Cas
     long, short = entry(hexapod_case, "long", 0.10, 1200.0), entry(hexapod_case, "short", 0.20, 12.0)
     advice = recommend([[long], [short]])
     assert advice.best == "long"
-    assert "per second of measuring time short tells most" in advice.sentences
+    assert "per second of measuring time short carries most information" in advice.sentences
 
 
 def test_what_one_does_not_determine_is_said_and_not_compared(hexapod_case: Case):

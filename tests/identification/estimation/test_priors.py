@@ -184,7 +184,7 @@ def test_failure_is_a_value_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize(
     ("priors", "message"),
     [
-        ([Prior("mass", 33.0, 1.0)], "'mass' is no parameter here; choose from m, mxC, .*k3, xC, .*IC33"),
+        ([Prior("mass", 33.0, 1.0)], "'mass' is not a parameter here; choose from m, mxC, .*k3, xC, .*IC33"),
         ([Prior("m", 33.0, 1.0), Prior("m", 34.0, 1.0)], "two priors on m; combine them into one"),
         ([Prior("m", 33.0, 0.0)], r"prior m = 33 \+- 0 needs .* a standard deviation above 0; .* fixed by a selection"),
         ([Prior("m", np.nan, 1.0)], "prior m = nan"),
