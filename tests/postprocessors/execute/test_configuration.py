@@ -77,7 +77,7 @@ def test_kinematics_has_the_joints_of_the_case(hexapod_case: Case) -> None:
 @pytest.mark.parametrize("name", ["hexapod", "five_axis_table"])
 def test_every_channel_is_logged(name: str) -> None:
     case = load_case(name)
-    layout, hal = configuration.Layout.of(case), configuration.hal_text(case)
+    layout, hal = configuration.AxisLayout.of(case), configuration.hal_text(case)
     pins = re.findall(r"^net log-(\d+) (\S+) => sampler\.0\.pin\.(\d+)$", hal, re.M)
     assert [(int(a), pin, int(b)) for a, pin, b in pins] == [(k, pin, k) for k, (_, pin) in enumerate(layout.channels)]
     assert len(pins) == 2 + 2 * len(layout.axes)

@@ -38,7 +38,7 @@ def run_rig(
     home = Hexapod.of(case).strut_lengths(case.machine.home.vector[None])[0]
     configuration.write_configuration(folder, case, home, 1.0)
     kinds = "".join(kind for kind, _ in pins)
-    layout = configuration.Layout.of(case)
+    layout = configuration.AxisLayout.of(case)
     usual = layout.sampler
     for name in (configuration.INI_FILE, configuration.HAL_FILE):
         text = (folder / name).read_text(encoding="ascii")
