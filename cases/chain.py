@@ -25,7 +25,7 @@ LEAST_AXIS = 1e-6  # length of an axis below which it has no direction
 _NAME = re.compile(r"[A-Za-z][\w./-]*")  # a name in ROS, and of columns
 
 
-class Frame(Part):
+class ChainFrame(Part):
     """Where a frame lies in the one before it: R = Rz(yaw) Ry(pitch) Rx(roll), as in a URDF."""
 
     origin_mm: Vector = (0.0, 0.0, 0.0)
@@ -44,7 +44,7 @@ class Frame(Part):
         return frozen([v * DEG for v in self.rpy_deg])
 
 
-class Joint(Frame):
+class Joint(ChainFrame):
     """A joint and the link behind it, whose frame is the joint's where the joint stands at 0.
 
     A `continuous` joint turns without end and has no `position_deg`; a `revolute` one has, a `prismatic` one has
@@ -145,7 +145,7 @@ class Chain(Part):
 
     joints: tuple[Joint, ...]
     """From the base to the sensor."""
-    sensor: Frame = Frame()
+    sensor: ChainFrame = ChainFrame()
     """The sensor frame {P} in the last joint's moved frame."""
     base: tuple[Tool, ...] = ()
     """Round bodies that stand, in {B}: a pedestal."""

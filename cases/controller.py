@@ -89,7 +89,7 @@ _VECTORS = re.compile(r"[ABC][3-7]")
 def _sinumerik_name(name: str) -> str:
     if re.fullmatch(SINUMERIK_NAME, name) is None:
         raise ValueError(
-            f"{name!r} is no program name; write 2 to 24 of A-Z, 0-9 and _, beginning with two letters or _ and a "
+            f"{name!r} is not a program name; write 2 to 24 of A-Z, 0-9 and _, beginning with two letters or _ and a "
             "letter"
         )
     return name
@@ -115,7 +115,7 @@ def _angle_words(words: tuple[str, str, str]) -> tuple[str, str, str]:
 
 def _word(word: str) -> str:
     if re.fullmatch(r"[A-Z]{1,7}[0-9]?", word) is None:
-        raise ValueError(f"{word!r} is no address; write capitals and at most one digit, such as A or A2")
+        raise ValueError(f"{word!r} is not an address; write capitals and at most one digit, such as A or A2")
     return word
 
 
@@ -139,7 +139,7 @@ class Sinumerik(Part):
     orientation_axes: AngleWords
     """Names of the axes behind them, for FGROUP( ) and PO[ ]."""
     path: Literal["poly", "lines"]
-    """Motions that are no straight moves: polynomial blocks (POLY), or dense G1 with the compressor COMPCAD."""
+    """Motions that are not straight moves: polynomial blocks (POLY), or dense G1 with the compressor COMPCAD."""
     moves: Literal["feed", "poly"] = "feed"
     """Point-to-point moves: G1 at a feed under the controller's own time law, or POLY blocks that hold the plan's."""
     poly_degree: Literal[3, 5]
@@ -196,7 +196,7 @@ _TAKEN = {0, 1, 2, 3, 4, 5, 6, 17, 19, 29, 30}
 def _twincat_name(name: str) -> str:
     if re.fullmatch(TWINCAT_NAME, name) is None:
         raise ValueError(
-            f"{name!r} is no program name; write up to 63 letters, digits, _, . and -, not . or - at the beginning"
+            f"{name!r} is not a program name; write up to 63 letters, digits, _, . and -, not . or - at the beginning"
         )
     return name
 

@@ -175,7 +175,7 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
     for source in inputs:
         if path.resolve() in (source.resolve(), *source.resolve().parents):
             raise FileProblem(path, f"holds {source}, which is read", "choose another place with -o")
-    no_folder = FileProblem(path, "exists and is no folder", "choose another place with -o")
+    no_folder = FileProblem(path, "exists and is not a folder", "choose another place with -o")
     held = set[str]()
     try:  # one look: another command may be writing here
         held = {entry.name for entry in path.iterdir()}
@@ -201,7 +201,7 @@ def _require_place(path: Path) -> None:
     try:
         os.rmdir(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".try", dir=above))
     except OSError as error:
-        reason = _reason(error) if above.is_dir() else f"{above} is no folder"
+        reason = _reason(error) if above.is_dir() else f"{above} is not a folder"
         raise FileProblem(path, f"cannot be written ({reason})", "choose another place with -o") from error
 
 
@@ -283,7 +283,7 @@ def json_text(value: Any) -> str:
 
 
 def _refuse(constant: str) -> float:
-    raise ValueError(f"{constant} is no number of JSON")
+    raise ValueError(f"{constant} is not a number of JSON")
 
 
 def read_json(path: Path, made_by: str) -> dict[str, Any]:

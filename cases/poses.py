@@ -13,7 +13,9 @@ from cases.units import DEG, MM
 def _climbing(value: tuple[float, float, float]) -> tuple[float, float, float]:
     first, last, step = value
     if not (first <= last and step > 0.0):
-        raise ValueError(f"[{first:g}, {last:g}, {step:g}] is no range [first, last, step]; step up from first to last")
+        raise ValueError(
+            f"[{first:g}, {last:g}, {step:g}] is not a range [first, last, step]; step up from first to last"
+        )
     return value
 
 

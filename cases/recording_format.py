@@ -79,7 +79,7 @@ def si_factor(column: str, units: Mapping[str, str]) -> float:
     return known[units.get(column, units.get(group, next(iter(known))))]
 
 
-# A mounting matrix is typed by hand with a few digits; beyond this it is no rotation.
+# A mounting matrix is typed by hand with a few digits; beyond this it is not a rotation.
 _ORTHOGONALITY = 1e-3
 _TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}
 
@@ -153,7 +153,7 @@ class Accelerometer(Part):
         matrix = np.array(self.mounting)
         error = max(np.abs(matrix @ matrix.T - np.eye(3)).max(), abs(np.linalg.det(matrix) - 1.0))
         if not error <= _ORTHOGONALITY:
-            raise ValueError(f"mounting is no rotation (off by {error:.3g}); rows must be orthonormal, right-handed")
+            raise ValueError(f"mounting is not a rotation (off by {error:.3g}); rows must be orthonormal, right-handed")
         return self
 
     @cached_property
@@ -209,7 +209,9 @@ class RecordingFormat(Part):
                 raise ValueError(f"columns maps {theirs!r} to two of our columns; give each column one meaning")
         for name, unit in self.units.items():
             if name not in COLUMNS and name not in GROUP_UNITS:
-                raise ValueError(f"units: {name!r} is no column; give {', '.join(GROUP_UNITS)} or one of our columns")
+                raise ValueError(
+                    f"units: {name!r} is not a column; give {', '.join(GROUP_UNITS)} or one of our columns"
+                )
             if unit not in units_of(name):
                 raise ValueError(f"units.{name} = {unit!r} is not known; give {', '.join(units_of(name)) or 'none'}")
         return self

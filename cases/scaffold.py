@@ -37,7 +37,7 @@ _ADVICE = {
     "sensor_frame": 'How the sensor reads: sense = "load_on_sensor" or "sensor_on_load".',
     "sensors": "From the sensors' data sheet. Noise may be stated: force_noise_N,\n"
     "# encoder_resolution_um, strut_noise_um, and of vibration acceleration_noise_m_s2 and\n"
-    "# angular_acceleration_noise_rad_s2: hexcite identify tells what the residuals look like. So it does of errors\n"
+    "# angular_acceleration_noise_rad_s2: hexcite identify says what the residuals look like. So it does of errors\n"
     "# that depend on the pose: pose_error_N and pose_error_length_mm, which plans then count on.",
     "recording": "How recordings are written: `hexcite look RECORDING --case CASE` proposes this table. By example:\n"
     "# delimiter = ';', decimal = ',', header_rows = 2, names_row = 1      # text that is not plain CSV\n"
@@ -120,7 +120,7 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     load_case(like)
     lines: list[str] = [
         f"# {name}: begun from the case {like}; every number is that case's until you replace it. Keys carry units.",
-        "# {B} is the frame of the base, {P} that of the platform. `hexcite case check` tells what cannot be.",
+        "# {B} is the frame of the base, {P} that of the platform. `hexcite case check` says what cannot be.",
         "",
     ]
     told: Mapping[str, str] = {}
@@ -165,7 +165,7 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
     lines = [
         f"# {name}: geometry, ends, speeds and efforts of the joints are those of {urdf.name},",
         f"# from {arm.base}, the frame {{B}}, to {arm.flange}. Keys carry units. What the file does not say is marked",
-        f"# {FILL_IN}: take the # away and put the number in. `hexcite case check` tells what is missing.",
+        f"# {FILL_IN}: take the # away and put the number in. `hexcite case check` says what is missing.",
         "",
         "schema_version = 1",
         f'name = "{name}"',
@@ -251,7 +251,7 @@ def _place(name: str, folder: Path) -> Path:
     """The case file to write; raises CaseError for a name that no case can have, FileProblem where it exists."""
     if not _NAME.fullmatch(name):
         raise CaseError(
-            name or "''", "", "is no name of a case; use small letters, digits and underscores, a letter first"
+            name or "''", "", "is not a name of a case; use small letters, digits and underscores, a letter first"
         )
     if name in built_in_cases():
         raise CaseError(name, "", "is the name of a built-in case; choose another one")

@@ -103,7 +103,7 @@ def read_urdf(file: Path, flange: str | None) -> UrdfChain:
         flange: name of the link that carries the sensor.
 
     Raises:
-        CaseError: the file cannot be read or is no sound tree, no such link, or a joint on the way is not sound; one
+        CaseError: the file cannot be read or is not a sound tree, no such link, or a joint on the way is not sound; one
             line names file, line, value and remedy.
     """
     tree = _Tree(file, _parsed(file))

@@ -92,7 +92,7 @@ def _estimated(recording: Recording, case: Case, model: Model, how: Method, cond
         require_alive(recording.forces)
     moves = recording.t is not None and case.setup != "1a"
     if not moves and conditioning != USUAL:
-        raise RecordingError("is no moving run; --period and --flexible are for moving runs")
+        raise RecordingError("is not a moving run; --period and --flexible are for moving runs")
     if not moves and model.needs_motion and not set(how.known) >= _inertia(model) | set(how.dropped):
         raise IdentificationError(
             f"{recording.source}: model {model.number} contains inertia, which standstills cannot excite; choose a "

@@ -30,7 +30,7 @@ class Quantity:
         labels: labels of the columns.
         values: shape (n, k).
         limits: lower and upper limit of each column, twice the same where there is but one, shape (2, k).
-        ratio: share of the limit that is used, infinite where a value is no number, shape (n, k).
+        ratio: share of the limit that is used, infinite where a value is not a number, shape (n, k).
         scale: scale to the unit.
     """
 

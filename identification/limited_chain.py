@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.chain import Chain, Joint
-from cases.chain import Frame as Place
+from cases.chain import ChainFrame as Place
 from cases.sensors import RigidBody
 from identification.limited import Quantity, axis_rotation
 from identification.limited_bodies import clearances

@@ -258,7 +258,7 @@ def _evaluated(
     """What is limited, in chunks of instants."""
     for first in range(0, len(instants), CHUNK):
         t = instants[first : first + CHUNK]
-        with np.errstate(invalid="ignore"):  # what is no number counts as passed, and is reported so
+        with np.errstate(invalid="ignore"):  # what is not a number counts as passed, and is reported so
             yield tuple(limited(trajectory.at(t), case, in_box)), t
 
 

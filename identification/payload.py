@@ -65,7 +65,7 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     left = (after.values - before.values - matrix @ u) * root
     warnings = _about(before, after, float(u[0]))
     if float(left @ left) > float(chdtri(3, UNLIKELY)):
-        warnings.append("the change of the forces is no weight alone: something pushes, or a sensor has drifted")
+        warnings.append("the change of the forces is not a weight alone: something pushes, or a sensor has drifted")
     names = [n for n, a in zip(("xC", "yC", "zC"), along, strict=True) if a]
     warnings.append(
         f"{', '.join(names)} not determined: gravity acts along it, and the frame does not move; weigh the payload in "

@@ -156,5 +156,7 @@ def notes(
         which = "; ".join(f"with {n} those of {', '.join(names)}" for n, names in by_load.items() if names)
         words.append(f"predicted standard deviations are the largest with {request.mounted}: {which}")
     forces = [c for c in found.limits.checks if c.name.startswith("sensor force") and c.ratio > BINDING]
-    words += [f"{c.name} shapes the motion: with fewer weights in [payloads] it could tell more" for c in forces]
+    words += [
+        f"{c.name} shapes the motion: with fewer weights in [payloads] it could carry more information" for c in forces
+    ]
     return tuple(words if laws is None else [*words, laws.sentence])

@@ -91,7 +91,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
     of_poses = data["family"] == PoseRequest.name
     if not motion.duration <= (LONGEST_OF_POSES if of_poses else LONGEST):
-        raise FileProblem(file, f"a motion of {motion.duration:g} s is no excitation", "plan again")
+        raise FileProblem(file, f"a motion of {motion.duration:g} s is not an excitation", "plan again")
     named = Artefact(file, data, "plan again")
     own = named.case() if case is None else case
     count = len(own.need_motion("a plan")[0])

@@ -17,7 +17,7 @@ MOST_PLACES = 9  # beyond these a fixed notation is longer than it is legible
 
 
 def places(std: float) -> int | None:
-    """Decimals that show `std` with two digits; None where it is no scale (zero, not finite, tiny)."""
+    """Decimals that show `std` with two digits; None where it is not a scale (zero, not finite, tiny)."""
     if not isfinite(std) or std <= 0.0:
         return None
     digits = 1 - floor(log10(float(f"{std:.1e}")))  # rounded first: 0.0996 is shown as 0.10

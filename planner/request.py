@@ -48,7 +48,7 @@ class Request:
         if self.criterion not in CRITERIA:
             raise HexciteError(f"criterion {self.criterion!r} is unknown; choose {', '.join(CRITERIA)}")
         if np.isnan(self.duration) or self.duration == -np.inf:
-            raise HexciteError(f"duration {self.duration:g} s is no duration; choose about 12 s")
+            raise HexciteError(f"duration {self.duration:g} s is not a duration; choose about 12 s")
         if not self.duration <= LONGEST:
             raise HexciteError(f"duration {self.duration:g} s is longer than {LONGEST:g} s; choose about 12 s")
         self.family.check(self.duration)
@@ -60,7 +60,8 @@ class Request:
             raise HexciteError(f"seed {self.seed} is negative; choose 0 or more")
         if self.payload_from is not None and not 0 <= self.payload_from <= self.payload:
             raise HexciteError(
-                f"payloads {self.payload_from}-{self.payload} are no range; give the fewest first, as 0-{self.payload}"
+                f"payloads {self.payload_from}-{self.payload} are not a range; give the fewest first, as "
+                f"0-{self.payload}"
             )
         if self.targets and not self.family.optimised:
             raise HexciteError("targets need a family that is optimised; choose fourier, ptp or spline")

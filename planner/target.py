@@ -71,6 +71,6 @@ def parse_targets(words: tuple[str, ...], case: Case, model: int) -> tuple[Targe
             raise HexciteError(f"target {word!r}: {name} is not measured in {match[3]}; choose {units}")
         std = float(number) * UNITS[unit][1]
         if not (np.isfinite(std) and std > 0.0):
-            raise HexciteError(f"target {word!r}: {number} is no positive number")
+            raise HexciteError(f"target {word!r}: {number} is not a positive number")
         targets.append(Target(name, std, word, unit))
     return tuple(targets)

@@ -45,7 +45,7 @@ def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator
     Raises:
         KeyError: a figure is missing.
         TypeError: a figure of the wrong kind.
-        ValueError: a figure that is no number.
+        ValueError: a figure that is not a number.
         HexciteError: the motion does not determine the model, or the model is unknown.
     """
     if data["family"] not in (*FAMILIES, "poses"):

@@ -29,7 +29,7 @@ from postprocessors.reading.words import Reading
 from postprocessors.wording import comment_lines
 
 DECIMALS = 9  # of rad, m and their derivatives
-SAME = 1e-7  # [rad, m] between points, of a motion that is no polynomial
+SAME = 1e-7  # [rad, m] between points, of a motion that is not a polynomial
 CLOSEST = 2e-3  # [s] between points: rounding of closer ones makes jerks
 FIRST = 0.02  # [s] the first point's time: at 0 the controller would jump to it
 

@@ -81,7 +81,7 @@ def comments(text: str) -> list[str]:
 
 
 def as_written(move: StraightMove) -> StraightMove:
-    """The move between its ends as their words say them; itself where that is no move any more."""
+    """The move between its ends as their words say them; itself where that is not a move any more."""
     units = np.repeat([MM, DEG], 3)
     start, end = (np.array([float(word) for word in coordinates(pose)]) * units for pose in (move.start, move.end))
     return replace(move, start=start, end=end) if np.any(start != end) else move

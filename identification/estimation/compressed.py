@@ -95,7 +95,7 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
         root: R, or any matrix with R^T R the information, shape (k, u).
         names: names of the u columns.
         rows: m n of the paper's numerical zero (Fig. 3).
-        nuisance: so many of the last columns are no parameters of the model and are not counted.
+        nuisance: so many of the last columns are not parameters of the model and are not counted.
 
     Raises:
         IdentificationError: parameters that are not determined, by name.
@@ -175,7 +175,7 @@ def fit_along(
         compressed: of these.
         values: u(theta) at the minimum, shape (u,).
         tangent: du/dtheta there, shape (u, theta).
-        nuisance: so many of the last theta are no parameters of the model.
+        nuisance: so many of the last theta are not parameters of the model.
         filtered: what was done to regressors and forces before.
 
     Raises:

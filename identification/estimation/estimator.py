@@ -37,7 +37,7 @@ def gauss_markov(
         forces: shape (n, 6) [N, or N and N m].
         names: names of the u columns.
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
-        nuisance: so many of the last columns are no parameters of the model: they are estimated too, and cost
+        nuisance: so many of the last columns are not parameters of the model: they are estimated too, and cost
             certainty, but rank and condition are told without them.
         filtered: what was done to both before.
 
@@ -215,7 +215,7 @@ def full_weights(
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
         names: names of the u columns.
-        nuisance: so many of the last columns are no parameters of the model.
+        nuisance: so many of the last columns are not parameters of the model.
         filtered: what was done to both before.
 
     Raises:

@@ -150,7 +150,7 @@ class Minimum(NamedTuple):
     Args:
         at: theta, shape (p,).
         steps: taken.
-        failure: why this is no minimum, and what to do; None where it is one.
+        failure: why this is not a minimum, and what to do; None where it is one.
     """
 
     at: Array

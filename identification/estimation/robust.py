@@ -67,7 +67,7 @@ def huber(
         forces: shape (n, 6) [N, or N and N m].
         names: names of the u columns.
         pooled: one scale for all channels (identical sensors), else one for each (mixed units).
-        nuisance: so many of the last columns are no parameters of the model.
+        nuisance: so many of the last columns are not parameters of the model.
         filtered: what was done to both before; a low-pass smears gross errors, so look for them before it.
         alike: where scales are not pooled, channels with the same number share one.
 

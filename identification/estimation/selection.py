@@ -53,7 +53,7 @@ def require_names(given: Iterable[str], valid: Sequence[str]) -> None:
     """Raises IdentificationError, listing the valid names, where one of those given is none of them."""
     for name in given:
         if name not in valid:
-            raise IdentificationError(f"{name!r} is no parameter here; choose from {', '.join(valid)}")
+            raise IdentificationError(f"{name!r} is not a parameter here; choose from {', '.join(valid)}")
 
 
 def symmetric_platform(model: Model) -> dict[str, float]:

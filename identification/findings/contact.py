@@ -125,7 +125,7 @@ def find_contacts(
     """
     calm = Calm.of(residuals) if calm is None else calm
     distance = calm.distance(residuals)
-    # Where all channels but one leap, noise of the one that hardly changes is no contact.
+    # Where all channels but one leap, noise of the one that hardly changes is not contact.
     own = np.any(np.abs(residuals) > SHARE * _change(t, expected) + OWN * calm.noise, axis=1)
     clear = (distance >= CLEAR) & own
     above = distance > 1.0
@@ -222,7 +222,7 @@ def _concentrated(matrices: Array, right: Array, rows: Rows, kept: int, width: i
 
 SEARCHES = 4  # for contacts; each finds what the one before hid
 CALMER = 0.7  # of the residuals, that leaving a long contact out must at least take
-MOST_TOUCHED = 0.25  # of the samples in contact; more is no identification run
+MOST_TOUCHED = 0.25  # of the samples in contact; more is not an identification run
 
 
 def free_of_contact(

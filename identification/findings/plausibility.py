@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 MOST_NAMED = 3  # places of one finding that a message lists
-NEVER = 1e-9  # probability below which a silence of a channel is no chance
+NEVER = 1e-9  # probability below which a silence of a channel is not chance
 OUTLIER = 20.0  # robust standard deviations by which a single sample leaves its neighbours
 SHAKEN = 4.0  # the same for accelerations of struts, from which on a force that leaves its neighbours is the motion's
 TOGETHER = 10  # samples between a leap of the motion and that of the forces, delay included
@@ -36,7 +36,7 @@ SWIFT = 5.0  # times the strut limits: no motion of this machine, but a reading 
 TRAVELLING = 1e-4  # [m/s] of the struts from which a sensor that never changes is suspicious
 MOST_BAD = 0.3  # of the samples; a run that is worse is to be recorded again
 SMOOTH = 0.5  # second over first differences of poses, rms: standstills in any order have 1.7, samples of a motion less
-SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are no samples of a motion
+SMALL_STEP = 2.0 * MM  # of the struts between rows: standstills further apart are not samples of a motion
 SMALL_TURN = 0.01  # [rad] the same for orientations
 LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for a motion
 
@@ -79,7 +79,7 @@ def scan(recording: Recording, case: Case) -> Scan:
         case: range of the sensors, workspace and limits of the machine.
 
     Raises:
-        RecordingError: rows without a clock that are samples of a motion, or so much damage that the rest is no run.
+        RecordingError: rows without a clock that are samples of a motion, or so much damage that the rest is not a run.
     """
     if recording.t is None:
         _require_standstills(recording)
@@ -232,7 +232,7 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
     lost = np.flatnonzero(recording.lost)
     for k in range(6):
         away = np.abs(_from_neighbours(recording.struts[:, k]))
-        for row in (lost - 1, lost):  # neighbours that are no neighbours in time
+        for row in (lost - 1, lost):  # neighbours that are not neighbours in time
             away[row[(row >= 0) & (row < len(away))]] = 0.0
         leaps = _peaks(away, most)
         if len(leaps):

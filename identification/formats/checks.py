@@ -14,7 +14,7 @@ from identification.formats.clock import UNIFORMITY, crowded, lost_samples
 from identification.formats.stream import Channel, Stream
 from identification.formats.table import Array, ColumnTable, shown
 
-# Rotation matrices are printed with a few digits; beyond this they are no rotations (transposed columns, wrong order).
+# Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).
 ORTHOGONALITY = 1e-3
 # A motion changes the usual specific force of a run by less; a wrong unit (g for m/s^2) by a factor of ten.
 _GRAVITY = 3.0
@@ -25,7 +25,7 @@ _FIRST = 10_000  # rows that tell a wrong unit as well as all of them
 
 
 def require_stamps(table: ColumnTable, form: RecordingFormat) -> None:
-    """Raises RecordingError at the first time stamp that is no number, or none of a clock."""
+    """Raises RecordingError at the first time stamp that is not a number, or none of a clock."""
     if table.stamps is None:
         return
     if np.issubdtype(table.stamps.dtype, np.integer):
@@ -36,7 +36,7 @@ def require_stamps(table: ColumnTable, form: RecordingFormat) -> None:
         row = int(np.argmin(possible))
         raise RecordingError(
             f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(CLOCK))}",
-            f"{stamps[row]} is no time stamp",
+            f"{stamps[row]} is not a time stamp",
             "remove the row",
         )
 
@@ -66,7 +66,7 @@ def require_override(table: ColumnTable, override: Array, form: RecordingFormat)
         row = int(np.argmax(wrong))
         raise RecordingError(
             f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(OVERRIDE))}",
-            f"{100 * override[row]:g} % is no feed override, they are 0 to {100 * MOST_OVERRIDE:g} %",
+            f"{100 * override[row]:g} % is not a feed override, they are 0 to {100 * MOST_OVERRIDE:g} %",
             "state recording.units.override = '1' if it is a ratio",
         )
 
@@ -89,7 +89,7 @@ def require_switch(table: ColumnTable, trigger: Array, form: RecordingFormat) ->
 
 
 def require_rotations(stream: Stream) -> None:
-    """Raises RecordingError at the first matrix that is no rotation."""
+    """Raises RecordingError at the first matrix that is not a rotation."""
     if stream.rotations is None:
         return
     rotations = stream.rotations

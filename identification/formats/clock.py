@@ -46,7 +46,7 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
     if t is None:
         raise RecordingError(source, "has no t_s column", "its rows are standstills")
     if len(t) < 2:
-        raise RecordingError(source, "has one row, which is no motion", "record again")
+        raise RecordingError(source, "has one row, which is not a motion", "record again")
     steps = np.diff(t)
     usual = float(np.median(steps))
     off = np.abs(steps - usual) > UNIFORMITY * usual
@@ -83,4 +83,4 @@ def _uneven(source: str, steps: Array, usual: float, off: NDArray[np.bool_], row
     if count >= _FEW_STEPS and off[row : row + _TYPICAL_STEPS].mean() > 0.5 and abs(there - usual) > UNIFORMITY * usual:
         return f"{where}; the sampling rate changes: export the run at one rate"
     more = f", and at {count - 1} more places" if count > 1 else ""
-    return f"{where}{more}, which is no gap either; export the run at one rate"
+    return f"{where}{more}, which is not a gap either; export the run at one rate"

@@ -20,7 +20,7 @@ _UNIT = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class TextLayout:
     """How a text file is laid out.
 
     Args:
@@ -46,7 +46,7 @@ class Layout:
     cut_off: bool
 
 
-def layout_of(file: Path) -> Layout:
+def layout_of(file: Path) -> TextLayout:
     """The layout of a text file, from its beginning and its end.
 
     Raises:
@@ -71,7 +71,7 @@ def layout_of(file: Path) -> Layout:
     form: Literal["csv", "halsampler", "twincat-scope"] = (
         "twincat-scope" if scope else "halsampler" if blank_at_end else "csv"
     )
-    return Layout(form, dialect, first, names_row, names, units, numeric, trailing, cut_off)
+    return TextLayout(form, dialect, first, names_row, names, units, numeric, trailing, cut_off)
 
 
 def _decoded(file: Path, raw: Sequence[bytes]) -> tuple[str, list[str]]:

@@ -24,7 +24,7 @@ from cases.recording_format import (
     units_of,
 )
 from cases.schema import Case
-from identification.formats.layout import Layout, layout_of
+from identification.formats.layout import TextLayout, layout_of
 from identification.formats.looked import CLOCKS, RATES, Column, Look, oddities, strut_range
 from identification.formats.naming import matched, sixes
 from identification.formats.reading import read_run, read_tables
@@ -82,7 +82,7 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     return Look(file, rows, shown_columns, settings, odd, problem is None)
 
 
-def _numbers(file: Path, layout: Layout) -> tuple[tuple[str, ...], dict[int, Array]]:
+def _numbers(file: Path, layout: TextLayout) -> tuple[tuple[str, ...], dict[int, Array]]:
     """Names, and position -> numbers of the columns that hold such."""
     chosen = [k for k, numeric in enumerate(layout.numeric) if numeric and (layout.names[k] or layout.names_row == 0)]
     last_blank = layout.format == "halsampler" and not layout.numeric[-1]
@@ -206,7 +206,7 @@ def _unit(ours: str | None, units: Mapping[str, str]) -> str:
     return units.get(ours, "s" if ours == CLOCK else next(iter(units_of(ours)), ""))
 
 
-def _layout_settings(layout: Layout | None) -> dict[str, Any]:
+def _layout_settings(layout: TextLayout | None) -> dict[str, Any]:
     """What of the layout differs from what `csv` is by default."""
     if layout is None:
         return {}
@@ -224,7 +224,7 @@ def _layout_settings(layout: Layout | None) -> dict[str, Any]:
 
 
 def _meaning_settings(
-    names: tuple[str, ...], places: Mapping[str, int], units: Mapping[str, str], scope: bool, layout: Layout | None
+    names: tuple[str, ...], places: Mapping[str, int], units: Mapping[str, str], scope: bool, layout: TextLayout | None
 ) -> dict[str, Any]:
     """Columns, units and clock of `[recording]`."""
     settings: dict[str, Any] = {}

@@ -11,7 +11,7 @@ from cases.recording_format import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
 from cases.schema import Case
 from cases.units import MM, as_html
 from identification.formats.clock import lost_samples
-from identification.formats.layout import Layout
+from identification.formats.layout import TextLayout
 from identification.formats.table import Array, shown
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
@@ -91,7 +91,7 @@ class Look:
         return as_html(repr(self))
 
 
-def oddities(found: Look, layout: Layout | None, case: Case | None) -> Iterator[str]:
+def oddities(found: Look, layout: TextLayout | None, case: Case | None) -> Iterator[str]:
     """What a person should look at."""
     known = {c.ours: c for c in found.columns if c.ours is not None}
     if layout is not None and layout.cut_off:

@@ -92,7 +92,7 @@ def require_file(file: Path) -> None:
     except (OSError, ValueError) as error:
         raise unreadable(file, error) from error
     if not stat.S_ISREG(about.st_mode):
-        reason = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is no regular file"
+        reason = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is not a regular file"
         raise RecordingError(file, f"cannot be read ({reason})", "give a recording's CSV or folder")
     if about.st_size == 0:
         raise RecordingError(file, "is empty", "record again")
@@ -108,7 +108,7 @@ def read_head(file: Path) -> list[bytes]:
     """The first lines of a text file without line breaks and byte order mark: more than any header has.
 
     Raises:
-        RecordingError: there is no such file, or it is no text.
+        RecordingError: there is no such file, or it is not text.
     """
     require_file(file)
     try:

@@ -37,7 +37,7 @@ from identification.runs.evaluation import Run
 Array = NDArray[np.float64]
 
 MOST_LOST = 0.5  # of what a run seems to tell of a parameter; beyond, the estimate of the bias itself is too uncertain
-EXCESS = 1.25  # of s0^2 explained by what is stated: more is no chance, the statement is too pessimistic
+EXCESS = 1.25  # of s0^2 explained by what is stated: more is not chance, the statement is too pessimistic
 GIVEN = 1e-9  # standard deviation over value below which a parameter was given, and only rounding is left
 
 
@@ -90,8 +90,8 @@ class NoiseSources:
         found = []
         if self.accelerations is not None and self.bias is None:
             found.append(
-                "the stated noise of struts or accelerations would make up half or more of what the run tells of a "
-                "parameter, whose attenuation is not told: check sensors.encoder_resolution_um, strut_noise_um and "
+                "the stated noise of struts or accelerations would make up half or more of the information about a "
+                "parameter, whose attenuation is not reported: check sensors.encoder_resolution_um, strut_noise_um and "
                 "acceleration_noise_m_s2"
             )
         if self.explained > EXCESS:

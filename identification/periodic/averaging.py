@@ -249,7 +249,7 @@ class PeriodicRun:
             warning(
                 Kind.MODEL,
                 f"what the model leaves of the forces is {np.sqrt(ratio):.1f} times what differs between periods: it "
-                "repeats, so it is no noise but an error of the model, the geometry or the encoders",
+                "repeats, so it is not noise but an error of the model, the geometry or the encoders",
             )
         ]
 

@@ -1,4 +1,4 @@
-"""What differs between the periods of a run that repeats itself: its noise, and periods that are no part of it.
+"""What differs between the periods of a run that repeats itself: its noise, and periods that are not part of it.
 
 What of a repeating run is averaged: which rows, the periods that are like the others, the harmonics that tell.
 """

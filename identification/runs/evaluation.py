@@ -71,7 +71,7 @@ class Run:
 
     @property
     def places(self) -> NDArray[np.int64]:
-        """Of the evaluated samples in a series of equal steps, shape (n,): sections and gaps are no neighbours."""
+        """Of the evaluated samples in a series of equal steps, shape (n,): sections and gaps are not neighbours."""
         lost = np.r_[0, np.cumsum(self.recording.lost)][self.filter.margin + self.rows]
         rows = self.rows + lost - lost[0]
         return np.asarray(np.floor((rows - rows[0]) / self.filter.stride + 0.5), dtype=np.int64)

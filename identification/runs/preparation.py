@@ -122,7 +122,7 @@ def checked_filter(recording: Recording, case: Case) -> Filter:
             recording.source, "a moving run needs a filter", "set recording.filter_cutoff_Hz in the case"
         )
     if len(recording.forces) < 2:
-        raise RecordingError(recording.source, f"{len(recording.forces)} sample is no run", "record longer")
+        raise RecordingError(recording.source, f"{len(recording.forces)} sample is not a run", "record longer")
     step = recording.step
     if not cutoff < 0.2 / step:
         raise RecordingError(

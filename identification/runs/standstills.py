@@ -83,7 +83,7 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
                 raise RecordingError(
                     f"{recording.source}, {recording.lines.place(w.start)}",
                     f"the machine moves while the trigger is on (standstill {k})",
-                    "this is no measurement at poses, identify it as a motion",
+                    "this is not a measurement at poses, identify it as a motion",
                 )
     else:
         late = round(settle / step)

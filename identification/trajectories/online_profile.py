@@ -86,7 +86,7 @@ def online_move(
         cycle: cycle of the controller; moves last whole cycles [s].
 
     Raises:
-        UntimedMove: an argument has the wrong length, is no number or out of range, or ruckig finds no profile.
+        UntimedMove: an argument has the wrong length, is not a number or out of range, or ruckig finds no profile.
     """
     ends = [_vector(name, value) for name, value in (("start", start), ("end", end))]
     limits = [_limit(n, v) for n, v in (("rate", rate), ("acceleration", acceleration), ("jerk", jerk))]

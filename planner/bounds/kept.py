@@ -127,7 +127,7 @@ def box_bound(
 def require_time(time_limit: float) -> None:
     """Raises HexciteError where a time limit is none."""
     if not (isfinite(time_limit) and time_limit > 0.0):
-        raise HexciteError(f"--time-limit {time_limit:g} s is no duration; give seconds above 0, such as 120")
+        raise HexciteError(f"--time-limit {time_limit:g} s is not a duration; give seconds above 0, such as 120")
 
 
 def bound(

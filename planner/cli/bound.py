@@ -24,7 +24,7 @@ def bound(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Tell the most information that a motion inside the limits has.
+    """Compute the most information that a motion inside the limits has.
 
     No motion passes it: the answer comes with its certificate.
     """

@@ -23,7 +23,7 @@ def compare(
 ) -> None:
     """Compare excitations before and after running them.
 
-    Told are cost, information and standard deviations, and which to prefer.
+    Shows cost, information and standard deviations, and which to prefer.
 
     A result belongs to the run it was made of, a run to the plan that its program was written from.
     """

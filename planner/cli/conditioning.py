@@ -34,7 +34,7 @@ def read_conditioning(period: str | None, harmonics: int | None, flexible: bool 
     if harmonics is not None and period is None:
         raise HexciteError(f"--harmonics {harmonics}: is for periodic runs; add --period auto or --period SECONDS")
     if harmonics is not None and harmonics < 1:
-        raise HexciteError(f"--harmonics {harmonics}: is no number of harmonics; give 1 or more")
+        raise HexciteError(f"--harmonics {harmonics}: is not a number of harmonics; give 1 or more")
     if flexible and period is not None:
         raise HexciteError("--flexible: lowers the low-pass, which --period does without; leave one of them out")
     if period is None:
@@ -48,7 +48,7 @@ def _seconds(text: str) -> float:
     except ValueError:
         value = math.nan
     if not 0.0 < value < math.inf:
-        raise HexciteError(f"--period {text}: is no period; give auto or seconds, as --period 3")
+        raise HexciteError(f"--period {text}: is not a period; give auto or seconds, as --period 3")
     return value
 
 
@@ -108,7 +108,7 @@ def _read(text: str, units: Mapping[str, str], option: str, example: str) -> tup
         raise HexciteError(f"{option} {text}: is not understood; write {example}")
     name = found["name"]
     if name not in units:
-        raise HexciteError(f"{option} {text}: {name} is no parameter here; choose from {', '.join(units)}")
+        raise HexciteError(f"{option} {text}: {name} is not a parameter here; choose from {', '.join(units)}")
     known = _UNITS[units[name]]
     if found["unit"] not in known:
         problem = "has no unit" if found["unit"] is None else f"unit {found['unit']} does not fit {name}"

@@ -107,7 +107,7 @@ def progress(text: str, total: int, quiet: bool) -> Iterator[Count]:
 
 @contextmanager
 def remarks(text: str, quiet: bool) -> Iterator[Callable[[str], None]]:
-    """A spinner with a remark on stderr; where that is no terminal, the latest remark as a line every ten seconds."""
+    """A spinner with a remark on stderr; without a terminal, the latest remark as a line every ten seconds."""
     from rich.console import Console
 
     console = Console(stderr=True)

@@ -131,7 +131,7 @@ def payload(
     stale: Stale = False,
     json: Json = False,
 ) -> None:
-    """Tell the payload from results without and with it.
+    """Compute the payload from results without and with it.
 
     Mass, centre of gravity and inertia, as far as both results determine them.
     """

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 def look(
     recording: Annotated[Path, typer.Argument(help="File of unknown format: text or Parquet.")],
     case: Annotated[
-        str | None, typer.Option(help="Built-in name, folder or file: its machine tells units, and what is missing.")
+        str | None,
+        typer.Option(help="Built-in name, folder or file: by its machine units are known, and what is missing."),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Picture to write; RECORDING-look.svg by default.")

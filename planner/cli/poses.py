@@ -31,7 +31,7 @@ def poses(
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
-    """Choose the poses that tell most when measured standing still.
+    """Choose the most informative poses to stand still at.
 
     They are visited in the fastest order.
     """

@@ -205,7 +205,7 @@ def _among(chosen: Sequence[Entry], level: str, remarks: Sequence[str]) -> Recom
         rates = sizes + 0.5 * np.log([float(t or 1.0) for t in times])
         fastest = chosen[int(np.argmin(rates))].name
         if fastest != best.name:
-            sentences.append(f"per second of measuring time {fastest} tells most")
+            sentences.append(f"per second of measuring time {fastest} carries most information")
     ratios = {e.name: float(np.exp(s - sizes.min())) for e, s in zip(chosen, sizes, strict=True)}
     return Recommendation(best.name, level, ratios, tuple(sentences))
 

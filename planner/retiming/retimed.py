@@ -155,7 +155,7 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
     Also returns how many moves the struts have slowed.
 
     Raises:
-        UntimedMove: the motion is no sequence of moves and pauses.
+        UntimedMove: the motion is not a sequence of moves and pauses.
         CaseError: the case has no machine, limits or controller.
     """
     case.need_machine("re-timing")
@@ -283,7 +283,7 @@ def retimed_plan(
         IdentificationError: the motion does not excite all parameters of the model.
     """
     if violations := found.after.limits.violations:
-        raise InfeasiblePlan(f"the re-timed motion is no plan: {violations[0].sentence()}")
+        raise InfeasiblePlan(f"the re-timed motion is not a plan: {violations[0].sentence()}")
     if not found.motion.duration <= LONGEST:
         raise InfeasiblePlan(f"the motion takes {found.motion.duration:.0f} s, longer than {LONGEST:g} s; shorten it")
     settings = {

@@ -175,5 +175,5 @@ def poses_of_record(record: Mapping[str, Any]) -> Array | None:
     except (TypeError, ValueError) as error:
         raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
     if poses.ndim != 2 or poses.shape[1] != 6 or not np.isfinite(poses).all():
-        raise FileProblem("recording.json: poses_m_rad: are no poses of six numbers; run the program again")
+        raise FileProblem("recording.json: poses_m_rad: are not poses of six numbers; run the program again")
     return poses

@@ -197,7 +197,7 @@ def _of_another(error: ProgramError, content: bytes, case: Case) -> ProgramError
 
 def _on_linuxcnc(read: Program, case: Case, at_poses: bool) -> ExecutedRun:
     if read.dialect.name != "linuxcnc":
-        raise ExecutionError(read.path, f"is no LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
+        raise ExecutionError(read.path, f"is not a LinuxCNC program ({read.dialect.name})", "run it with --on virtual")
     headroom = acceleration_headroom(read.reading, case)
     log = run_linuxcnc(read.path, case, read.content, headroom=headroom)
     remark = ""

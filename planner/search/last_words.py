@@ -7,6 +7,6 @@ def last_words(status: object) -> str:
 
 
 def solver_text(words: str) -> str:
-    """A solver's last words as tables show them: to stop at the iterations that a stage has is no failure."""
+    """A solver's last words as tables show them: to stop at the iterations that a stage has is not a failure."""
     plain = last_words(words)
     return "at its iteration limit" if "maximum iterations" in plain else plain

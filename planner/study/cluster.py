@@ -87,7 +87,7 @@ def remote_client(address: str) -> Iterator["Client"]:
     from distributed import Client
 
     if "://" not in address:
-        raise HexciteError(f"scheduler {address!r} is no address; write tcp://host:port")
+        raise HexciteError(f"scheduler {address!r} is not an address; write tcp://host:port")
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=CONNECT, set_as_default=False)

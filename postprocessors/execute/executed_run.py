@@ -126,7 +126,7 @@ CYCLES = 30
 """And these many cycles, which starting and stopping cost: blending ends some blocks late."""
 
 
-class Path(NamedTuple):
+class PathTime(NamedTuple):
     """A timed path and how long it took.
 
     Args:
@@ -144,19 +144,19 @@ class Path(NamedTuple):
         return f"the timed path that ends in line {self.line} took {self.taken:.3f} s instead of {self.planned:.3f} s"
 
 
-def slowest_path(reading: Reading, log: ControllerLog) -> Path | None:
+def slowest_path(reading: Reading, log: ControllerLog) -> PathTime | None:
     """The timed path that was most late, None where all were in time.
 
     Args:
         reading: the program that was run.
         log: log of every cycle.
     """
-    worst: Path | None = None
+    worst: PathTime | None = None
     for part in stretches(reading):
         if not isinstance(part, Timed):
             continue
         rows = (log.lines >= part.lines[0]) & (log.lines <= part.lines[-1])
-        path = Path(part.lines[-1], part.points.duration, float(np.count_nonzero(rows)) * log.period)
+        path = PathTime(part.lines[-1], part.points.duration, float(np.count_nonzero(rows)) * log.period)
         late = path.taken - path.planned
         if late > TIME_TOLERANCE * path.planned + CYCLES * log.period and (
             worst is None or late > worst.taken - worst.planned

@@ -171,7 +171,7 @@ def checked_name(stem: str, file: Path) -> str:
     """A file's name as the name of what is in it.
 
     Raises:
-        FileProblem: it is no name in the languages that are written.
+        FileProblem: it is not a name in the languages that are written.
     """
     if not _NAME.fullmatch(stem) or stem.endswith("_"):
         raise FileProblem(

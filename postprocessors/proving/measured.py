@@ -1,4 +1,4 @@
-"""Programs that measure standing still: the trigger is on in dwells only, the moves between are no excitation."""
+"""Programs that measure standing still: the trigger is on in dwells only, the moves between are not excitation."""
 
 from collections.abc import Sequence
 

@@ -69,7 +69,7 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 
 def sinumerik_tolerance(case: Case) -> Array:
-    """How far POLY blocks may be off a motion that is no polynomial, shape (6,) [m, rad]."""
+    """How far POLY blocks may be off a motion that is not a polynomial, shape (6,) [m, rad]."""
     length, angle = case.need_controller("a SINUMERIK program").need_sinumerik(case.name).poly_tolerance
     return np.repeat([length, angle], 3)
 

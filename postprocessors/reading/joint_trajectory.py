@@ -46,7 +46,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     return Reading(file, tuple(_events(reader, points, len(names))), len(points))
 
 
-class _Point(NamedTuple):
+class _TablePoint(NamedTuple):
     line: int
     state: Array  # position, rate, acceleration: shape (3, joints)
     time: float
@@ -64,7 +64,7 @@ class _Reader:
     def fail(self, line: int, problem: str) -> NoReturn:
         raise ProgramError(self.file, line, 0, problem)
 
-    def message(self) -> tuple[list[str], list[_Point]]:
+    def message(self) -> tuple[list[str], list[_TablePoint]]:
         if len(self.lines) < 3:
             self.fail(0, "has no joint_names and points; is this a JointTrajectory?")
         (self.named, first), (where, second), *rest = self.lines
@@ -76,7 +76,7 @@ class _Reader:
         groups = [rest[k : k + len(_KEYS)] for k in range(0, len(rest), len(_KEYS))]
         return names, [self.point(group, len(names)) for group in groups]
 
-    def point(self, group: list[tuple[int, str]], count: int) -> _Point:
+    def point(self, group: list[tuple[int, str]], count: int) -> _TablePoint:
         rows = []
         for mark, key, (line, code) in zip("-  ", _KEYS[:3], group, strict=False):
             words = self.list_of(line, code, f"{mark} {key}: ")
@@ -87,7 +87,7 @@ class _Reader:
         time = _TIME.match(code.removeprefix("  time_from_start: ")) if code.startswith("  time_from_start: ") else None
         if time is None or int(time[2]) >= 10**9:
             self.fail(line, "expected `  time_from_start: {sec: .., nanosec: ..}` with less than 10^9 nanoseconds")
-        return _Point(group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9)
+        return _TablePoint(group[0][0], np.array(rows), int(time[1]) + int(time[2]) * 1e-9)
 
     def list_of(self, line: int, code: str, start: str) -> list[str]:
         found = _LIST.match(code.removeprefix(start)) if code.startswith(start) else None
@@ -101,7 +101,7 @@ class _Reader:
         return float(word)
 
 
-def _events(reader: _Reader, points: list[_Point], count: int) -> list[Event]:
+def _events(reader: _Reader, points: list[_TablePoint], count: int) -> list[Event]:
     """Quintic pieces, and pauses where the machine stands; the trigger is on from the first movement to the last."""
     first, last = points[0], points[-1]
     if not first.time > 0.0:

@@ -103,7 +103,7 @@ class _LinuxCncInterpreter(ModalState):
         if word.name not in (*self.axes, *"FPQIJK"):
             self.fail(word, f"{word.name}{value:g} is not a word of an excitation; remove it")
         if abs(value) > (LARGEST_FEED if word.name == "F" else LARGEST):
-            self.fail(word, f"{word.name}{value:g} is no machine's number; correct it")
+            self.fail(word, f"{word.name}{value:g} is not a machine's number; correct it")
 
     def _code(self, word: Word, seen: dict[str, Word]) -> None:
         code = word.name
@@ -189,12 +189,12 @@ def axis_letters(chain: Chain, file: str) -> str:
     """The axis of each joint of a chain, which is the joint's name.
 
     Raises:
-        ProgramError: a joint whose name is no axis of its kind.
+        ProgramError: a joint whose name is not an axis of its kind.
     """
     for joint in chain.joints:
         letters = "ABC" if joint.turns else "XYZ"
         if joint.name not in tuple(letters):
-            problem = f"joint {joint.name} {'turns' if joint.turns else 'slides'} and is no axis of LinuxCNC"
+            problem = f"joint {joint.name} {'turns' if joint.turns else 'slides'} and is not an axis of LinuxCNC"
             remedy = (
                 f"name it {', '.join(letters)} in machine.chain, or write with --dialect urscript, ros2 or setpoints"
             )

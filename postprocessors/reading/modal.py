@@ -17,7 +17,7 @@ STILL = 1e-7  # [mm] between places that are the same
 
 
 class PlaneProblem(Exception):
-    """Words that are no arc.
+    """Words that do not describe an arc.
 
     Args:
         word: the one that is wrong, empty where they are as a whole.
@@ -56,7 +56,7 @@ def arc_through(asked: ArcWords) -> tuple[Array, float]:
     first, second, normal = asked.plane.axes
     if "IJK"[normal] in asked.centres:
         name = "IJK"[normal]
-        raise PlaneProblem(name, f"{name} is no centre in this plane; remove it, or choose another plane")
+        raise PlaneProblem(name, f"{name} is not a centre in this plane; remove it, or choose another plane")
     if not asked.centres:
         raise PlaneProblem("", f"an arc without a centre; add {'IJK'[first]} and {'IJK'[second]}")
     if abs(asked.end[normal] - asked.start[normal]) > STILL:

@@ -76,7 +76,7 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
         columns: columns that the table must have.
 
     Raises:
-        ProgramError: not such a table, or a cell that is no number; with line and column.
+        ProgramError: not such a table, or a cell that is not a number; with line and column.
     """
     table = _parquet(content, file, columns) if content[:4] == PARQUET else _csv(content, file, columns)
     rows, _ = table.values.shape
@@ -90,7 +90,7 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
     if bad.any():
         row, column = np.argwhere(bad)[0]
         value = table.values[row, column]
-        raise ProgramError(file, table.first + int(row), 0, f"{columns[column]} = {value:g} is no machine's number")
+        raise ProgramError(file, table.first + int(row), 0, f"{columns[column]} = {value:g} is not a machine's number")
     if table.header.get("format") != FORMAT:
         raise ProgramError(file, 1, 0, f"does not begin with '# format: {FORMAT}'; is this a table of setpoints?")
     return table
@@ -116,7 +116,7 @@ def _csv(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTable:
     if match := _STRANGE.search("\n".join(body)):
         row, column = _place(body, match.start())
         bad = body[row][column]
-        raise ProgramError(file, number + 2 + row, column + 1, f"{bad!r} is no part of a plain number; correct it")
+        raise ProgramError(file, number + 2 + row, column + 1, f"{bad!r} is not a part of a plain number; correct it")
     return SetpointTable(number + 2, header, _numbers(body, number + 2, file, columns))
 
 
@@ -142,7 +142,7 @@ def _numbers(body: list[str], first: int, file: str, columns: tuple[str, ...]) -
             bad = next(k for k, cell in enumerate(cells) if not re.fullmatch(r"[+-]?(?:\d+\.?\d*|\.\d+)", cell))
             column = sum(len(cell) + 1 for cell in cells[:bad]) + 1
             raise ProgramError(
-                file, first + row, column, f"{columns[bad]} = {cells[bad]!r} is no number; correct it"
+                file, first + row, column, f"{columns[bad]} = {cells[bad]!r} is not a number; correct it"
             ) from None
     return values
 

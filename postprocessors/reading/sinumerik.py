@@ -91,7 +91,7 @@ class _SinumerikInterpreter(ModalState):
             self.fail(word, "PTP is straight in the struts, whose drives are not known; add controller.sinumerik.ptp")
         if not self.transformed:
             self.fail(
-                word, f"PTP without transformation is no move of the platform; write {self.settings.transformation}"
+                word, f"PTP without transformation is not a move of the platform; write {self.settings.transformation}"
             )
 
     def _refuse(self, name: str, word: Word) -> NoReturn:
@@ -181,7 +181,7 @@ class _SinumerikInterpreter(ModalState):
                 self.fail(word, f"a move before {name}; what it means is not known, add {name}")
         if not self.transformed:
             name = self.settings.transformation
-            self.fail(word, f"a move before {name}; without it X, Y, Z are no coordinates of the platform, add it")
+            self.fail(word, f"a move before {name}; without it X, Y, Z are not coordinates of the platform, add it")
         if not self.active("G60", "G64", "G642"):
             self.fail(word, "a move before G60 or G64; whether the machine stops after it is not known, add one")
 

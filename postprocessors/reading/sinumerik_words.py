@@ -50,7 +50,7 @@ REMEDY = {
     "G700": "inches; write G710",
     "G61": "not used here; write G60 for exact stop",
     "G9": "an exact stop in this block alone; write G60",
-    "G80": "no cancel of cycles here; remove it",
+    "G80": "not a cancel of cycles here; remove it",
     "G91": "incremental coordinates; write G90",
     "G95": "feed per revolution; write G94 or G93",
     "G54": "a frame that the proof does not know; write G500",
@@ -74,7 +74,7 @@ REMEDY = {
     "M63": "no output here; write DO $A_OUT[n]=0",
     "M64": "no output here; write DO $A_OUT[n]=1",
     "M65": "no output here; write DO $A_OUT[n]=0",
-    "P": "no word of an excitation; G4 takes seconds as F",
+    "P": "not a word of an excitation; G4 takes seconds as F",
 }
 
 
@@ -107,7 +107,7 @@ def sinumerik_words(text: str, line: int, file: str) -> list[Word]:
         file: name of the program, for messages.
 
     Raises:
-        ProgramError: anything that is no word of this language, with its column.
+        ProgramError: anything that is not a word of this language, with its column.
     """
     text = _without_comment(text)
     if line == 1 and (match := _PROGRAM.match(text)):
@@ -174,7 +174,7 @@ def _action(text: str, condition: str | None, line: int, column: int, file: str)
 
 def _remedy(bad: str) -> str:
     if bad.startswith("("):
-        return "parentheses are no comment here; write ; before a comment"
+        return "parentheses are not comments here; write ; before a comment"
     if bad.startswith("/"):
         return "skipped blocks are not proven; remove the block or its slash"
     return "words are a letter and a number, NAME=number, or a keyword"
@@ -240,7 +240,7 @@ def _piece(state: ModalState, settings: Sinumerik, word: Word) -> tuple[float, l
     items = word.arguments or ()
     bad = next((item for item in items if _COEFFICIENT.match(item) is None or abs(float(item)) > LARGEST), None)
     if bad is not None:
-        state.fail(word, f"{bad!r} in PO[{word.selector}] is no plain number of a machine's size; correct it")
+        state.fail(word, f"{bad!r} in PO[{word.selector}] is not a plain number of a machine's size; correct it")
     end, *higher = (float(item) for item in items)
     if len(higher) > settings.poly_degree - 1:
         degree = settings.poly_degree

@@ -67,7 +67,7 @@ class _TwinCatInterpreter(ModalState):
             self._mode(name, word)
         elif name in (*self.axes, "F", "I", "J", "K"):
             if word.value is None or abs(word.value) > (LARGEST_FEED if name == "F" else LARGEST):
-                self.fail(word, f"{name} is no machine's number; correct it")
+                self.fail(word, f"{name} is not a machine's number; correct it")
         elif name == "%":
             program = (word.arguments or ("",))[0]
             if self.events or self.modal or re.match(TWINCAT_NAME, program) is None:
@@ -219,7 +219,7 @@ class _TwinCatInterpreter(ModalState):
         timing, value = self.timing(seen, end, first)
         if timing is Timing.DURATION:
             self.path.point(first, exact)
-            exact = False  # the exact stop at the end of a whole path is no stop within it
+            exact = False  # the exact stop at the end of a whole path is not a stop within it
         elif self.path.kind:
             self.fail(
                 first, "a block of the controller's own timing within a path of points; write G93 and F in seconds"

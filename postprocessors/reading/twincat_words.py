@@ -86,7 +86,7 @@ def twincat_words(text: str, line: int, file: str) -> list[Word]:
         file: name of the program, for messages.
 
     Raises:
-        ProgramError: anything that is no word of this language, with its column.
+        ProgramError: anything that is not a word of this language, with its column.
     """
     text = _without_comments(text)
     if text.lstrip().startswith("%"):
@@ -155,7 +155,7 @@ def _word(match: re.Match[str], column: int, line: int, file: str) -> Word:
             raise ProgramError(file, line, column, f"{letter}{number} has no plain number; correct it")
         return Word(f"{letter}{int(number)}", column, value)
     if value is not None:
-        raise ProgramError(file, line, column, f"{letter}{number}= is no word here; write {letter} and its number")
+        raise ProgramError(file, line, column, f"{letter}{number}= is not a word here; write {letter} and its number")
     return Word(letter, column, float(number))
 
 

@@ -189,7 +189,7 @@ def program_lines(text: str, file: str, longest: int, most: float = math.inf) ->
         most: most lines with content that its memory holds.
 
     Raises:
-        ProgramError: a character that is no plain ASCII, a line too long, too many lines; with line and column.
+        ProgramError: a character that is not plain ASCII, a line too long, too many lines; with line and column.
     """
     lines = text.replace("\r\n", "\n").split("\n")
     used = 0
@@ -227,10 +227,10 @@ def each_word(
         position: where to begin.
         pattern: pattern of a word with blanks before it.
         found: makes something of a match and its column.
-        unreadable: makes an error of the column and the first characters of what is no word.
+        unreadable: makes an error of the column and the first characters of what is not a word.
 
     Raises:
-        ProgramError: something is no word.
+        ProgramError: something is not a word.
     """
     while (ink := _INK.search(text, position)) is not None:
         match = pattern.match(text, position)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is no installed package
+sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 from cases.loading import load_case
 from cases.machine import Ring

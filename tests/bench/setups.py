@@ -6,7 +6,7 @@
 The same hexapod makes the same motion with six force sensors in bars that carry the end-effector (1b), in its struts,
 at the drives (2x), and with a force/torque sensor at its platform (R). Noise of a sample is 1 N in every force, and
 0.15 N m in the moments of the force/torque sensor: 1 N at the radius of the bars. Model 6, without error terms: errors
-of structure and pose, in which the setups differ most, are no part of this.
+of structure and pose, in which the setups differ most, are not part of this.
 """
 
 import sys
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is no installed package
+sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 import hexcite as hx
 from cases.loading import load_case

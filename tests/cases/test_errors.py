@@ -51,8 +51,8 @@ def test_errors_come_back_whole_from_a_worker(error: HexciteError) -> None:
 
 
 def test_mathematics_does_not_know_the_file() -> None:
-    error = RecordingError("line 7", "is no number", "correct it").at("run.csv")
+    error = RecordingError("line 7", "is not a number", "correct it").at("run.csv")
     assert type(error) is RecordingError
-    assert (str(error), error.place) == ("run.csv: line 7: is no number; correct it", "run.csv: line 7")
+    assert (str(error), error.place) == ("run.csv: line 7: is not a number; correct it", "run.csv: line 7")
     assert str(error.at("run.csv")) == str(error)
     assert RecordingError("is empty; record again").at("run.csv").place == "run.csv"

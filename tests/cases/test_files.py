@@ -147,7 +147,7 @@ def test_a_folder_of_somebody_else_is_left_alone(name: str, tmp_path: Path) -> N
 
 def test_a_file_is_not_replaced_by_a_folder(tmp_path: Path) -> None:
     (tmp_path / "p").write_text("a file")
-    with pytest.raises(FileProblem, match="exists and is no folder"):
+    with pytest.raises(FileProblem, match="exists and is not a folder"):
         plan(tmp_path / "p", "new")
     assert tree(tmp_path) == {"p": "a file"}
 

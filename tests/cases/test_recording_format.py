@@ -67,7 +67,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "unknown format": ('format = "excel"', "recording.format", "'excel': .*'csv', 'halsampler', 'twincat-scope'"),
     "unknown column": ('columns = { l7_mm = "x" }', "recording", "'l7_mm' is none of our columns; they are t_s, l1_mm"),
     "one column for two": ('columns = { l1_mm = "x", l2_mm = "x" }', "recording", "maps 'x' to two of our columns"),
-    "unit of nothing": ('units = { strut = "m" }', "recording", "'strut' is no column; give struts, strut_velocities"),
+    "unit of nothing": ('units = { strut = "m" }', "recording", "'strut' is not a column; give struts"),
     "unit of another kind": ('units = { struts = "N" }', "recording", "units.struts = 'N' is not known; give mm, m"),
     "unit of a matrix": ('units = { r11 = "m" }', "recording", "units.r11 = 'm' is not known; give none"),
     "two characters between numbers": ('delimiter = ";;"', "recording.delimiter", "';;' cannot separate numbers"),
@@ -94,7 +94,7 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "mounting that mirrors": (
         f"accelerometer = {{ scale_m_s2 = 9.8, {TURN.replace('-1.0, 0.0]', '1.0, 0.0]', 1)} }}",
         "recording.accelerometer",
-        "mounting is no rotation .off by 2",
+        "mounting is not a rotation .off by 2",
     ),
     "accelerometer without scale": (f"accelerometer = {{ {TURN} }}", "recording.accelerometer.scale_m_s2", "missing"),
 }  # fmt: skip

@@ -33,7 +33,7 @@ class Answer(NamedTuple):
         return one_json_object(self.out)
 
     def refusal(self) -> str:
-        """The one line on standard error of a command that failed, which is no bug's."""
+        """The one line on standard error of a command that failed, which is not a bug's."""
         assert self.code == 1, self
         assert self.err.endswith("\n")
         (line,) = self.err.splitlines()

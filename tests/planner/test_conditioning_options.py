@@ -54,15 +54,15 @@ def test_people_are_told_which_part_was_used(run: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--period", "soon"), "--period soon: is no period; give auto or seconds"),
-        (("--period", "-1"), "--period -1: is no period"),
-        (("--period", "nan"), "--period nan: is no period"),
+        (("--period", "soon"), "--period soon: is not a period; give auto or seconds"),
+        (("--period", "-1"), "--period -1: is not a period"),
+        (("--period", "nan"), "--period nan: is not a period"),
         (("--period", "1.1"), "--period 1.1: a period later the struts are"),
         (("--period", "90"), "fits into it"),
         (("--harmonics", "5"), "add --period auto"),
         (("--flexible", "--period", "auto"), "--flexible: lowers the low-pass, which --period does without"),
         (("--flexible", "--prior", "m=33+-0.5kg"), "--flexible sees a mode in struts behind the low-pass"),
-        (("--period", "auto", "--harmonics", "0"), "--harmonics 0: is no number of harmonics"),
+        (("--period", "auto", "--harmonics", "0"), "--harmonics 0: is not a number of harmonics"),
         (("--period", "auto", "--harmonics", "999"), "give 1 to 60"),
     ],
 )

@@ -68,6 +68,7 @@ def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
     assert "controller.twincat: is missing; the dialect twincat needs it: add the table" in line
 
 
+@pytest.mark.slow
 def test_moves_straight_in_the_struts_are_written_on_request_and_tell_what_they_change(tmp_path: Path):
     """The hand-made excitation holds such moves, and circles, which stay what they are."""
     plan, program = tmp_path / "manual", tmp_path / "manual.nc"

@@ -42,7 +42,7 @@ def planned(make: Callable, family: str, case: Case, monkeypatch: pytest.MonkeyP
 
 
 def test_ctrl_c_after_the_search_loses_nothing(hexapod_case: Case, monkeypatch: pytest.MonkeyPatch):
-    """While a motion is proven and rated, which is no search that could be stopped."""
+    """While a motion is proven and rated, which is not a search that could be stopped."""
 
     def make(*_: object) -> Found:
         ctrl_c()

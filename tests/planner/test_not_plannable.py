@@ -29,9 +29,9 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--target", "m=-1kg"), ("'m=-1kg'", "no positive number")),
-        (("--target", "m=0kg"), ("'m=0kg'", "no positive number")),
-        (("--target", "m=1e999kg"), ("'m=1e999kg'", "no positive number")),
+        (("--target", "m=-1kg"), ("'m=-1kg'", "not a positive number")),
+        (("--target", "m=0kg"), ("'m=0kg'", "not a positive number")),
+        (("--target", "m=1e999kg"), ("'m=1e999kg'", "not a positive number")),
         (("--target", "m"), ("'m'", "of the form m=0.05kg")),
         (("--target", "zz=1mm"), ("no zz", "choose m, xC")),
         (("--target", "zC=1kg"), ("not measured in kg", "choose m, mm, um")),
@@ -41,7 +41,7 @@ BEHIND_HOME = {"name": "vice", "x_mm": [-30.0, 30.0], "y_mm": [-30.0, 30.0], "z_
         (("--payload", "6"), ("payloads.weights", "are 5", "6 cannot be mounted")),
         (("--payload", "-1"), ("'-1'", "neither a number of payloads nor a range", "0-5")),
         (("--payload", "3-9"), ("payloads.weights", "9 cannot be mounted", "choose 0 to 5")),
-        (("--payload", "4-2"), ("payloads 4-2 are no range",)),
+        (("--payload", "4-2"), ("payloads 4-2 are not a range",)),
         (("--payload", "some"), ("some", "give 2, or 0-5")),
         (
             ("--family", "fourier", "--period", "0.1", "--duration", "0.1"),

@@ -134,10 +134,10 @@ def test_the_command_that_would_do_is_whole(family: str, knots: str, hexapod_cas
         ("mass=0.05kg", "model 9 has no mass; choose m, xC"),
         ("m=0.05mm", "m is not measured in mm; choose kg, g"),
         ("zC=3kg", "zC is not measured in kg; choose m, mm, um"),
-        ("m=0kg", "0 is no positive number"),
-        ("m=-1kg", "-1 is no positive number"),
+        ("m=0kg", "0 is not a positive number"),
+        ("m=-1kg", "-1 is not a positive number"),
         ("m=1.2.3kg", "is not of the form"),
-        ("m=1e400kg", "1e400 is no positive number"),
+        ("m=1e400kg", "1e400 is not a positive number"),
         ("", "is not of the form"),
     ],
 )

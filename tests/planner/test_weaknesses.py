@@ -88,7 +88,7 @@ def test_a_motion_that_was_drawn_back(share: float, told: bool, found: Found, st
 
 @pytest.mark.parametrize("place", ["strut length (strut 1)", "position (x)", "base joint angle (joint 2)"])
 def test_no_limit_of_speed_is_used(place: str, found: Found, said: Said):
-    """That poses are at their limits is no excuse."""
+    """That poses are at their limits is not an excuse."""
     used = LimitReport((check("velocity (x)", FULL - 0.1), check("strut velocity (strut 3)", 0.7), check(place, 0.999)))
     (told,) = said(found._replace(limits=used))
     assert f"beyond {100 * (FULL - 0.1):.0f} % (velocity (x))" in told

@@ -24,7 +24,7 @@ LANGUAGE = dialect("ros2").load()
 
 
 class Swing:
-    """A smooth motion that is no polynomial: sin^4 in all joints, at rest at both ends up to the third derivative."""
+    """A smooth motion, not a polynomial: sin^4 in all joints, at rest at both ends up to the third derivative."""
 
     duration = 3.0
 

@@ -16,7 +16,7 @@ WRONG: dict[str, tuple[int, str]] = {
     "G1 X1 G91 F10": (7, "incremental"),
     "G2 X1 I1 F10": (4, "an arc before a plane was chosen"),
     "G17 G2 X1 F10": (8, "an arc without a centre; add I and J"),
-    "G17 G03 X1 Y1 K1 F10": (15, "K1? is no centre in this plane"),
+    "G17 G03 X1 Y1 K1 F10": (15, "K1? is not a centre in this plane"),
     "G17 G2 X2 I1.1 J0 F10": (8, "radius 1.1 mm at the start and 0.9 mm at the end"),
     "G17 G2 X2 Z901 I1 J0 F10": (11, "helices are not used"),
     "G18 G3 I0 K0 F10": (8, "the arc has no radius"),

@@ -162,12 +162,12 @@ def plus(step: float):
         (0, "v_x_mm_s", plus(1e-3), "begins in motion"),
         (40, "trigger", lambda c: "0", "trigger: the trigger switches in motion"),
         (40, "trigger", lambda c: "2", "trigger: 2 is neither 0 nor 1"),
-        (40, "y_mm", lambda c: "1e3", "'e' is no part of a plain number"),
-        (40, "y_mm", lambda c: "nan", "'n' is no part of a plain number"),
-        (40, "y_mm", lambda c: "", "y_mm = '' is no number"),
-        (40, "y_mm", lambda c: "1.2.3", "y_mm = '1.2.3' is no number"),
+        (40, "y_mm", lambda c: "1e3", "'e' is not a part of a plain number"),
+        (40, "y_mm", lambda c: "nan", "'n' is not a part of a plain number"),
+        (40, "y_mm", lambda c: "", "y_mm = '' is not a number"),
+        (40, "y_mm", lambda c: "1.2.3", "y_mm = '1.2.3' is not a number"),
         (40, "y_mm", lambda c: "1,2", "38 cells where 38|39 cells where 38 columns stand"),
-        (40, "y_mm", lambda c: "99999999", "is no machine's number"),
+        (40, "y_mm", lambda c: "99999999", "is not a machine's number"),
     ],
 )
 def test_a_row_that_is_edited_is_named(row: int, column: str, change, words: str):
@@ -240,7 +240,10 @@ def test_parquet_with_other_columns_or_types_is_refused():
     for wrong, words in (
         (table.drop_columns(["l1_mm"]), "the columns are not"),
         (table.set_column(1, "x_mm", pa.array([0.0] * len(table), pa.float32())), "x_mm does not hold 64-bit floats"),
-        (table.set_column(1, "x_mm", pa.array([None] * len(table), pa.float64())), "x_mm = nan is no machine's number"),
+        (
+            table.set_column(1, "x_mm", pa.array([None] * len(table), pa.float64())),
+            "x_mm = nan is not a machine's number",
+        ),
         (table.replace_schema_metadata({}), "is this a table of setpoints"),
     ):
         sink = io.BytesIO()

@@ -63,7 +63,7 @@ M2
 """A dwell that is counted in the controller's own cycles; G4 is timed on the wall, whatever the servo thread does."""
 
 
-class Layout(NamedTuple):
+class AxisLayout(NamedTuple):
     """Axes and joints of a machine.
 
     Args:
@@ -79,7 +79,7 @@ class Layout(NamedTuple):
     slides: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, case: Case) -> "Layout":
+    def of(cls, case: Case) -> "AxisLayout":
         """The layout of a case with a machine; of a chain its joints are the axes.
 
         Raises:
@@ -159,7 +159,7 @@ def ini_text(case: Case, home_joints: Array, headroom: float, box: bool = True) 
     Raises:
         CaseError: the case lacks one of these parts.
     """
-    (start, limits), layout = case.need_motion(PURPOSE), Layout.of(case)
+    (start, limits), layout = case.need_motion(PURPOSE), AxisLayout.of(case)
     home = start / layout.units
     low, high = home + pose_range(case, box) / layout.units + ROUNDING * np.array([[-1.0], [1.0]])
     velocity = limits.rate / layout.units
@@ -227,7 +227,7 @@ def hal_text(case: Case) -> str:
     Raises:
         CaseError: the case has none.
     """
-    layout = Layout.of(case)
+    layout = AxisLayout.of(case)
     lines = [
         "loadrt [KINS]KINEMATICS",
         "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS num_dio=4 num_aio=4",

@@ -19,7 +19,7 @@ from cases.schema import Case
 from identification.machine import machine_of
 from postprocessors.execute.executed_run import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
-from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, Layout
+from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout
 from postprocessors.execute.linuxcnc.isolation import OUTPUT_FILE, SYSTEM_PATH, check_syntax, preload_works, run_session
 
 HERE = Path(__file__).parent
@@ -147,7 +147,7 @@ def _session(
                 "run again, and check its installation if that does not help",
             )
         report = read_report(program, folder)
-        return read_log(program, folder, Layout.of(case), report, speedup), (report["started"], report["ended"])
+        return read_log(program, folder, AxisLayout.of(case), report, speedup), (report["started"], report["ended"])
 
 
 def _lines(program: Path, content: bytes | None) -> list[str]:
@@ -229,7 +229,7 @@ def _explain(program: Path, report: dict[str, Any]) -> NoReturn:
     raise ExecutionError(place, f"LinuxCNC stopped: {said}", remedy)
 
 
-def read_log(program: Path, folder: Path, layout: Layout, report: dict[str, Any], speedup: float) -> ControllerLog:
+def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, Any], speedup: float) -> ControllerLog:
     """The log of a session, in SI units.
 
     Args:

@@ -111,6 +111,7 @@ def test_a_bound_body_is_as_thin_as_it_may_be(seed: int) -> None:
     assert np.sqrt(np.linalg.eigvalsh(about_centre)[0]) == pytest.approx(THIN, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("truth", [U, PLATE], ids=["inside", "at the bound"])
 def test_the_ellipsoid_of_the_free_estimate_holds_the_truth_at_least_as_often_about_the_consistent_one(truth) -> None:
     inside, bounds = [], 0

@@ -83,7 +83,7 @@ REFUSED = {
         lambda: method("nonlinear", {"mxC": 0.0}).estimator(PROBLEM)(A, forces(0), NAMES),
         f"not mxC; fix {PHYSICAL[0]}",
     ),
-    "an unknown name": (lambda: method(known={"k9": 1.0}).estimator(PROBLEM), "'k9' is no parameter"),
+    "an unknown name": (lambda: method(known={"k9": 1.0}).estimator(PROBLEM), "'k9' is not a parameter"),
 }  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from cases.errors import IdentificationError
 from identification.estimation import estimator as module
 from identification.estimation.estimator import full_weights, gauss_markov, per_channel
 from identification.estimation.fit import Filtered
-from tests.helpers import one_line
+from tests.helpers import few, one_line
 from tests.identification.moving_run import NAMES, SAMPLES, A, U, coverage, forces
 
 Array = np.ndarray
@@ -66,7 +66,7 @@ def test_it_is_nearer_to_the_truth_than_a_diagonal_w() -> None:
     assert np.exp(np.mean(np.log(full / diagonal))) < 0.7
 
 
-@pytest.mark.parametrize(("samples", "seeds"), [(200, 100), (60, 100)])
+@pytest.mark.parametrize(("samples", "seeds"), few((200, 100), (60, 100)))
 def test_95_of_100_intervals_hold_the_truth_although_the_weights_are_estimated(samples: int, seeds: int) -> None:
     rows = np.linspace(0, SAMPLES - 1, samples).astype(int)
     assert 0.92 <= coverage(lambda s: full_weights(A[rows], shaken(s, samples), NAMES).fit, U, seeds) <= 0.98

@@ -140,7 +140,7 @@ def test_failure_is_a_value_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize(
     ("known", "message"),
     [
-        ({"mxC": 0.0}, "'mxC' is no parameter here; choose from m, xC"),
+        ({"mxC": 0.0}, "'mxC' is not a parameter here; choose from m, xC"),
         ({"xC": np.inf}, "a known value must be finite"),
         ({"m": -1.0}, "a known mass above zero"),
         (dict.fromkeys(PHYSICAL, 1.0), "all parameters are known"),

@@ -8,7 +8,7 @@ from identification.estimation import robust
 from identification.estimation.estimator import gauss_markov
 from identification.estimation.fit import Filtered
 from identification.estimation.robust import huber
-from tests.helpers import one_line
+from tests.helpers import few, one_line
 from tests.identification.moving_run import NAMES, ONES, A, U, coverage, forces
 
 Array = np.ndarray
@@ -28,6 +28,7 @@ def distance(values: Array) -> float:
     return float((values - U) @ PRECISION @ (values - U))
 
 
+@pytest.mark.slow
 def test_of_clean_data_it_wastes_5_percent() -> None:
     """Efficiency 0.95 within what 100 runs can show, and s0 of (27)."""
     pairs = [(huber(A, forces(s), NAMES, True).fit, gauss_markov(A, forces(s), NAMES, ONES)) for s in range(100)]
@@ -48,8 +49,8 @@ def test_gross_errors_of_5_percent_do_little_to_it_and_ruin_least_squares(pooled
         np.testing.assert_allclose(r.scales, 1.0, rtol=0.35)  # an MAD of 200 forces is known to 8 %
 
 
-@pytest.mark.parametrize("pooled", [True, False])
-@pytest.mark.parametrize("data", [forces, with_gross_errors])
+@pytest.mark.parametrize("pooled", few(True, False))
+@pytest.mark.parametrize("data", few(with_gross_errors, forces))
 def test_95_of_100_intervals_hold_the_truth_with_and_without_gross_errors(pooled: bool, data) -> None:
     assert 0.92 <= coverage(lambda s: huber(A, data(s), NAMES, pooled).fit, U) <= 0.98
 

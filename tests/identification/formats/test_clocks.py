@@ -67,7 +67,7 @@ WRONG = {
     "a date": (["2026-11-01", "2026-11-02"], "s", r"line 2, t_s: '2026-11-01' is not a number"),
     "a time of day": (["08:00:00.001", "08:00:00.002"], "s", r"line 2, t_s: '08:00:00.001' is not a number"),
     "nothing": (["0", "", "2"], "s", r"line 3, t_s: is empty where a time stamp is needed; remove the row"),
-    "NaN": (["0", "nan", "2"], "s", r"line 3, t_s: nan is no time stamp"),
+    "NaN": (["0", "nan", "2"], "s", r"line 3, t_s: nan is not a time stamp"),
 }
 
 

@@ -137,7 +137,7 @@ def test_what_the_case_states_wrongly_is_named_with_the_setting(what: str, tmp_p
 def test_a_pipe_is_no_recording(tmp_path: Path) -> None:
     """Opening one would wait for somebody to write."""
     os.mkfifo(tmp_path / "pipe.csv")
-    with pytest.raises(RecordingError, match=r"pipe.csv: cannot be read \(it is no regular file\)"):
+    with pytest.raises(RecordingError, match=r"pipe.csv: cannot be read \(it is not a regular file\)"):
         read_recording(tmp_path / "pipe.csv", case_with())
 
 

@@ -1,4 +1,4 @@
-"""Parquet holds the same run as CSV; what is no Parquet any more is named."""
+"""Parquet holds the same run as CSV; what is not Parquet any more is named."""
 
 from pathlib import Path
 

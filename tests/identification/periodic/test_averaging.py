@@ -16,7 +16,7 @@ from identification.periodic.periods import each_period
 from identification.result import Estimate
 from identification.runs.residuals import residuals_of
 from identification.samples import Conditioning, Periodic
-from tests.helpers import ideal, one_line, simulated
+from tests.helpers import few, ideal, one_line, simulated
 from tests.identification.repeating import LEAD, Repeating, recorded
 
 CASE = load_case("hexapod")
@@ -68,7 +68,7 @@ def test_errors_are_as_large_as_reported(clean: Estimate) -> None:
     np.testing.assert_allclose(found, CASE.simulation.force_noise_N, rtol=0.35)
 
 
-@pytest.mark.parametrize("step_um", [50.0, 200.0])
+@pytest.mark.parametrize("step_um", few(200.0, 50.0))
 def test_coarse_encoders_bias_the_low_pass_and_spare_the_series(step_um: float) -> None:
     case = simulated(CASE, encoder_resolution_um=step_um)
     run = recorded(case, Repeating(period=2.0003))
@@ -134,6 +134,7 @@ def test_a_sensor_that_is_stuck_for_a_while_costs_its_period() -> None:
     assert np.abs((values(estimate) - PHYSICAL) / reported(estimate)).max() < 4.0
 
 
+@pytest.mark.slow
 def test_the_scatter_between_periods_gives_the_covariance_of_coloured_noise() -> None:
     """Noise behind a 20 Hz first-order filter: the robust covariance is that of the estimates, (28) is too small."""
     run = periodic_run(recorded(ideal(CASE), Repeating(periods=6)), CASE, MODEL, AUTO.periodic, None)
@@ -167,7 +168,7 @@ def test_residuals_are_told_at_every_sample_of_the_periods(clean: Estimate) -> N
     [
         ({}, Periodic(harmonics=500), "--harmonics 500: a period of 2 s holds 80 of them up to"),
         ({}, Periodic(period=3.0), "--period 3: a period later the struts are"),
-        ({"t": None}, Periodic(), "is no moving run"),
+        ({"t": None}, Periodic(), "is not a moving run"),
         ({"struts": None}, Periodic(), "needs"),
         ({"trigger": np.zeros(8801, dtype=bool)}, Periodic(), "trigger: is never 1"),
     ],

@@ -114,7 +114,7 @@ def test_a_motion_that_does_not_repeat_is_refused_with_how_far_the_best_period_m
 
 
 def test_periods_that_become_slower_are_refused() -> None:
-    """A feed that changes by a tenth is no period."""
+    """A feed that changes by a tenth is not a period."""
     t, struts, start = run(1.0, 4, rest=0.0)
     slower = start + np.sign(t - start) * np.abs(t - start) ** 1.04
     struts = np.column_stack([np.interp(slower, t, s) for s in struts.T])

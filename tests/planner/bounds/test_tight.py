@@ -26,6 +26,7 @@ from planner.families.spline import SplineFamily
 from planner.search.inside import keep_limits
 from planner.search.problem import mean_information
 from planner.search.solving import Task, run_start
+from tests.helpers import few
 from tests.planner.bounds.test_moments import CASE, FAMILIES
 
 MODEL = identification_model(CASE, 0)
@@ -101,7 +102,7 @@ def test_no_random_feasible_motion_of_any_family_passes_either_bound(
     assert sign <= 0 or logdet < bound_of(found) < box
 
 
-@pytest.mark.parametrize("model", [MODEL, ALL], ids=["model 0", "model 9"])
+@pytest.mark.parametrize("model", few(MODEL, ALL))
 def test_nor_does_an_optimised_one(model: Model, found: TightDesign):
     """Thirty iterations towards the bounds leave them out of reach."""
     number = 0 if model is MODEL else 9
@@ -162,6 +163,7 @@ def test_without_time_for_the_proof_it_is_an_estimate():
     assert hasty.proven >= hasty.dmax
 
 
+@pytest.mark.slow
 def test_a_proof_within_the_gap_counts_though_it_missed_its_aim():
     """What was proven when the time was over is a bound all the same; aiming at nothing uses all of it."""
     found = tight_design(CASE, FEATURES, 0.5, time.process_time() + 1.5, rounds=1, aim=1e-9)

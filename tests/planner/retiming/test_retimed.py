@@ -176,7 +176,7 @@ def test_a_plan_that_passes_a_limit_is_not_written(tmp_path: Path):
     far = StraightMove.fastest(HOME, HOME + np.array([0.0, 0.0, 0.15, 0.0, 0.0, 0.0]), *LIMITS)
     found = retimed(Joined((*slowed_moves().parts, far)), CASE, MODEL, RetimingMethod.RUCKIG, False)
     request = Request(Manual(), model=0)
-    with pytest.raises(InfeasiblePlan, match="is no plan: position"):
+    with pytest.raises(InfeasiblePlan, match="is not a plan: position"):
         retimed_plan(found, request, CASE, tmp_path, 0.0)
 
 

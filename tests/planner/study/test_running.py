@@ -207,7 +207,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) ->
     assert "cannot be reached within 5 s" in refused(
         "study", "hexapod", "--spec", spec, "--scheduler", "tcp://127.0.0.1:1", "-o", folder
     )
-    assert "is no address" in refused("study", "hexapod", "--spec", spec, "--scheduler", "localhost", "-o", folder)
+    assert "is not an address" in refused("study", "hexapod", "--spec", spec, "--scheduler", "localhost", "-o", folder)
     assert "machine: is missing" in refused("study", "ft_wrist", "--spec", spec, "-o", folder)
     assert "cannot be read" in refused("study", "hexapod", "--spec", tmp_path / "none.toml", "-o", folder)
     assert not folder.exists()

@@ -15,6 +15,7 @@ from planner.validation.step import linear_answer
 from tests.planner.validation.excitations import CASE, FOUND, HOME, moving
 
 
+@pytest.mark.slow
 def test_true_deviations_are_the_scatter_over_machines_that_err_with_the_pose_otherwise():
     """Each machine's own waves, through the evaluation of the same run; of 60 machines a deviation is 9 % uncertain."""
     excitation = moving(CASE)

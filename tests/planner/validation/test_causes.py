@@ -8,7 +8,7 @@ from planner.validation.experiment import steps
 from planner.validation.remedy import remedy_of
 from planner.validation.step import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget, Identified
 from planner.validation.verdict import off_rows
-from tests.helpers import ideal
+from tests.helpers import few, ideal
 from tests.planner.validation.excitations import (
     CASE,
     FOUND,
@@ -21,7 +21,7 @@ from tests.planner.validation.excitations import (
 )
 
 
-@pytest.mark.parametrize("method", ["D", "Q"])
+@pytest.mark.parametrize("method", few("Q", "D"))
 def test_the_parts_of_an_error_add_up_to_it(method: str):
     for step in disturbed(method):
         for name, parts in step.budget.parts.items():
@@ -34,7 +34,7 @@ def test_the_parts_of_an_error_add_up_to_it(method: str):
 
 @pytest.mark.parametrize(
     ("method", "cause", "off"),
-    [(moving, MODE, NO_MODE), (moving, POSE, NO_POSE_ERROR), (standing, POSE, NO_POSE_ERROR)],
+    few((moving, MODE, NO_MODE), (moving, POSE, NO_POSE_ERROR), (standing, POSE, NO_POSE_ERROR)),
 )
 def test_a_part_is_what_vanishes_when_its_disturbance_is_switched_off(method, cause: str, off: dict):
     """The same run, recorded and identified again without the disturbance: no attribution in sight.
@@ -70,6 +70,7 @@ def test_the_cause_is_the_part_without_which_the_error_is_smallest():
     assert Budget({"m": 1.0}, {"m": other}).cause("m") == NOISE
 
 
+@pytest.mark.slow
 def test_where_the_mode_is_the_cause_the_recording_is_identified_with_it():
     heavy = FOUND.model_copy(update={"mode_Hz": 30.0} | NO_POSE_ERROR)
     excitation = brisk(CASE)

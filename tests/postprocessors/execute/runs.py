@@ -5,7 +5,7 @@ import numpy as np
 from postprocessors.execute.executed_run import ControllerLog
 
 PROGRAM = """G17 G21 G40 G49 G54 G80 G90 G94
-(G4 P99 in a comment is no dwell)
+(G4 P99 in a comment is not a dwell)
 G61
 G0 X10 Y5 Z905 A2 B-3 C4
 G4 P0.25

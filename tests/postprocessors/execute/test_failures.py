@@ -11,7 +11,7 @@ import pytest
 
 from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
-from postprocessors.execute.linuxcnc import isolation, session
+from postprocessors.execute.linuxcnc import configuration, isolation, session
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from tests.postprocessors.execute.runs import PROGRAM, log_of
 
@@ -70,9 +70,11 @@ def test_a_session_without_report_tells_what_linuxcnc_said_last(tmp_path: Path) 
         session.read_report(Path("p.ngc"), tmp_path)
 
 
-def test_lost_cycles_are_an_error(tmp_path: Path) -> None:
+def test_lost_cycles_are_an_error(tmp_path: Path, hexapod_case: Case) -> None:
     with pytest.raises(session.LostCycles, match=r"3 of 10 cycles were not logged; .* speed-up below 20"):
-        session.read_log(Path("p.ngc"), tmp_path, REPORT | {"samples": 7, "lost": 3}, 20.0)
+        session.read_log(
+            Path("p.ngc"), tmp_path, configuration.AxisLayout.of(hexapod_case), REPORT | {"samples": 7, "lost": 3}, 20.0
+        )
 
 
 @pytest.mark.parametrize("losses", [0, 1, 2, 3])

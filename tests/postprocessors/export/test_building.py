@@ -47,7 +47,7 @@ int main(void)
 
 @pytest.mark.usefixtures("gcc")
 def test_sanitizers_find_nothing(tmp_path: Path) -> None:
-    """Windows and delays of all lengths, jumps, values that are no numbers: no bounds are left, nothing overflows."""
+    """Windows and delays of all lengths, jumps, values that are not numbers: no bounds are left, nothing overflows."""
     sources = c_sources(calibration(tmp_path, "hexapod", 9), "hexapod_force")
     (tmp_path / "hexapod_force.h").write_text(sources.header, encoding="ascii")
     (tmp_path / "hexapod_force.c").write_text(sources.source, encoding="ascii")
