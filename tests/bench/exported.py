@@ -9,9 +9,9 @@ import numpy as np
 
 from identification.hexapod import Hexapod
 from postprocessors.export.c99 import c_sources
-from postprocessors.export.targets import STRICT
 from tests.helpers import Harmonic
 from tests.postprocessors.export.calibrations import calibration
+from tests.postprocessors.export.compiled import STRICT
 from tests.simulated_machine import kinematics_of_coordinates
 
 ROUNDS = 200
