@@ -53,7 +53,14 @@ def test_the_paths_in_the_answers_are_those_that_were_asked_for(chain: Chain, sh
 
 def test_cases_lists_the_built_in_cases():
     rows = call("cases", "--json").json()["cases"]
-    assert {r["name"] for r in rows} == {"hexapod", "ft_wrist", "clamping_table"}
+    assert {r["name"] for r in rows} == {
+        "hexapod",
+        "strut_sensors",
+        "ft_wrist",
+        "clamping_table",
+        "ur10_wrist",
+        "five_axis_table",
+    }
     assert all(Path(r["file"]).is_file() for r in rows)
 
 

@@ -139,7 +139,7 @@ def test_attenuation_is_the_mean_bias_of_a_coarse_encoder(steps: bool) -> None:
 def test_attenuation_that_cannot_be_told_is_said_to_be_so() -> None:
     found = identify(run(CASE), stated(CASE, encoder_resolution_um=500.0))
     assert found.attenuation is None
-    assert any("half or more of what the run tells" in w for w in found.warnings)
+    assert any("half or more" in w and "sensors.encoder_resolution_um" in w for w in found.warnings)
 
 
 def test_a_case_that_states_nothing_is_told_nothing() -> None:

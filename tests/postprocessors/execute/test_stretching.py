@@ -122,7 +122,7 @@ def test_linuxcnc_stretches_a_dense_path_as_predicted(tmp_path: Path, hexapod_ca
     virtual = run_virtual(read.reading, without, read.guarantees)
     assert log.trigger.sum() * log.period == pytest.approx(virtual.excitation, rel=0.05)
     (path,) = (s.points for s in stretches(read.reading) if isinstance(s, Timed))
-    real = DriveExecution.of_log(Hexapod.of(without), log.period, log.strut_lengths)
+    real = DriveExecution.of_log(Hexapod.of(without), log.period, log.drives)
     window = windows(log.trigger, log.period)
     assert path_error(path, virtual.execution, virtual.trigger) == pytest.approx(
         path_error(path, real, window), rel=0.25
