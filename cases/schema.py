@@ -120,7 +120,7 @@ class Case(Part):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
-        rules = (self._kind, self._feed, self._drives, self._noise, self._pose_error, self._box)
+        rules = (self._kind, self._feed, self._noise, self._pose_error, self._box)
         problems = [problem for rule in rules for problem in rule()]
         if problems:
             raise ValueError(ALSO.join(problems))
@@ -174,19 +174,6 @@ class Case(Part):
                     f"controller.safe_feed_mm_min = {self.controller.safe_feed_mm_min:g} is faster than "
                     f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"
                 )
-
-    def _drives(self) -> Iterator[str]:
-        if self.controller is None or not isinstance(self.limits, Limits):
-            return
-        for name in ("sinumerik", "twincat"):
-            settings = getattr(self.controller, name)
-            for key in ("strut_velocity_m_s", "strut_acceleration_m_s2"):
-                limit = getattr(self.limits.motion, key)
-                if settings is not None and settings.ptp is not None and getattr(settings.ptp, key) > limit:
-                    yield (
-                        f"controller.{name}.ptp.{key} = {getattr(settings.ptp, key):g} is above limits.motion.{key} = "
-                        f"{limit:g}; set the drives, and this value, to the limit or below"
-                    )
 
     def _noise(self) -> Iterator[str]:
         force, moment = self.sensors.force_noise_N, self.sensors.moment_noise_Nm

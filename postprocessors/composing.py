@@ -6,7 +6,6 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import HexciteError
 from cases.schema import Case
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
@@ -21,7 +20,6 @@ from postprocessors.program import (
     NeutralProgram,
     PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -31,20 +29,6 @@ Array = NDArray[np.float64]
 
 SAME = 1e-8  # [m, rad] two poses are one, below the last decimal of any program
 APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: nobody needs that move to be fast
-
-
-def straight_in_struts(program: NeutralProgram) -> NeutralProgram:
-    """The program with its point-to-point moves straight in the struts.
-
-    Raises:
-        HexciteError: it has none.
-    """
-    blocks = tuple(StrutPointToPoint(b.move) if isinstance(b, PointToPoint) else b for b in program.blocks)
-    if blocks == program.blocks:
-        raise HexciteError(
-            "the plan has no point-to-point moves that could be straight in the struts; leave out --ptp-struts"
-        )
-    return replace(program, blocks=blocks)
 
 
 def moves_as_polynomials(program: NeutralProgram) -> NeutralProgram:

@@ -55,7 +55,6 @@ class Dialect:
         suffixes: suffixes of its files, in lower case, the usual one first.
         load: imports and returns what it can do with files of a suffix, by default the usual one.
         start: what the machine does first, for the program's header.
-        in_struts: whether its controller has point-to-point moves that are straight in the struts.
     """
 
     name: str
@@ -63,7 +62,6 @@ class Dialect:
     suffixes: tuple[str, ...]
     load: Callable[..., Language]
     start: str = "first to home at a safe feed from wherever the machine stands: keep that way clear"
-    in_struts: bool = False
 
     @property
     def suffix(self) -> str:
@@ -147,14 +145,12 @@ DIALECTS = {
             "SINUMERIK 840D sl / ONE: G1 with exact stop, POLY blocks or the compressor, arcs",
             (".mpf",),
             _sinumerik,
-            in_struts=True,
         ),
         Dialect(
             "twincat",
             "TwinCAT CNC (TF5200) and ISG: G01 with exact stop, #SPLINE, #HSC or #CONTOUR MODE, arcs",
             (".nc", ".cnc"),
             _twincat,
-            in_struts=True,
         ),
         Dialect(
             "setpoints",

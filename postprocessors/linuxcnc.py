@@ -24,7 +24,6 @@ from postprocessors.program import (
     NeutralProgram,
     PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -85,8 +84,6 @@ class _LinuxCncWriter:
                 return [*_comments("to home"), "G61", f"G94 G1 {self.words(block.pose)} F{self.home_feed(block)}"]
             case PointToPoint():
                 return [f"G1 {self.words(block.move.end)} F{self.feed_of(block)}"]
-            case StrutPointToPoint():
-                raise HexciteError("LinuxCNC has no moves straight in the struts; leave out --ptp-struts")
             case Arc() | TimedPath() | SplinePath() if self.chain:
                 raise HexciteError(
                     "LinuxCNC cuts corners of paths by degrees where rotary axes turn round; plan with --family ptp"

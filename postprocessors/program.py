@@ -64,19 +64,6 @@ class PointToPoint:
 
 
 @dataclass(frozen=True, slots=True)
-class StrutPointToPoint:
-    """A move straight in the struts from rest to rest, exact stop at its end: another path than planned.
-
-    Its dialect writes the feed with which it takes as long as planned, or longer where its own path needs that.
-
-    Args:
-        planned: where from, where to, and the time law planned for the straight way.
-    """
-
-    planned: StraightMove
-
-
-@dataclass(frozen=True, slots=True)
 class Arc:
     """A circular move in a coordinate plane from rest to rest, exact stop at its end; full circles too.
 
@@ -140,7 +127,7 @@ class Trigger:
     on: bool
 
 
-Block = Comment | ToHome | PointToPoint | StrutPointToPoint | Arc | TimedPath | SplinePath | Dwell | Trigger
+Block = Comment | ToHome | PointToPoint | Arc | TimedPath | SplinePath | Dwell | Trigger
 
 
 @dataclass(frozen=True, slots=True)

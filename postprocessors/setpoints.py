@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.errors import HexciteError, ProgramError
+from cases.errors import ProgramError
 from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
@@ -25,7 +25,6 @@ from postprocessors.program import (
     NeutralProgram,
     PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -82,8 +81,6 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
             case Trigger():
                 yield from joined()
                 on = block.on
-            case StrutPointToPoint():
-                raise HexciteError("a table of setpoints has no moves straight in the struts; leave out --ptp-struts")
             case Comment() | ToHome():
                 pass
     yield from joined()

@@ -23,7 +23,6 @@ from postprocessors.program import (
     NeutralProgram,
     PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -35,14 +34,11 @@ from postprocessors.wording import (
     FEED_DECIMALS,
     PLANE_WORDS,
     arc_words,
-    as_written,
     comments,
     coordinates,
-    digits,
     feed,
     feed_of,
     number,
-    strut_feed_of,
     written_feed,
 )
 
@@ -86,12 +82,6 @@ class _SinumerikWriter:
             case PointToPoint():
                 linear, value = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(linear), f"G1 {self.pose(block.move.end)} F{value}"]
-            case StrutPointToPoint():
-                share = strut_feed_of(as_written(block.planned), self.limits, self.guarantees)
-                if share is None:
-                    return [f"PTP G0 {self.pose(block.planned.end)}", "CP G1"]
-                value = digits(MINUTE * share)
-                return [f"PTP G93 G1 {self.pose(block.planned.end)} F{value}", "CP G94"]
             case Arc():
                 return [*self.group(True), f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():

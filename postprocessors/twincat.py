@@ -19,7 +19,6 @@ from postprocessors.program import (
     NeutralProgram,
     PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -30,14 +29,11 @@ from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     PLANE_WORDS,
     arc_words,
-    as_written,
     comments,
     coordinates,
-    digits,
     feed,
     feed_of,
     number,
-    strut_feed_of,
     written_feed,
 )
 
@@ -77,12 +73,6 @@ class _TwinCatWriter:
             case PointToPoint():
                 linear, value = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(linear), f"G01 G60 {self.pose(block.move.end)} F{value}"]
-            case StrutPointToPoint():
-                feed_of_struts = strut_feed_of(as_written(block.planned), self.limits, self.guarantees)
-                if feed_of_struts is None:
-                    return ["#PTP ON", f"G00 G60 {self.pose(block.planned.end)}", "#PTP OFF"]
-                time = digits(1.0 / feed_of_struts)
-                return ["#PTP ON", "G93", f"G01 G60 {self.pose(block.planned.end)} F{time}", "#PTP OFF", "G94"]
             case Arc():
                 return [*self.group(True), f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():

@@ -10,10 +10,9 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.motion import Array, Trajectory
 from identification.trajectories.polynomial import PolynomialMotion
-from identification.trajectories.strut_move import NoStrutMove
-from postprocessors.composing import excitation_program, straight_in_struts
+from postprocessors.composing import excitation_program
 from postprocessors.dialects import Language
-from postprocessors.program import Arc, NeutralProgram, PointToPoint, SplinePath, StrutPointToPoint, TimedPath
+from postprocessors.program import Arc, NeutralProgram, PointToPoint, SplinePath, TimedPath
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.words import Event, Reading
@@ -45,7 +44,6 @@ def proven_program(
     header: tuple[str, ...],
     speed: float = 1.0,
     accepted: Collection[str] = (),
-    in_struts: bool = False,
 ) -> Written:
     """Writes a program and proves what it wrote.
 
@@ -57,26 +55,14 @@ def proven_program(
         header: comment lines; what was proven is added to them.
         speed: share of the planned speed, above 0 and at most 1.
         accepted: families of limits that may stay without anybody who enforces them.
-        in_struts: point-to-point moves become straight in the struts, another path than planned.
 
     Raises:
         ProgramError: the text, as read back, is not the planned motion, passes a limit, or relies on one that nobody
             enforces and that is not accepted.
         CaseError: the case has no machine or no controller.
     """
-    program = excitation_program(trajectory, case, header, speed)
-    if in_struts:
-        program = straight_in_struts(program)
-        drives = language.guarantees(Reading(file, (), 0), case).drives
-        if drives is not None and drives.rapid and speed < 1.0:
-            problem = "rapids cannot be slowed by the program; leave out --speed and use the machine's override"
-            raise ProgramError(file, 0, 0, problem)
-    program = language.prepare(program, case)
-    try:
-        text = language.write(program, case)
-    except NoStrutMove as error:
-        raise ProgramError(file, 0, 0, f"{error}, or leave out --ptp-struts") from error
-    reading = language.read(text, file, case)
+    program = language.prepare(excitation_program(trajectory, case, header, speed), case)
+    reading = language.read(language.write(program, case), file, case)
     proof = prove_program(reading, case, language.guarantees(reading, case))
     proof.require_accepted(accepted)
     if language.same is None:
@@ -116,9 +102,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
 
     Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].
     """
-    written = [
-        b for b in program.blocks if isinstance(b, TimedPath | SplinePath | PointToPoint | StrutPointToPoint | Arc)
-    ]
+    written = [b for b in program.blocks if isinstance(b, TimedPath | SplinePath | PointToPoint | Arc)]
     # The first move of all goes home; it has no counterpart with a known start.
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
     if len(read) != len(written):
@@ -137,21 +121,15 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
                 )
             case PointToPoint() | Arc():
                 name = "a move"
-                same = isinstance(stretch, Untimed) and not stretch.in_struts and _same_move(block, stretch)
-            case StrutPointToPoint():
-                name = "a move straight in the struts"
-                same = isinstance(stretch, Untimed) and stretch.in_struts and _near(block.planned.end, stretch)
+                same = isinstance(stretch, Untimed) and _same_move(block, stretch)
         if not same:
             line = stretch.lines[0] if isinstance(stretch, Timed) else stretch.line
             raise ProgramError(reading.file, line, 0, f"{name} reads back differently; report this")
 
 
 def _same_move(block: PointToPoint | Arc, stretch: Untimed) -> bool:
-    return _near(block.move.end, stretch) and (stretch.turn is not None) == isinstance(block, Arc)
-
-
-def _near(end: Array, stretch: Untimed) -> bool:
-    return bool(np.all(np.abs(stretch.end - end) <= ROUNDING))
+    near = bool(np.all(np.abs(stretch.end - block.move.end) <= ROUNDING))
+    return near and (stretch.turn is not None) == isinstance(block, Arc)
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:

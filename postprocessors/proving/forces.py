@@ -19,7 +19,6 @@ from identification.motion import Array, Motion, Trajectory
 from identification.overload import PAIRS, Loads
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
-from identification.trajectories.strut_move import StrutMove
 
 SAMPLES = 64  # of a move: forces change with the pose alone, by less than a hundredth from one to the next
 PATH_SAMPLES = 1000  # of a timed path
@@ -116,9 +115,7 @@ class ForceBounds:
             most += np.abs(share) * rate[i] * rate[j]
         return self._checks(most, t + clock)
 
-    def along(
-        self, move: StraightMove | CircularMove | StrutMove, feed: float | None, clock: float
-    ) -> tuple[LimitCheck, ...]:
+    def along(self, move: StraightMove | CircularMove, feed: float | None, clock: float) -> tuple[LimitCheck, ...]:
         """In a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
         Args:
@@ -178,9 +175,7 @@ def _crossed_axes(angles: Array) -> dict[tuple[int, int], Array]:
     }
 
 
-def _fastest(
-    move: StraightMove | CircularMove | StrutMove, tangent: Array, bend: Array, limits: Box
-) -> tuple[float, float]:
+def _fastest(move: StraightMove | CircularMove, tangent: Array, bend: Array, limits: Box) -> tuple[float, float]:
     """Largest speed and acceleration of the share of the way under the limits of each coordinate [1/s, 1/s^2]."""
     way = np.abs(tangent).max(axis=0)
     rates, accelerations = limits.rate.copy(), limits.acceleration.copy()

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from identification.hexapod import Hexapod
 from identification.trajectories.profile import Profile, TimeLaw
 
 
@@ -30,25 +29,6 @@ class ArcLaw(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class StrutDrives:
-    """What the struts do at most where the controller moves them in proportion.
-
-    Args:
-        hexapod: hexapod on them.
-        velocity: velocity of each [m/s].
-        acceleration: acceleration of each [m/s^2].
-        jerk: jerk of each [m/s^3].
-        rapid: whether the program moves them as fast as they can; else a block's time does.
-    """
-
-    hexapod: Hexapod
-    velocity: float
-    acceleration: float
-    jerk: float
-    rapid: bool
-
-
-@dataclass(frozen=True, slots=True)
 class Guarantees:
     """A controller as set up for one case and one program.
 
@@ -64,7 +44,6 @@ class Guarantees:
         law: its time law in straight moves that it times itself, under the limits of the case.
         arc_law: the same in arcs.
         jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
-        drives: drives of the struts in moves that are straight in them; None where there are none or nothing is known.
         rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
         block_key: setting that the length of timed blocks comes from.
     """
@@ -78,7 +57,6 @@ class Guarantees:
     law: Law
     arc_law: ArcLaw
     jerk_time: float
-    drives: StrutDrives | None = None
     rounding: tuple[float, float] = (0.0, 0.0)
     block_key: str = "controller.block_ms"
 
@@ -100,9 +78,6 @@ def family(name: str) -> str:
     """The family of a limit by its name in a report: `angular jerk, untimed moves (b)` is of `jerk`."""
     return name.split(" (")[0].split(",")[0].removeprefix("angular ")
 
-
-IN_STRUTS = frozenset({"strut velocity", "strut acceleration"})
-"""Families that a controller can keep in a move straight in the struts: it plans the axes, not the platform."""
 
 KINETIC = (
     "velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment",

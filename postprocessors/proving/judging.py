@@ -21,11 +21,10 @@ from identification.motion import Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import StraightMove
-from identification.trajectories.strut_move import NoStrutMove, StrutMove
 from identification.trajectories.tabulated import Tabulated
 from postprocessors.proving.answering import UNTIMED, Answering
 from postprocessors.proving.forces import Steady
-from postprocessors.proving.guarantees import IN_STRUTS, family
+from postprocessors.proving.guarantees import family
 from postprocessors.proving.homing import way_home
 from postprocessors.proving.joints import joint_checks
 from postprocessors.proving.predicted import predicted
@@ -53,12 +52,7 @@ def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, floa
         return LimitReport(()), part.duration
     if part.start is None:
         return LimitReport(tuple(way_home(part, by, clock))), 0.0
-    if part.in_struts:
-        by = replace(by, guarantees=replace(by.guarantees, enforced=by.guarantees.enforced & IN_STRUTS))
-    try:
-        motion = predicted(part, by.limits, by.guarantees)
-    except NoStrutMove as error:
-        raise ProgramError(by.file, part.line, 0, f"{error}, or move straight in the coordinates") from error
+    motion = predicted(part, by.limits, by.guarantees)
     if motion is None:
         return prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger), 0.0
     return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
@@ -112,9 +106,7 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
             yield check
 
 
-def _own_time(
-    part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
-) -> Iterable[LimitCheck]:
+def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering, clock: float) -> Iterable[LimitCheck]:
     """Geometry and programmed speed are proven; what follows from the controller's law is predicted.
 
     Where the text states the acceleration too, the law is the text's, and all but the jerk is proven.
@@ -165,9 +157,7 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Answering) -> LimitCheck:
     return by.own(replace(check, worst=float(steps[k]), limit=float(limit[k]), ratio=ratio))
 
 
-def _asked(
-    part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
-) -> Iterable[LimitCheck]:
+def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Answering, clock: float) -> Iterable[LimitCheck]:
     """Velocities if the programmed feed held from end to end: the text asks for them, whoever would slow it down.
 
     Of a rapid those at the limits of the coordinates, if the controller keeps these.

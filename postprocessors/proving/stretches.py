@@ -49,7 +49,6 @@ class Untimed:
         linear: whether the feed counts XYZ.
         turn: the arc; None for a straight move.
         trigger: whether the trigger is on.
-        in_struts: straight in the struts; the feed is then a share of the way [1/s].
         counted: indices of the coordinates of a chain whose way the feed counts; None as `linear` says.
         acceleration: acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or
             rad/s^2].
@@ -62,16 +61,13 @@ class Untimed:
     linear: bool
     turn: Turn | None
     trigger: bool
-    in_struts: bool = False
     counted: tuple[int, ...] | None = None
     acceleration: float | None = None
 
     @property
     def length(self) -> float:
-        """Way that the feed counts, from a known start [m], [rad] where only angles move, 1 where struts do."""
+        """Way that the feed counts, from a known start [m], [rad] where only angles move."""
         assert self.start is not None
-        if self.in_struts:
-            return 1.0
         way = self.end - self.start
         if self.turn is not None:
             first, second, _ = self.turn.plane.axes
@@ -210,8 +206,6 @@ class _Grouping:
             if start is None:
                 raise self.error(move.line, "an arc starts from an unknown pose; first move home at a feed")
             return Untimed(move.line, start, move.end, move.value, True, move, self.trigger)
-        if start is None and move.in_struts:
-            raise self.error(move.line, "a point-to-point move starts from an unknown pose; first move home at a feed")
         feed = None if move.timing is Timing.RAPID else move.value
         law = (move.counted, move.acceleration)
-        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, move.in_struts, *law)
+        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, *law)

@@ -271,9 +271,9 @@ class ModalState(ABC):
             command = self.spelling.feed_group.format(",".join(counted))
             self.fail(first, f"F counts {', '.join(counted)} in this move only after {command}; add it before")
 
-    def straight(self, end: Array, timing: Timing, value: float, exact: bool, in_struts: bool = False) -> Move:
+    def straight(self, end: Array, timing: Timing, value: float, exact: bool) -> Move:
         """A straight move to coordinates, shape (k,) as written, in which the machine stands then."""
-        move = Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end), in_struts)
+        move = Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end))
         self.pose = end
         return move
 

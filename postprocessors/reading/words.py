@@ -29,7 +29,7 @@ class Timing(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """A straight move in the six coordinates, or in the six struts.
+    """A straight move in the six coordinates.
 
     Args:
         line: line of the program, counted from 1.
@@ -38,7 +38,6 @@ class Move:
         value: see `Timing`.
         exact_stop: whether the controller comes to rest at the end.
         linear: whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles.
-        in_struts: straight in the struts (point to point), not in the coordinates; a feed is a share of the way [1/s].
         counted: indices of the coordinates of a chain whose way a feed counts; None as `linear` says.
         acceleration: acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or
             rad/s^2].
@@ -50,7 +49,6 @@ class Move:
     value: float
     exact_stop: bool
     linear: bool
-    in_struts: bool = False
     counted: tuple[int, ...] | None = None
     acceleration: float | None = None
 
