@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from subprocess import CalledProcessError
 
 from cases.loading import load_case
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
