@@ -143,7 +143,6 @@ class Artefact(NamedTuple):
 
         Args:
             now: values of the case today, by dotted key.
-            case: the case.
             stale: go on although the case has changed.
 
         Raises:

@@ -163,7 +163,6 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
 
     Args:
         path: the folder that will be written.
-        kind: what will be in it.
         inputs: what the work reads; none of it may be in the folder that is replaced.
         overwrite: whether a folder of the same kind that stands there may be replaced.
 
@@ -214,7 +213,6 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
 
     Args:
         path: the folder.
-        kind: what it will hold.
         overwrite: whether a folder of the same kind that stands there is replaced.
 
     Raises:

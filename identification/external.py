@@ -51,8 +51,6 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
     """External force over a recording; moving runs behind the filter of the case.
 
     Args:
-        recording: the run.
-        case: case of the same machine as the parameters.
         result: identified parameters; their delay is compensated.
         whole: all samples; else only the excitation.
 

@@ -35,7 +35,6 @@ class Fitted(NamedTuple):
 
     Args:
         samples: samples that were evaluated.
-        fit: fit to their forces.
         delay: delay of the forces; None where nothing moves.
         residuals: residuals of the forces as recorded, shape (m, 6).
         whitening: W is its square, where it is given.
@@ -73,8 +72,6 @@ def fit_samples(
     A long run is fitted from where a part of it ends.
 
     Args:
-        samples: samples to be evaluated.
-        how: estimator.
         problem: the samples' model, and which channels have the same noise.
         delay: delay to start from [s].
         held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
@@ -146,9 +143,7 @@ def _converged(
     """Gauss-Newton over the delay.
 
     Args:
-        run: run to be evaluated.
         forces: forces of that, shape (n, 6).
-        how: what is known beforehand.
         problem: problem with the nuisances and the filter of the run.
         delay: delay to start from [s].
         held: a delay that is not estimated.

@@ -42,7 +42,6 @@ class Identifiability:
         zero: the paper's numerical zero m n eps max|R_ii|.
         singular_values: singular values of the scaled regressor, descending, shape (u,).
         rank: singular values above the numerical zero.
-        groups: groups of what is not determined.
     """
 
     names: tuple[str, ...]

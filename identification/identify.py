@@ -117,10 +117,6 @@ def samples_of(
     """A recording ready to be evaluated, as it was asked for.
 
     Args:
-        recording: any.
-        case: its case.
-        model: gives A.
-        conditioning: what is done to a moving run.
         found: samples that may not be used.
         biases: biases of a wrist run, known beforehand.
 

@@ -109,9 +109,7 @@ def limited_coordinates(
     """What a case limits of the coordinates and their derivatives, at each instant of a motion.
 
     Args:
-        motion: sampled.
         home: coordinates there, shape (k,).
-        limits: limits of moving excitations.
         reach: where the machine gets at all.
         in_box: whether the box of `limits` holds; else only the reach limits the coordinates.
     """
@@ -239,11 +237,8 @@ def limited_struts(
     """What a case limits of the struts and joints, the distance from boxes and singularities among it.
 
     Args:
-        motion: sampled.
         rotation: orientation as `rotation_motion` gives it.
-        machine: its geometry and home.
         workspace: what it can reach.
-        limits: limits of moving excitations.
     """
     strut, velocity, acceleration, normal = _strut_vectors(motion, rotation, machine)
     yield from _keep_out(motion, rotation[0], machine.base.points, strut, workspace)

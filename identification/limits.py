@@ -54,7 +54,6 @@ class LimitCheck:
         unit: unit of both.
         ratio: share of the limit that is used; the limit is kept up to 1.
         time: when [s].
-        status: who answers for it.
         bounds: lower and upper limit, in `unit`, where the share is counted from a middle other than 0.
         binding: whether the motion itself is answerable for it; not where a controller's own law is only predicted.
     """
@@ -146,8 +145,6 @@ def prove(
     """Checks every limit of `[limits.motion]` and `[workspace]` on a fine grid.
 
     Args:
-        trajectory: the motion.
-        case: its limits.
         rate: samples a second [1/s].
         offset: start of the trajectory on the clock that the report uses [s].
         in_box: whether it must keep the pose box of `[limits.motion]`; positioning need only keep `[workspace]`.

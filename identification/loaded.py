@@ -22,7 +22,6 @@ class Circumstances(NamedTuple):
     """What is mounted on the simulated machine, and what disturbs it.
 
     Args:
-        weights: weights on the platform.
         disturbances: None: an ideal structure, only sensors and encoders are imperfect.
     """
 
@@ -93,7 +92,6 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
     """The execution with a ripple of the struts on top, which encoders and sensors both see.
 
     Args:
-        execution: what the controller did.
         disturbances: rms and band of the ripple, which grows with the speed, as errors of screws and gears make it.
         seed: of this run.
     """
@@ -132,7 +130,6 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFi
     """The errors in poses.
 
     Args:
-        disturbances: sizes and lengths.
         home: where the machine's poses are counted from, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
     """
@@ -151,7 +148,6 @@ def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weigh
     """Covariance over machines of a sensor's error between poses, shape (n, n) [N^2].
 
     Args:
-        disturbances: sizes and lengths.
         home: where the machine's poses are counted from, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
         weight: weight of what is on the platform [N].

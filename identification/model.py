@@ -240,7 +240,6 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
     """The model of Table 2 for the sensor frame of a case.
 
     Args:
-        case: gives sensor frame and gravity.
         number: number in Table 2; in setup 1a, where nothing moves, model 0 is the offsets alone.
         terms: names of other forms of the error compensation than the model's, `ERROR_TERMS`.
 

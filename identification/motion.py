@@ -239,7 +239,6 @@ def sample(trajectory: Trajectory, rate: float) -> Motion:
     """The trajectory at equal time steps that include both ends.
 
     Args:
-        trajectory: what to sample.
         rate: at least this many samples a second [1/s].
     """
     steps = max(1, int(np.ceil(trajectory.duration * rate - 1e-9)))

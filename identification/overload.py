@@ -29,8 +29,6 @@ def sensor_forces(turn: Array, first: Array, second: Array, acceleration: Array,
         first: its time derivative.
         second: its second time derivative.
         acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
-        body: what the sensors carry.
-        case: gravity and sensor frame.
     """
     back = turn.transpose(0, 2, 1)
     spin = first @ back  # S(omega)

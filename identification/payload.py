@@ -40,8 +40,6 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     all of xC, yC, zC that have a share in it; the warnings name them.
 
     Args:
-        before: without the payload.
-        after: result with it.
         model: model of both; offsets only.
 
     Raises:
@@ -125,12 +123,6 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
 
     Mass, first moments and inertia about the origin of {P} of rigid bodies add, so their differences are those of the
     payload, and covariances add. What two different models blame on mass differs (section 5): then a warning says so.
-
-    Args:
-        before: without the payload.
-        after: result with it.
-        model_before: model of `before`.
-        model_after: model of `after`.
 
     Raises:
         IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.

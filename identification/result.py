@@ -33,12 +33,10 @@ class Evaluation(NamedTuple):
     """What was evaluated.
 
     Args:
-        evaluated: what went into the fit.
         residuals: recorded forces less the model, shape (n, 6) [N, or N and N m].
         delay: delay of the forces, where it was estimated.
         noise: what s0 consists of, where the case states noise.
         accelerometer: its biases, where standstills have its readings.
-        conditioning: what was done to a moving run beforehand.
         findings: all that is to be told.
     """
 
@@ -95,11 +93,9 @@ class Estimate:
         weights: `equal`, `per_channel`, `per_unit` or `stated`.
         w: diagonal of W for one sample, shape (6,); ones where only ratios were given [1/N^2, 1/(N m)^2].
         delay: delay of the forces, where it was estimated.
-        how: estimator and what was known beforehand.
         terms: forms of the error compensation other than the model's.
         findings: what speaks against it, and what is good to know.
         residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
-        conditioning: what was done to a moving run beforehand.
         noise_sources: what s0 consists of, where the case states noise.
         attenuation: attenuation of physical parameters by name, where the case states noise of the struts.
         accelerometer: its biases, where standstills have its readings.

@@ -89,7 +89,6 @@ class Standstills:
     """Averaged standstills: nothing moves, nothing is filtered.
 
     Args:
-        model: gives A.
         t: times, or numbers from 1, shape (n,).
         recorded: forces, shape (n, 6) [N, or N and N m].
         matrices: A, shape (n, 6, u).

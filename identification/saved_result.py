@@ -142,7 +142,6 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
 
     Args:
         path: the result.
-        case: case of the run.
         stale: go on although the machine has changed since.
 
     Raises:
@@ -169,7 +168,6 @@ def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array,
 
     Args:
         result: result that is changed.
-        case: case of the same machine.
         values: new u, shape (u,).
         covariance: covariance of u, shape (u, u).
         source: the recording that they come from.

@@ -176,7 +176,6 @@ def decimated(
     """`low_pass.apply(values, order, delay)[rows]` for several orders and delays, up to rounding.
 
     Args:
-        low_pass: the filter.
         values: shape (n, channels).
         rows: filtered samples that are wanted, ascending, counted after the filter's margin, shape (k,).
         wanted: orders of the time derivative and delays [s].

@@ -75,10 +75,8 @@ def force_parts(
     """The true forces of a motion, taken apart.
 
     Args:
-        case: case with a simulated machine.
         motion: motion of the drives, at n instants.
         step: step between them [s].
-        around: what is mounted and what disturbs.
         fields: force errors in these poses; None where nothing disturbs.
 
     Raises:
@@ -117,12 +115,10 @@ def simulate_recording(
     """What the machine would have recorded of a run.
 
     Args:
-        case: case with a simulated machine.
         execution: the motion that the controller executed.
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
         seed: of the noise.
         source: name of the recording, for messages.
-        around: what is mounted and what disturbs.
 
     Raises:
         CaseError: the case describes no simulated machine.
@@ -134,9 +130,7 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
     """What the machine did, once, for the sensors of one run or of several.
 
     Args:
-        case: case with a simulated machine.
         execution: the motion that the controller executed.
-        around: whether drives ripple.
         seed: of the ripple.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
@@ -159,12 +153,9 @@ def sensed(
     """The recording of what the machine did, and what its true forces consist of.
 
     Args:
-        case: case with a simulated machine.
-        run: what it did.
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
         seed: of the noise.
         source: name of the recording, for messages.
-        around: what is mounted and what disturbs.
 
     Raises:
         CaseError: the case describes no simulated machine.

@@ -39,7 +39,6 @@ class StrutLayout:
     """Sensors in the struts of a hexapod.
 
     Args:
-        hexapod: its joints.
         sensors: where in the struts they sit, and nominal values of the struts.
     """
 
@@ -91,7 +90,6 @@ def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rat
     """Motion of the struts with the platform.
 
     Args:
-        hexapod: its joints.
         position: origin of {P} in {B}, shape (3,) [m].
         turn: R, shape (3, 3).
         twist: twist in {B}, shape (6,) [m/s, rad/s].

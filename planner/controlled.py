@@ -97,9 +97,7 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
     Args:
         plan: its folder or name.
         made_for: the controller that it was made for.
-        motion: motion of point-to-point moves.
         dialect_name: dialect of the program.
-        case: settings of its controller.
 
     Raises:
         HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.

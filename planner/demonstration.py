@@ -32,10 +32,7 @@ class Demo:
     """What came of each step.
 
     Args:
-        plan: the motion.
         program: program for LinuxCNC, or as a table of set points, proven.
-        outcome: outcome of the run.
-        result: result of its identification.
         truth: each parameter beside that of the simulated machine, as `truth_rows` has them.
         why: the reason for the controller.
     """

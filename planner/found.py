@@ -32,8 +32,6 @@ class Found(NamedTuple):
     Args:
         motion: the best, proven.
         settings: settings of its family, as found.
-        limits: the proof.
-        starts: the best first.
         failed: starts that led nowhere.
         interrupted: whether Ctrl-C ended the search early.
         rival: what another family found in seconds.
@@ -64,8 +62,6 @@ def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
     """Why another plan would carry more information, each with what to do; the first thing that a user reads.
 
     Args:
-        found: the search.
-        case: its case.
         parameters: number u of the model.
     """
     words = []
@@ -111,9 +107,6 @@ def notes(
     """What the user should know before running it.
 
     Args:
-        found: the search.
-        request: what was asked for.
-        case: machine and limits.
         worst: predicted standard deviation of each parameter, and the number of payloads with which it is so large.
         laws: what the time law of point-to-point moves costs on a machine that is not stiff.
     """

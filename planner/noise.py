@@ -78,7 +78,6 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
     """What a case says about the noise of a run.
 
     Args:
-        case: case with noise stated or not.
         model: model that turns accelerations into forces.
         payload: number of the case's payloads that are mounted on the nominal body.
         weights: weights of the identification; None for those of the case.

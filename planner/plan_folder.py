@@ -28,7 +28,6 @@ def save_plan(plan: Plan, folder: Path, overwrite: bool = False) -> None:
     """Makes a folder with plan.json, and motion.csv or poses.csv.
 
     Args:
-        plan: plan to write.
         folder: folder to make.
         overwrite: whether a plan that stands there may be replaced.
 

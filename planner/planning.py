@@ -149,9 +149,6 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     """Optimises, proves and rates an excitation.
 
     Args:
-        request: what to plan.
-        case: machine and limits.
-        listener: is told how the starts are getting on.
         run: runs the starts.
 
     Raises:
@@ -194,8 +191,6 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     """The plan of a motion that keeps all limits: what it is worth.
 
     Args:
-        request: what was asked for.
-        case: machine and limits.
         found: the motion, and where it comes from.
         seconds: spent on it [s].
 

@@ -33,7 +33,6 @@ class PoseErrors:
 
     Args:
         hexapod: whose strut lengths tell one place from another.
-        field: field of the errors.
         rate: variance of a channel's error over that of its noise, times samples a second [1/s].
         mixing: R R^T, R the root of W that the regressors are multiplied with; None for W = 1, shape (6, 6).
     """
@@ -80,7 +79,6 @@ class PoseErrors:
         Args:
             model: gives A, multiplied with the root of W.
             scaling: diagonal of H, shape (u,).
-            motion: the whole excitation.
         """
         count = min(MOST_SAMPLES, max(2, int(np.ceil(motion.duration * 1000.0))))
         found = motion.at((np.arange(count) + 0.5) * motion.duration / count)

@@ -40,7 +40,6 @@ def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator
     Args:
         data: all of plan.json.
         motion: motion that its entries describe.
-        case: unchanged since.
 
     Raises:
         KeyError: a figure is missing.

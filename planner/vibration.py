@@ -76,7 +76,6 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
     Args:
         case: case with `[simulation.disturbances]`.
         number: number of the model.
-        motion: motion from rest to rest.
         payload: number of payloads that are mounted.
         seconds: measuring time of the white noise: motions are compared at equal time [s].
 
@@ -164,7 +163,6 @@ class BothLaws:
 
     Args:
         steps: whether the accelerations of the plan step; those of the other do not, or the other way round.
-        own: value of the plan.
         other: errors of the same moves as fast as the other law allows, at equal measuring time.
     """
 

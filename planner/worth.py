@@ -65,11 +65,9 @@ class Worth:
 
     Args:
         settings: settings of the family, as found.
-        search: how it was found.
         score: the criterion of Table 4, to be maximised, in reference scaling.
         logdet: log det of the mean information, reference scaling, W = 1.
         condition: mu_1 / mu_u, reference scaling.
-        bound: what no motion can exceed.
         tight: what no motion from rest to rest with limited jerk can exceed, where that is known.
         noise: standard deviation of a sample of each channel behind the predictions [N, or N and N m].
         shaken: whether noise of the accelerations is part of it.

@@ -55,7 +55,6 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
 
     Args:
         name: what it is for.
-        trajectory: trajectory from rest to rest.
         block: duration of a block at full speed, at most [s].
         speed: share of the planned speed; 0.1 takes ten times as long.
     """
@@ -72,7 +71,6 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
 
     Args:
         name: what it is for.
-        trajectory: trajectory from rest to rest.
         block: duration of a block of a timed path at full speed, at most [s].
         speed: share of the planned speed.
     """

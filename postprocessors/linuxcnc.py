@@ -145,7 +145,6 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
     """The program's text, plain ASCII.
 
     Args:
-        program: what to do.
         case: its limits are those that the controller is set up with; feeds are chosen for them.
 
     Raises:

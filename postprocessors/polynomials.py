@@ -67,7 +67,6 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
     A motion of polynomials of that degree is met exactly.
 
     Args:
-        motion: motion from rest to rest.
         degree: 3 or 5.
         longest: duration of a piece, at most [s].
         tolerance: how far they may be off, positions [m] and angles [rad].

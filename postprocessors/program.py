@@ -136,7 +136,6 @@ class NeutralProgram:
 
     Args:
         header: comment lines that say where it comes from and what it was proven against.
-        blocks: blocks in order.
     """
 
     header: tuple[str, ...]

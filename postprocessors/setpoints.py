@@ -168,10 +168,6 @@ def _header(program: NeutralProgram, case: Case) -> list[str]:
 def write_csv(program: NeutralProgram, case: Case) -> bytes:
     """The table as CSV, plain ASCII.
 
-    Args:
-        program: what to do.
-        case: kinematics and cycle.
-
     Raises:
         CaseError: the case has no machine or no settings of this dialect.
     """

@@ -168,7 +168,6 @@ def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:
     """The program's text, plain ASCII.
 
     Args:
-        program: what to do.
         case: gives the controller's settings, and limits for which feeds are chosen.
 
     Raises:

@@ -30,7 +30,6 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
 
     Args:
         program: moves, dwells and trigger; the last must be on its way home.
-        case: its chain is the robot's.
 
     Raises:
         HexciteError: a block that `movej` cannot be.

@@ -46,7 +46,6 @@ def arc_words(move: CircularMove, names: Sequence[str], values: Sequence[str], f
     """Coordinates of an arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it.
 
     Args:
-        move: the arc.
         names: names of the six coordinates.
         values: values of the six coordinates at its end.
         full: leave out where the circle ends in its plane, as LinuxCNC wants it of a full one.
@@ -98,7 +97,6 @@ def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarant
     Args:
         block: the move, with its planned duration.
         limits: limits that the controller is set up with.
-        guarantees: give its time law.
         linear: whether the feed counts X, Y, Z.
     """
     move = block.move
@@ -129,7 +127,6 @@ def written_feed(block: PointToPoint, limits: MotionLimits, guarantees: Guarante
     Args:
         block: the move, with its planned duration.
         limits: limits that the controller is set up with.
-        guarantees: give its time law.
     """
     written = as_written(block.move)
     linear = bool(np.any(np.round((written.end - written.start)[:3] / MM, LENGTH_DECIMALS) != 0.0))

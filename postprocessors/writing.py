@@ -50,7 +50,6 @@ def proven_program(
     Args:
         trajectory: the excitation, from rest to rest.
         case: machine, limits, controller.
-        language: the controller's.
         file: name of the program, for messages.
         header: comment lines; what was proven is added to them.
         speed: share of the planned speed, above 0 and at most 1.

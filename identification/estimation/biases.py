@@ -155,7 +155,6 @@ def mass_told(model: Model, fit: Fit, exact: Fit) -> Finding:
     """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
 
     Args:
-        model: model with a mass.
         fit: fit with the uncertainty of the offsets, and of the accelerometer's biases.
         exact: the same fit as if these were exact.
     """
@@ -198,12 +197,9 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
     """The fit with the uncertainty of offsets that it took from another result.
 
     Args:
-        fit: fit with the offsets held.
-        model: gives the places of the offsets in u.
         basis: basis of what was free, shape (u, free).
         matrices: A, shape (n, 6, u).
         w: W for one sample, shape (6, 6).
-        biases: the offsets and their covariance.
     """
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
@@ -212,13 +208,7 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
 
 
 def drift_told(biases: Biases, model: Model, free: Fit) -> list[Finding]:
-    """Offsets that have drifted since they were taken, by what the run itself says of them.
-
-    Args:
-        biases: as they were taken.
-        model: model of the fit.
-        free: the fit with the offsets of the run itself.
-    """
+    """Offsets that have drifted since they were taken, by what the run itself says of them."""
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
     units = tuple(model.parameters[k].unit for k in offsets)

@@ -172,7 +172,6 @@ def fit_along(
         forces: shape (n, 6) [N, or N and N m].
         names: names of the free parameters theta, in their order.
         weights: diagonal of W for one sample, shape (6,).
-        compressed: of these.
         values: u(theta) at the minimum, shape (u,).
         tangent: du/dtheta there, shape (u, theta).
         nuisance: so many of the last theta are not parameters of the model.

@@ -39,7 +39,6 @@ def gauss_markov(
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
         nuisance: so many of the last columns are not parameters of the model: they are estimated too, and cost
             certainty, but rank and condition are told without them.
-        filtered: what was done to both before.
 
     Raises:
         IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
@@ -216,7 +215,6 @@ def full_weights(
         forces: shape (n, 6) [N, or N and N m].
         names: names of the u columns.
         nuisance: so many of the last columns are not parameters of the model.
-        filtered: what was done to both before.
 
     Raises:
         IdentificationError: as `gauss_markov`; too few samples for 21 variances; a channel that the others determine.

@@ -86,7 +86,6 @@ class Method:
         name: name of the estimator, for results.
         known: exact values by linear or physical name [SI].
         dropped: linear parameters without a column.
-        priors: uncertain knowledge.
         weights: `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case.
         biases: offsets from another result, which are among the known values; their uncertainty is propagated.
     """

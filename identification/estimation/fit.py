@@ -37,7 +37,6 @@ class Robust(NamedTuple):
 
     Args:
         covariance: covariance of u, shape (u, u).
-        findings: what noise it allows for.
         field: errors that depend on the pose, where the run shows them.
     """
 
@@ -112,7 +111,6 @@ def of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array)
 
     Args:
         whitening: root of W, shape (6, 6); None where nothing was whitened.
-        fit: fit to the whitened forces.
         matrices: A, not whitened, shape (n, 6, u).
         forces: not whitened, shape (n, 6) [N, or N and N m].
     """

@@ -44,8 +44,6 @@ class PseudoMeasurements:
 
     Args:
         priors: at most one for each name.
-        model: whose parameters they are about.
-        form: its physical form.
     """
 
     priors: tuple[Prior, ...]
@@ -113,7 +111,6 @@ class PriorEffect(NamedTuple):
     """What a prior did to the parameter that it is about.
 
     Args:
-        prior: the prior.
         estimate: estimate with it [SI].
         std: standard deviation of the estimate [SI].
         moved: by how many of the standard deviations that the estimate would have without this prior the prior moved

@@ -66,7 +66,6 @@ def select(model: Model, known: Mapping[str, float], dropped: Iterable[str] = ()
     """Chooses what is estimated.
 
     Args:
-        model: the full model.
         known: values of parameters by linear (m, mxC, I11..) or physical name (xC, IC11..) [SI]; they are taken as
             exact (uncertain ones: `priors`). A central inertia needs a known centre of gravity with it, else the
             problem is not linear (then: `nonlinear`).

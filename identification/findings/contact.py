@@ -231,10 +231,6 @@ def free_of_contact(
     """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
 
     Args:
-        recording: names rows.
-        fitted: all samples with their fit.
-        how: estimator.
-        problem: the run's model and weights.
         held: the delay, where it is not estimated.
 
     Raises:

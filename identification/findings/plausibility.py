@@ -45,7 +45,6 @@ class Scan(NamedTuple):
     """What was found in a recording.
 
     Args:
-        findings: findings with places.
         bad: samples that no estimate may use, shape (n,).
     """
 
@@ -75,7 +74,6 @@ def scan(recording: Recording, case: Case) -> Scan:
     """Looks through a recording.
 
     Args:
-        recording: any.
         case: range of the sensors, workspace and limits of the machine.
 
     Raises:

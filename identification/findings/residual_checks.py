@@ -45,7 +45,7 @@ def systematic(fit: Fit, usual: float) -> list[Finding]:
     if len(left) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
         return []
     told = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
-    told += "contact, a model without what moves the forces, or coloured noise; look at plots/residuals.svg"
+    told += "contact, a model without what moves the forces, or coloured noise; look at their figure in the report"
     return [warning(Kind.MODEL, told)]
 
 

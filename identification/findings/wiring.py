@@ -37,7 +37,6 @@ def require_wiring(recording: Recording, case: Case, model: Model, negative: boo
 
     Args:
         recording: a run that something speaks against.
-        case: its case.
         model: model that its forces are compared with.
         negative: whether the mass came out negative for certain.
     """
@@ -101,8 +100,6 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     """How struts or force channels seem to be exchanged, with the remedy; None where nothing else explains the run.
 
     Args:
-        recording: the run.
-        case: its case.
         model: model that the forces are compared with.
         negative: whether the mass came out negative for certain.
     """
@@ -243,9 +240,7 @@ def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int
     """Rms residuals of the forces in an order; infinite where the struts do not close, or a mass would be negative.
 
     Args:
-        data: data of the run.
         matrices: A, shape (n, 6, u); None where the struts do not close.
-        order: order of the forces.
         mass: its place among the parameters, where it must not be negative.
     """
     nothing = Explained(float("inf"), float("inf"))

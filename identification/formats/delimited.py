@@ -35,7 +35,6 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
 
     Args:
         file: the file.
-        form: how it is written.
 
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.
@@ -60,10 +59,8 @@ def rows_of(
 
     Args:
         file: file for messages.
-        blocks: the lines.
         names: names of all their fields.
         chosen: the fields that are wanted.
-        dialect: how numbers are written.
         tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
 
     Raises:

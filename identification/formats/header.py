@@ -76,7 +76,6 @@ def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form
         file: file for the message.
         names: found in line `row`.
         lines: the first lines of the file.
-        form: what the names should be.
         row: line in which the names were sought, counted from 1.
     """
     ours = {form.file_name(c) for c in COLUMNS}

@@ -38,7 +38,6 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
 
     Args:
         file: the file.
-        form: how it is written.
         held: numbers of the run's other files that are in memory already.
 
     Raises:

@@ -57,7 +57,6 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
 
     Args:
         file: the file.
-        form: how it is written.
 
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.

@@ -249,10 +249,8 @@ def explain(
 
     Args:
         file: where the block is from.
-        block: the lines.
         names: names of all fields.
         wanted: positions of the fields that must be numbers.
-        dialect: dialect of the file.
         cause: what the parser said, for damage that is not understood here.
     """
     for number, raw, ends in _lines(block):

@@ -87,8 +87,6 @@ def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[
     """Parameters that make what is left likeliest, shape (p,), and minus the logarithm of that likelihood.
 
     Args:
-        left: samples.
-        family: family of covariances.
         start: parameters to begin with, shape (p,).
         bounds: least and most of each, shape (p, 2).
     """
@@ -127,7 +125,6 @@ def shares_by_channel(left: Left, kernels: Array, shares: Array) -> Array:
     """Shares of noises in each channel, shape (s, c).
 
     Args:
-        left: samples.
         kernels: covariances of the noises, shape (c, m, m).
         shares: shares that are the likeliest for all channels alike, shape (c,).
     """
@@ -266,7 +263,6 @@ def _felt_field(found: Turned, places: Array, shares: Array) -> Array:
     the length of the run does not count.
 
     Args:
-        found: gives the answer to errors.
         places: places in lengths of the field, shape (n, 6).
         shares: shape (6,).
     """

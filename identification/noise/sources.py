@@ -153,7 +153,6 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
     """What a case states, in the regressors of a run.
 
     Args:
-        run: gives the motion.
         w: W for one sample, shape (6, 6).
         delay: delay of the forces [s].
         sensors: sensors with noise of struts, of accelerations or both.
@@ -183,7 +182,6 @@ def sources_of(effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filt
         effect: effect of noise of struts and accelerations; None where none is stated.
         fit: its values begin with u; its covariance is (28).
         w: W for one sample, shape (6, 6).
-        filtered: what the filter did to white noise.
         sensors: sensors with noise of forces, of struts or both.
     """
     squared = max(fit.s0**2, np.finfo(float).tiny)
@@ -215,7 +213,6 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
     """The bias of u as that of physical parameters.
 
     Args:
-        form: form of the model.
         u: as estimated, shape (u,).
         bias: bias of it, shape (u,).
         std: standard deviation of the physical parameters as reported, shape (parameters,).
@@ -260,9 +257,6 @@ def strut_noise_moment(run: PeriodicRun, motion: Kinematics, sensors: Sensors, w
     they do, the steps repeat with them.
 
     Args:
-        run: the run.
-        motion: motion at its fine instants.
-        sensors: sensors with noise of the struts.
         w: W for one sample, shape (6, 6).
     """
     periods = len(run.scatter.series) if run.scatter is not None else 1

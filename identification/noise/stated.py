@@ -79,7 +79,6 @@ class StatedNoise:
         Args:
             regressors: A_j, shape (n, 6, u).
             forces: shape (n, 6) [N, or N and N m].
-            selection: what of u is free.
         """
         whitening = np.diag(1.0 / self.force)
         for _ in range(TURNS):
@@ -94,7 +93,6 @@ def acceleration_to_force(model: Model, values: Array) -> Array:
     """G = df/d(twist rate) where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in the twist rate.
 
     Args:
-        model: gives A.
         values: u, shape (u,).
     """
     still, turned = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))

@@ -51,9 +51,6 @@ class PeriodicRun:
     """A repeating run, ready to be evaluated at any delay between forces and motion.
 
     Args:
-        model: gives A.
-        hexapod: kinematics.
-        recording: bad samples mended.
         part: part that repeats.
         used: recorded samples of the periods that are evaluated, shape (n of the recording,).
         struts: their motion, with some harmonics more than the forces: oscillations mix in the regressor [m].
@@ -61,7 +58,6 @@ class PeriodicRun:
         scatter: scatter of the periods' forces; None where there is one period.
         chosen: whether the number of harmonics was chosen here.
         limited: whether the filter's cut-off bounded it.
-        window: what is found about the window.
     """
 
     model: Model
@@ -258,9 +254,7 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic,
     """The part of a moving run that repeats itself.
 
     Args:
-        recording: recording with struts and a clock.
         case: machine; its filter's cut-off bounds the harmonics.
-        model: gives A.
         wish: period and harmonics, where they are given.
         found: samples that may not be used; longer stretches of them cost their periods.
 

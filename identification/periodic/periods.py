@@ -130,8 +130,6 @@ def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tup
     """Numbers of the periods that are averaged, and what is to be said of the others.
 
     Args:
-        recording: gives the names of rows.
-        periods: all of them.
         bad: samples that may not be used, shape (n of the recording,).
 
     Raises:

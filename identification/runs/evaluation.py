@@ -37,13 +37,8 @@ class Run:
     """A moving run, ready to be evaluated at any delay between forces and motion.
 
     Args:
-        recording: recording with struts and a clock.
-        model: gives A.
-        machine: kinematics.
-        filter: filter for both sides.
         rows: samples that are evaluated, counted after the filter's margin, shape (n,).
         samples: recorded samples of the window that they stand for.
-        window: what is found about the window.
         smoothing: whether it is estimated by how much more the forces are smoothed than the motion.
         spoilt: filtered samples that feel damage or a gap, shape (samples of the recording less two margins,).
     """

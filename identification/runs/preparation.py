@@ -34,9 +34,6 @@ def standstills(recording: Recording, case: Case, model: Model, found: Scan | No
     """Averaged standstills, ready to be evaluated.
 
     Args:
-        recording: one row a standstill.
-        case: machine.
-        model: gives A.
         found: rows to leave out.
 
     Raises:
@@ -65,9 +62,6 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     """A moving run with its window found.
 
     Args:
-        recording: recording with struts and a clock.
-        case: machine and filter.
-        model: gives A.
         whole: evaluate all samples, not only the excitation.
         found: samples that may not be used; what their values did to the filter is left out with them.
 

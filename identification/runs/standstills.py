@@ -66,7 +66,6 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     With a trigger: where it is on. Without: where the struts stand, less the time to settle.
 
     Args:
-        recording: recording with struts and a clock.
         settle: time after a movement that is not averaged, where there is no trigger [s].
 
     Raises:
@@ -102,7 +101,6 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
     """Means of forces and struts over each standstill.
 
     Args:
-        recording: recording with struts and a clock.
         windows: windows of at least ten rows each.
 
     Raises:
@@ -135,8 +133,6 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     """The standstills that belong to the poses of a program, in its order; those at home around them are left out.
 
     Args:
-        standing: averaged standstills.
-        case: machine.
         expected: poses of the program, shape (k, 6) [m, rad].
         names: the recording, for messages.
 

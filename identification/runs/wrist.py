@@ -42,14 +42,12 @@ class WristRun:
 
     Args:
         model: gives A; without inertia or with it, without position.
-        filter: filter for the forces.
         t: instants of the evaluated samples, shape (n,) [s].
         forces: forces behind the filter, shape (n, 6) [N, N m].
         recorded_forces: as recorded, shape (n, 6).
         quaternion: quaternion of R over time, filtered.
         specific_force: specific force in the axes of {P} over time, filtered [m/s^2].
         samples: recorded samples that they stand for.
-        window: what is found about the window.
     """
 
     model: Model
@@ -166,8 +164,6 @@ def wrist_run(
 
     Args:
         recording: recording with forces, rotation matrices and an accelerometer.
-        case: gives the filter.
-        model: gives A.
         reach: largest delay that will be asked for [s].
         biases: those of the accelerometer are taken from its readings.
         cutoff: cutoff of the filter [Hz]; by default the case's.

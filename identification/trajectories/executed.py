@@ -53,7 +53,6 @@ class DriveExecution:
     are straight lines between those of the cycles, and known exactly.
 
     Args:
-        machine: kinematics.
         spline: drives over time [m or rad].
     """
 
@@ -124,10 +123,6 @@ def executed_peaks(execution: Execution, case: Case) -> dict[str, float]:
 
     Evaluated at `execution.extremes`: there, between two cycles of a controller that interpolates by cubic splines, are
     the largest accelerations.
-
-    Args:
-        execution: what the controller did.
-        case: its limits.
 
     Raises:
         CaseError: the case has no machine.

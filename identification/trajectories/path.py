@@ -26,8 +26,6 @@ def path_error(planned: Trajectory, execution: Execution, windows: Array) -> flo
     """Largest distance of the executed position from the planned path, whatever the timing [m].
 
     Args:
-        planned: the excitation.
-        execution: what the controller did.
         windows: when it ran the excitation, shape (k, 2) [s].
     """
     positions = execution.machine.positions(sample(planned, PLAN_RATE).pose)
@@ -45,9 +43,7 @@ def executed_information(model: Model, scaling: Array, execution: Execution, win
     must not count as information.
 
     Args:
-        model: gives A.
         scaling: diagonal of H, shape (u,).
-        execution: what the controller did.
         windows: when it ran the excitation, shape (k, 2) [s].
         cutoff: cutoff of the low-pass [Hz].
     """

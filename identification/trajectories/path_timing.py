@@ -47,7 +47,6 @@ class RetimedMotion:
     """A motion along a planned path at another pace; a `Trajectory`.
 
     Args:
-        path: the planned motion.
         shares: gridpoints of s = t / duration, shape (k,), from 0 to 1.
         times: when the gridpoints are passed, shape (k,) [s].
         paces: s' there, shape (k,) [1/s].

@@ -13,7 +13,6 @@ class Slowed:
     """A motion at a share of its speed: the same path, everything else slower.
 
     Args:
-        motion: motion at full speed.
         speed: share of it, above 0.
     """
 

@@ -75,7 +75,6 @@ def maximise(
     value as `enough` is to `tolerable`.
 
     Args:
-        bounding: bounds over cells.
         low: lower corners of the first cells, shape (n, dimensions).
         high: upper corners.
         enough: the upper bound that is wanted.

@@ -49,7 +49,6 @@ class BoxDerivative:
     """Bounds of d over cells of angles and angular rates; see `planner.bounds.branch.Bounding`.
 
     Args:
-        features: features of the case and model.
         form: Q of the design.
     """
 

@@ -49,7 +49,6 @@ def optimal_design(
     """Finds the design.
 
     Args:
-        features: features of the case and model.
         gap: wanted dmax / u - 1.
         deadline: `time.process_time()` at which to stop [s].
         progress: told the state of things now and then.

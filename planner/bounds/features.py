@@ -74,8 +74,6 @@ def box_features(case: Case, model: Model, scaling: Array) -> Features:
     """The features of a case and model.
 
     Args:
-        case: gives the box.
-        model: gives A.
         scaling: reference scaling, shape (u,).
 
     Raises:

@@ -107,8 +107,6 @@ def box_bound(
     """The bound of a case and model, from the cache if it was computed before.
 
     Args:
-        case: gives the box.
-        model: gives A.
         cache: folder of the cache; the user's cache folder unless given.
         time_limit: processor time after which the answer is an estimate [s].
         renew: compute an estimate of the cache again.

@@ -138,7 +138,6 @@ def combined(moments: Moments, of_equal: Array, of_at_most: Array) -> Multiplier
     """One function from multipliers of each constraint; those of inequalities below 0 are rounding and become 0.
 
     Args:
-        moments: the constraints.
         of_equal: multipliers of the equalities, shape (equalities,).
         of_at_most: multipliers of the inequalities, shape (inequalities,).
     """

@@ -57,8 +57,6 @@ def searched_design(
     """Finds the design.
 
     Args:
-        case: gives the box.
-        model: gives A.
         scaling: reference scaling, shape (u,).
         gap: wanted dmax / u - 1.
         deadline: `time.process_time()` at which to stop [s].

@@ -71,8 +71,6 @@ def tight_design(
     """Finds the design, its bound and, as far as time allows, the proof.
 
     Args:
-        case: gives the limits.
-        features: features of the case and model.
         gap: how far the proven maximum may lie above the largest value that was met, as a share, to count as proven.
         deadline: `time.process_time()` at which to stop [s]; the last part is kept for the proof.
         progress: told the state of things now and then.
@@ -162,7 +160,6 @@ def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) 
     """Distinct local maxima of h, coordinate by coordinate from many starts.
 
     Args:
-        derivative: h.
         known: states to start from too, as shares of the box, shape (k, 18).
         draw: function that draws the other starts.
 

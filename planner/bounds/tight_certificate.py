@@ -39,9 +39,7 @@ class TightDerivative:
     """Bounds of h over cells; see `planner.bounds.branch.Bounding`.
 
     Args:
-        features: features of the case and model.
         form: Q of the design.
-        multipliers: multipliers of the constraints.
     """
 
     features: Features

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from planner.cli.console import Json, Overwrite, Plots, Stale, print_json, status
+from planner.cli.console import Json, Overwrite, Stale, print_json, status
 
 
 def identify(
@@ -82,7 +82,6 @@ def identify(
     ] = None,
     stale: Stale = False,
     overwrite: Overwrite = False,
-    plots: Plots = False,
     json: Json = False,
 ) -> None:
     """Identify parameters from a recorded run.
@@ -116,7 +115,7 @@ def identify(
     check_folder(folder, RESULT, recordings, overwrite)
     with status("identifying", json):
         result = identified_file(recordings, loaded, wish, changed)
-        save_with_page(result, RESULT, folder, overwrite, plots)
+        save_with_page(result, RESULT, folder, overwrite)
     answer = answer_of_result(result, folder)
     if not json:
         show_result(answer)

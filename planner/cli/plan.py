@@ -11,7 +11,6 @@ from planner.cli.console import (
     Criterion,
     Json,
     Overwrite,
-    Plots,
     limit_rows,
     print_json,
     print_table,
@@ -91,7 +90,6 @@ def plan(
         float | None, typer.Option(help="Time for the search in s; by default until more starts stop paying.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
-    plots: Plots = False,
     output: Out = None,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -137,7 +135,7 @@ def plan(
     with remarks("searching" if optimised else "timing", json) as remark:
         found = planned(request, loaded, remark)
     with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_with_page(found, PLAN, folder, overwrite, plots)
+        save_with_page(found, PLAN, folder, overwrite)
     answer = answer_of_plan(found, folder)
     if json:
         print_json(answer)

@@ -60,7 +60,6 @@ class Entry:
     Args:
         name: as the user named it.
         level: plan, run or result.
-        case: case of it.
         model: number in Table 2.
         family: family of the plan, or what the recording says.
         duration: measuring time [s]; None where nothing tells.

@@ -43,8 +43,6 @@ def choose(
 
     Args:
         request: method, criterion and count.
-        case: gives the space of refinement.
-        model: static.
         candidates: valid poses, shape (n, 6) [m, rad].
         regressors: theirs, scaled, shape (n, 6, u); together of full rank.
         scaling: scaling of the columns, shape (u,).

@@ -113,8 +113,6 @@ def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> 
     """Approximate design over the pose space.
 
     Args:
-        case: gives the space.
-        model: static.
         scaling: scaling of the columns, shape (u,).
         seeds: poses to start from, better many, together of full rank, shape (n, 6) [m, rad].
     """

@@ -34,7 +34,6 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
     """Chooses poses, orders, times and proves them.
 
     Args:
-        request: what to plan.
         case: machine, limits and poses.
         done: called with the number of poses after each step of the choice.
 

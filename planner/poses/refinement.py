@@ -40,10 +40,7 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     """Refines poses by IPOPT; K and N by a smooth p-norm of the eigenvalues, rated by their exact values.
 
     Args:
-        case: gives the space and what is valid.
-        model: static.
         scaling: scaling of the columns, shape (u,).
-        criterion: what to make large.
         poses: valid, of full rank, shape (n, 6) [m, rad].
     """
     space = PoseSpace.of(case)

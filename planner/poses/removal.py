@@ -56,7 +56,6 @@ def reduce_best(
 
     Args:
         regressors: scaled, of all poses, shape (n, 6, u); together of full rank.
-        criterion: what to keep large.
         count: poses to keep at least.
         done: called with the number of poses that are left, after each removal.
     """

@@ -244,7 +244,6 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
     z and torsion: the grid leaves out its middle, where poses tell little, the space does not.
 
     Args:
-        case: the ranges.
         count: points that are looked at.
         seed: of the scrambling.
 

@@ -24,7 +24,6 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
     """The page of a demo.
 
     Args:
-        chain: what came of it.
         answer: JSON answers of the steps: plan, post, check, run, identify, truth.
     """
     case, outcome, result = chain.plan.case, chain.outcome, chain.result

@@ -22,8 +22,6 @@ def moving_machine(case: Case, trajectory: Trajectory, note: str) -> MachineItem
     """The machine of a case along a trajectory.
 
     Args:
-        case: case with a machine.
-        trajectory: trajectory of the platform.
         note: caption.
     """
     rate = min(FRAMES_A_SECOND, MOST_FRAMES / max(trajectory.duration, 1e-9))
@@ -35,7 +33,6 @@ def posing_machine(case: Case, poses: Array, note: str) -> MachineItem:
     """The machine of a case in one pose after the other.
 
     Args:
-        case: case with a machine.
         poses: shape (n, 6) [m, rad].
         note: caption.
     """

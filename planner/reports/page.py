@@ -160,7 +160,6 @@ class Page:
         lead: what was done, in a sentence or two.
         inputs: what it was done with, versions too: names and values.
         warnings: stand first.
-        sections: sections in order.
     """
 
     title: str

@@ -37,7 +37,6 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
     """The page of `hexcite plan`.
 
     Args:
-        plan: the chosen motion.
         manual: the hand-made motion of the same case, or why there is none.
     """
     case, (request, worth) = plan.case, plan.of_motion

@@ -15,12 +15,7 @@ from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, T
 
 
 def poses_page(plan: Plan, found: Identifiability) -> Page:
-    """The page of `hexcite poses`.
-
-    Args:
-        plan: the chosen poses.
-        found: what they determine.
-    """
+    """The page of `hexcite poses`."""
     about = plan.to_json()
     case, settings = plan.case, about["settings"]
     tiles = (

@@ -116,7 +116,6 @@ class PacedMotion:
     """A motion along a path at another pace, with finite jerks; a `Trajectory`.
 
     Args:
-        path: the planned motion.
         pace: p over the planned time.
         solver: what the optimiser said.
     """
@@ -167,7 +166,6 @@ def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Arra
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:
-        path: path from rest to rest.
         course: course of that path.
         most: times the planned pace, at most.
         held: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of

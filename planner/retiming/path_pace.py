@@ -53,8 +53,6 @@ def retimed_path(
     """The path at the fastest pace that keeps all limits.
 
     Args:
-        path: path from rest to rest.
-        case: gives the limits.
         fastest: up to `FASTEST` times the planned pace; otherwise never faster than planned.
         told: how it is getting on.
 
@@ -167,7 +165,6 @@ def fitted_spline(motion: Trajectory, step: float) -> PolynomialMotion:
     interval.
 
     Args:
-        motion: motion from rest to rest.
         step: step of the intervals, at most [s].
     """
     from scipy.interpolate import BSpline

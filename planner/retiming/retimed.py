@@ -68,10 +68,6 @@ class Retimed:
     """A motion before and after.
 
     Args:
-        method: what re-timed it.
-        motion: the motion after.
-        before: value of the motion as it was.
-        after: value of the motion after.
         remarks: what the method says of it.
         off_path: largest distance from the planned path, of the position [m] and of an angle [rad].
     """
@@ -271,9 +267,7 @@ def retimed_plan(
     """The plan of a motion after re-timing.
 
     Args:
-        found: the motion before and after.
         request: family, criterion, model and payload of the plan that it comes from.
-        case: machine and limits.
         source: the plan before.
         seconds: spent on re-timing [s].
         stale: what has changed in the case since the plan before, where the user went on.

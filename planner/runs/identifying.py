@@ -36,7 +36,6 @@ class Wish:
         model: number in Table 2; None for what the run can carry.
         how: estimator, and what is known beforehand, for a model.
         terms: forms of the error compensation instead of the model's: K1 to K5.
-        conditioning: what is done to a moving run beforehand.
         still: what is known of standstills in a run with a clock.
     """
 
@@ -85,9 +84,6 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
     """`identify` for what is asked as one value.
 
     Args:
-        recording: the run.
-        case: case of the machine.
-        wish: what is asked.
         stale: what has changed in the case since the run.
     """
     whole = replace(on_one_clock(recording, case), case=case, paths=recording.paths, record=recording.record)
@@ -110,9 +106,6 @@ def result_of(
     """The result of an estimate.
 
     Args:
-        run: as it was identified.
-        case: case of the machine.
-        estimate: estimate of its parameters.
         standing: what is to be said of averaged standstills.
         stale: what has changed in the case since the run.
     """

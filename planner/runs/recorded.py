@@ -146,7 +146,6 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
 
     Args:
         folder: folder of the plan.
-        case: case of the recording.
 
     Raises:
         FileProblem: no plan there, or damaged.

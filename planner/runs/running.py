@@ -68,13 +68,10 @@ class RunOutcome:
     """A run with its recording.
 
     Args:
-        run: what the controller did.
         recording: what was measured, simulated.
-        rating: planned against executed.
         planned: the excitation that the program asks for, or the way through the poses that it measures.
         program_hash: fingerprint of the program that ran.
         guarantees: what the controller that it was written for answers for.
-        around: what was mounted and what disturbed.
         poses: poses at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
         plan_hash: fingerprint of the plan that the program says it was written from; None where it says nothing.
     """
@@ -116,11 +113,8 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
     """Proves a program, runs it and simulates the recording.
 
     Args:
-        program: as it was read or written.
-        case: case with a simulated machine.
         on: `virtual` or `linuxcnc`.
         seed: of the sensors' noise.
-        around: what is mounted and what disturbs.
 
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
@@ -166,8 +160,6 @@ def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, .
     """Proves a program and runs it: its stretches, and what the controller did.
 
     Args:
-        program: as it was read or written.
-        case: the machine.
         on: `virtual` or `linuxcnc`.
 
     Raises:

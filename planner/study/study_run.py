@@ -153,8 +153,6 @@ def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) ->
     """Cells with rows that are not in the folder yet, and the noise seeds of these rows.
 
     Args:
-        cells: cells of the study.
-        spec: spec of the study.
         folder: folder of the study.
         retry: whether cells that failed count as missing.
 
@@ -207,8 +205,6 @@ def run_study(
 
     Args:
         client: client of the cluster.
-        spec: the study.
-        case: machine and limits.
         folder: folder of the study; continued where it holds rows.
         done: told of each cell.
         retry: whether to try cells again that failed.

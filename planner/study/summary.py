@@ -56,11 +56,7 @@ class SettingsGroup:
 
 
 def groups(table: "pa.Table") -> list[SettingsGroup]:
-    """Groups of cells that differ in their seed only, in the order in which they first appear.
-
-    Args:
-        table: rows of a study.
-    """
+    """Groups of cells that differ in their seed only, in the order in which they first appear."""
     columns = {name: table[name].to_pylist() for name in table.schema.names}
     members: dict[tuple[Any, ...], list[int]] = {}
     for row, key in enumerate(zip(*(columns[name] for name in GROUPED), strict=True)):
@@ -111,7 +107,6 @@ def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
 
     Args:
         about: its study.json.
-        table: its rows.
     """
     found = groups(table)
     failures = _failures(table)

@@ -57,7 +57,6 @@ def rounded(points: TimedPoints, tolerance: tuple[float, float]) -> TimedPoints:
     """The path with its corners rounded: parabolas from the middle of each block to that of the next.
 
     Args:
-        points: passed at their times.
         tolerance: how far corners may be cut, of the origin [m] and of the angles [rad].
     """
     steps = np.diff(points.times)[:, None]
@@ -75,7 +74,6 @@ def block_limited(points: TimedPoints, case: Case, tolerance: tuple[float, float
     """The rounded path, each block as long as written or as long as it needs, inside the limits of the case.
 
     Args:
-        points: the path as written.
         case: its limits of rates and accelerations, of coordinates and struts.
         tolerance: tolerance of corners [m], [rad].
 

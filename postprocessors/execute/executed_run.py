@@ -149,7 +149,6 @@ def slowest_path(reading: Reading, log: ControllerLog) -> PathTime | None:
 
     Args:
         reading: the program that was run.
-        log: log of every cycle.
     """
     worst: PathTime | None = None
     for part in stretches(reading):

@@ -36,8 +36,6 @@ def run_virtual(reading: Reading, case: Case, guarantees: Guarantees) -> Execute
     do: phases of the commanded motion that end within a cycle are spread over it, for encoders and sensors alike.
 
     Args:
-        reading: the program.
-        case: the machine.
         guarantees: guarantees of the controller that the program is for.
 
     Raises:
@@ -65,8 +63,6 @@ def commanded(reading: Reading, case: Case, guarantees: Guarantees) -> tuple[Joi
     one, without where not.
 
     Args:
-        reading: the program.
-        case: the machine.
         guarantees: guarantees of the controller that the program is for.
 
     Raises:

@@ -31,9 +31,7 @@ class Calibration:
     """The calibrated measurement model.
 
     Args:
-        result: identified parameters.
         case: the machine that they belong to, unchanged since.
-        model: the identification model.
         hexapod: kinematics, None where the case has no machine.
         physical: physical parameters by name.
         recording: what they were identified from, and what the offsets were tared with.

@@ -84,7 +84,6 @@ def statements(function: ca.Function, language: CodeLanguage) -> Iterator[str]:
 
     Args:
         function: an SX function with dense inputs and outputs.
-        language: spells them.
 
     Raises:
         ValueError: a sparse output, or an operation that has no spelling.

@@ -48,7 +48,6 @@ class IdentifiedLoad(NamedTuple):
         mass: [kg].
         centre: of gravity, shape (3,) [m].
         inertia: about the centre of gravity, shape (3, 3) [kg m^2].
-        principal: its principal moments and axes.
     """
 
     mass: float

@@ -17,8 +17,6 @@ class Answering:
     """What a program is judged by.
 
     Args:
-        case: machine and limits.
-        guarantees: what the controller answers for.
         file: name of the program, for messages.
         forces: bounds of the sensor forces; None where the case has no range or body.
     """

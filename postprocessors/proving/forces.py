@@ -50,7 +50,6 @@ class ForceBounds:
     """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits.
 
     Args:
-        loads: the constants.
         limits: limits of rates and accelerations, which the controller keeps.
         chain: the machine, where it is one; else a hexapod.
     """
@@ -119,7 +118,6 @@ class ForceBounds:
         """In a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
         Args:
-            move: its way.
             feed: largest speed of the share of the way, besides the limits [1/s].
             clock: when it starts [s].
         """

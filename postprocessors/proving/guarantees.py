@@ -42,7 +42,6 @@ class Guarantees:
             coordinates, at one feed): then rates are proven also where it does not follow the assumed curve.
         enforced: families of limits that it keeps by itself, whatever the program asks for; see `family`.
         law: its time law in straight moves that it times itself, under the limits of the case.
-        arc_law: the same in arcs.
         jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
         rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
         block_key: setting that the length of timed blocks comes from.

@@ -27,8 +27,6 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
     known. A, B and C of a pose turn as fast as they must, and only the controller limits them.
 
     Args:
-        part: the move.
-        by: what it is judged by.
         clock: when it starts [s].
     """
     for check in prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger).checks:

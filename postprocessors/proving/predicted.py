@@ -16,9 +16,7 @@ def predicted(part: Untimed, limits: Box, guarantees: Guarantees) -> StraightMov
     """How a move will run; None where its start is not known or nothing moves.
 
     Args:
-        part: the move.
         limits: limits that the controller is set up with.
-        guarantees: give its time law.
     """
     if part.start is None or not part.moves:
         return None

@@ -127,11 +127,6 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     controller's are proven in their geometry and feed; the rest is predicted from that law
     and says who answers for it.
 
-    Args:
-        reading: the program.
-        case: machine and limits.
-        guarantees: what the controller answers for.
-
     Raises:
         ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
         CaseError: the case has no machine.

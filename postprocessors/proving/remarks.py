@@ -17,11 +17,6 @@ AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
 def remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> tuple[str, ...]:
     """One sentence each.
 
-    Args:
-        reading: the program.
-        program: the same as stretches.
-        case: gives home.
-
     Raises:
         CaseError: the case has no machine.
     """

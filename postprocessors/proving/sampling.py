@@ -32,9 +32,7 @@ def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_b
     judged by a tenth of that: those of the coordinates and those of the mechanics, which rarely come near together.
 
     Args:
-        motion: the path.
         times: ends of its blocks, shape (k,), from 0 [s].
-        case: its limits.
         offset: start of the path on the clock that the report uses [s].
         in_box: whether it must keep the pose box of `[limits.motion]`.
 

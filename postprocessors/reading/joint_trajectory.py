@@ -31,7 +31,6 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     Args:
         content: content of the file.
         file: its name, for messages.
-        case: its chain names the joints.
 
     Raises:
         ProgramError: anything that is not such a message, with its line; points out of order, a motion that does not

@@ -193,9 +193,7 @@ def polynomial(
 
     Args:
         state: state of the controller; its pose becomes the piece's end.
-        settings: settings of the case.
         seen: words of the block but PO.
-        pieces: the PO words.
         first: word of the motion, for messages.
 
     Raises:

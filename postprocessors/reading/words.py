@@ -34,7 +34,6 @@ class Move:
     Args:
         line: line of the program, counted from 1.
         end: pose at its end, shape (6,) [m, rad].
-        timing: what `value` means.
         value: see `Timing`.
         exact_stop: whether the controller comes to rest at the end.
         linear: whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles.

@@ -129,7 +129,6 @@ def pose_range(case: Case, box: bool) -> Array:
     chain the ends of its joints do.
 
     Args:
-        case: a case with machine and limits.
         box: whether the narrower box of `[limits.motion]` holds.
     """
     home, limits = case.need_motion(PURPOSE)
@@ -220,9 +219,6 @@ def _struts(case: Case) -> list[str]:
 
 def hal_text(case: Case) -> str:
     """The HAL file: kinematics of the machine, joints that follow their commands, and the log of every cycle.
-
-    Args:
-        case: a case with a machine.
 
     Raises:
         CaseError: the case has none.

@@ -235,7 +235,6 @@ def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, 
     Args:
         program: the program, for messages.
         folder: the session's.
-        layout: layout of axes and joints.
         report: the driver's.
         speedup: controller time per wall-clock time, for messages.
 

@@ -121,8 +121,6 @@ def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> 
     """What becomes of timed paths; None where there are none.
 
     Args:
-        paths: paths of a program.
-        case: its acceleration limits.
         headroom: what LinuxCNC gets, as a multiple of them.
 
     Raises:

@@ -180,7 +180,6 @@ def without_surplus(
     shortened by itself; where the log does not show the switches that the program asks for, nothing is left out.
 
     Args:
-        log: log of a run whose dwells are proven.
         durations: line number and duration [s] of each dwell.
         switched: line number of each switch, and whether it switches on.
         window: rows between which the program ran: first, and one past the last.
