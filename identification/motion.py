@@ -243,3 +243,27 @@ def sample(trajectory: Trajectory, rate: float) -> Motion:
     """
     steps = max(1, int(np.ceil(trajectory.duration * rate - 1e-9)))
     return trajectory.at(np.linspace(0.0, trajectory.duration, steps + 1))
+
+
+@dataclass(frozen=True, slots=True)
+class Slowed:
+    """A motion at a share of its speed: the same path, everything else slower.
+
+    Args:
+        speed: share of it, above 0.
+    """
+
+    motion: Trajectory
+    speed: float
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return self.motion.duration / self.speed
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        fast = self.motion.at(np.clip(time * self.speed, 0.0, self.motion.duration))
+        s = self.speed
+        return Motion(time, fast.pose, fast.rates * s, fast.accelerations * s**2, fast.jerks * s**3)

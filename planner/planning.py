@@ -22,14 +22,13 @@ from planner.bounds.kept import box_bound, known_tight_bound
 from planner.controlled import Controlled
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family
-from planner.families.shipped import shipped_start
+from planner.families.saved import shipped_start
 from planner.found import Found, notes, weaknesses
-from planner.infeasible import remedy
+from planner.infeasible import remedy, require_plannable
 from planner.interruption import Interrupted, first_ctrl_c_calls
 from planner.noise import ExpectedNoise, expected_noise, seen_through
 from planner.plans import Plan
 from planner.pose_errors import PoseErrors, without_pose_errors
-from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers

@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.motion import Joined, Measurement, Standstill, Trajectory
+from identification.motion import Joined, Measurement, Slowed, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion, polynomials_of
 from identification.trajectories.profile import StraightMove
-from identification.trajectories.slowed import Slowed
 from postprocessors.program import (
     Arc,
     Block,

@@ -83,8 +83,7 @@ def _linuxcnc(suffix: str = "") -> Language:
 
 
 def _sinumerik(suffix: str = "") -> Language:
-    from postprocessors.proving.block_law import sinumerik_forecast
-    from postprocessors.proving.promises import sinumerik_guarantees, sinumerik_tolerance
+    from postprocessors.proving.promises import sinumerik_forecast, sinumerik_guarantees, sinumerik_tolerance
     from postprocessors.reading.sinumerik import read_sinumerik
     from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
 

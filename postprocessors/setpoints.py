@@ -16,8 +16,7 @@ from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_col
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
-from identification.motion import Array, Joined, Motion, TimedPoints, Trajectory
-from identification.trajectories.slowed import Slowed
+from identification.motion import Array, Joined, Motion, Slowed, TimedPoints, Trajectory
 from postprocessors.program import (
     Arc,
     Comment,

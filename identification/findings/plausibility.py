@@ -15,9 +15,8 @@ from cases.machine import Limits
 from cases.schema import Case
 from cases.units import MM
 from identification.finding import Finding, Kind, Severity, sentences, warning
-from identification.formats.clock import GAP, HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
-from identification.formats.table import Lines
+from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

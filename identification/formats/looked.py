@@ -10,9 +10,8 @@ import numpy as np
 from cases.recording_format import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
 from cases.schema import Case
 from cases.units import MM, as_html
-from identification.formats.clock import lost_samples
 from identification.formats.layout import TextLayout
-from identification.formats.table import Array, shown
+from identification.formats.table import Array, lost_samples, shown
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
 CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.units import as_html
 from identification.finding import Finding, Kind, note
-from identification.formats.clock import lost_samples, uniform_step
-from identification.formats.table import Array, Lines
+from identification.formats.table import Array, Lines, lost_samples, uniform_step
 
 Channel = Literal[
     "struts", "rotations", "forces", "trigger", "strut_velocities", "poses", "specific_forces", "override"

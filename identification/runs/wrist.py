@@ -19,8 +19,8 @@ from identification.estimation.biases import Biases
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.finding import Finding
 from identification.findings.plausibility import bridged
-from identification.formats.clock import HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
+from identification.formats.table import HOST_GAP, lost_samples
 from identification.model import Model
 from identification.noise.coloured import coloured_covariance, turned
 from identification.regressor_blocks import MASS

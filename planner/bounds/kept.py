@@ -23,9 +23,8 @@ from cases.files import json_text, read_json, write_text
 from cases.schema import Case
 from identification.model import Model, full_model, identification_model
 from identification.reference import reference_scaling
-from planner.bounds.design import Design, optimal_design
+from planner.bounds.design import Design, optimal_design, searched_design
 from planner.bounds.features import box_features
-from planner.bounds.searched import searched_design
 from planner.bounds.tight import tight_design
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"

@@ -103,9 +103,9 @@ def plan(
     from identification.model import full_model
     from planner.cli.console import save_with_page
     from planner.families.settings import family_class
+    from planner.infeasible import require_plannable
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned
-    from planner.readiness import require_plannable
     from planner.request import Request, read_payloads
 
     kind, options = family_class(family), context.params

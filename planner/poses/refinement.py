@@ -11,7 +11,6 @@ from identification.model import Model
 from identification.pose import rpy
 from planner.poses.pose_criteria import PoseCriterion, pose_regressors, total_information
 from planner.poses.space import SIZE, PoseSpace, valid_poses, validity_margins
-from planner.search.information import log_determinant
 from planner.search.last_words import last_words
 
 Array = NDArray[np.float64]
@@ -117,3 +116,15 @@ def _log_norm(matrix: ca.SX) -> ca.SX:
     for _ in range(POWER_SQUARINGS):
         power = power @ power
     return ca.log(scale) + ca.log(ca.trace(power)) / 2**POWER_SQUARINGS
+
+
+def _lower(size: int) -> ca.Sparsity:
+    return ca.Sparsity.lower(size)
+
+
+def log_determinant(size: int) -> ca.Function:
+    """Lower triangle of a positive definite matrix -> log det, by Cholesky factors (CasADi has no logdet)."""
+    triangle = ca.SX.sym("triangle", _lower(size).nnz())
+    lower = ca.SX(_lower(size), triangle)
+    full = lower + lower.T - ca.diag(ca.diag(lower))
+    return ca.Function("log_determinant", [triangle], [2 * ca.sum1(ca.log(ca.diag(ca.chol(full))))])

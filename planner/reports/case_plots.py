@@ -12,7 +12,7 @@ from cases.machine import Machine
 from cases.schema import Case
 from cases.units import DEG, MM
 from planner.reach import Reach, StaticLimits
-from planner.reports.outlines import box_outlines, room, tool_outlines
+from planner.reports.machine import box_outlines, room, tool_outlines
 from planner.reports.reach import draw_coordinates
 
 Array = NDArray[np.float64]

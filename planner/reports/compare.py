@@ -8,9 +8,9 @@ from identification.saved_result import provenance
 from planner.comparison.advising import Recommendation, warnings_of
 from planner.comparison.entries import Entry, Level, Told
 from planner.precision import parameter_words, std_text, value_text
+from planner.reports.charts import Series, ratio_figure
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Item, Note, Page, Plot, Section, Table
-from planner.reports.ratios import Series, ratio_figure
 
 
 def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:

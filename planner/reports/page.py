@@ -7,7 +7,6 @@ figure passes `plain`, for plotly reads some HTML in labels.
 
 import base64
 import gzip
-import html
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,7 +43,6 @@ TERMS = {
 }
 """Words that a page explains where they stand."""
 _TERM = re.compile("|".join(rf"(?<![\w-]){re.escape(term)}(?!\w)" for term in sorted(TERMS, key=len, reverse=True)))
-MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,27 +195,6 @@ def explained(text: str) -> Markup:
         parts.append(Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[match[0]], match[0]))
         end = match.end()
     return Markup("").join([*parts, escape(text[end:])])
-
-
-def plain(text: str) -> str:
-    """A text that plotly shows as it is: what looks like HTML in it stays text."""
-    return html.escape(text, quote=False)
-
-
-def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """A line with at most `MOST_POINTS` points that looks the same: of each stretch its lowest and its highest sample.
-
-    Args:
-        x: shape (n,).
-        y: shape (n,).
-    """
-    if len(x) <= MOST_POINTS:
-        return x.astype(np.float32), y.astype(np.float32)
-    size = -(-len(x) // (MOST_POINTS // 2))
-    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
-    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
-    kept = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
-    return x[kept].astype(np.float32), y[kept].astype(np.float32)
 
 
 def rows_of(rows: Sequence[Sequence[str]]) -> tuple[tuple[str, ...], ...]:

@@ -21,10 +21,10 @@ from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
 from planner.plans import Plan
 from planner.precision import parameter_words, std_text
-from planner.reports.charts import Chart
+from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots
 from planner.reports.machine import moving_machine
-from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
+from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles
 from planner.search.last_words import solver_text
 
 Array = NDArray[np.float64]

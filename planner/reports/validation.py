@@ -8,10 +8,9 @@ import numpy as np
 from cases.schema import Case
 from identification.saved_result import provenance
 from planner.precision import parameter_words, with_deviation
-from planner.reports.charts import Chart
+from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
-from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
-from planner.reports.ratios import Series, ratio_figure
+from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, rows_of
 from planner.validation.experiment import TABLE_3
 from planner.validation.remedy import REMEDY_COLUMNS, Remedy
 from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, MethodStep

@@ -17,11 +17,9 @@ from identification.motion import Trajectory
 from identification.recording import Recording, about_case
 from identification.reference import reference_scaling
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import DriveExecution, executed_peaks
-from identification.trajectories.path import executed_information, path_error
+from identification.trajectories.executed import DriveExecution, executed_information, executed_peaks, path_error
 from planner.bounds.kept import Bound, box_bound
-from planner.runs.followed import planned_excitation
-from planner.runs.stood import stood, way_of
+from planner.runs.recorded import stood, way_of
 from planner.runs.written import plan_of_program, written_for_another
 from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
@@ -30,8 +28,8 @@ from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.program_file import Program, read_program
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.measured import measured_poses, measures_at_poses
-from postprocessors.proving.stretches import Stretch, stretches
+from postprocessors.proving.predicted import planned_excitation
+from postprocessors.proving.stretches import Stretch, measured_poses, measures_at_poses, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
 SLOWER = 4.0  # speed-up of a second session

@@ -14,9 +14,9 @@ from cases.basis import KEPT, study_basis
 from cases.errors import HexciteError
 from cases.schema import Case
 from planner.request import Request
+from planner.study.cluster import TaskEnd, run_tasks
 from planner.study.spec import Spec, cell_key, request_of, settings_of
 from planner.study.store import DONE, FAILED, PLANNED, keep, open_study, read_rows
-from planner.study.tasks import TaskEnd, run_tasks
 
 if TYPE_CHECKING:
     from distributed import Client

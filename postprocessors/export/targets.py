@@ -1,18 +1,74 @@
 """From a calibration to files: which targets there are, what each is called, and how it appears as a whole or not."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from cases.errors import FileProblem, HexciteError
+import casadi as ca
+
+from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder, output_place
 from identification.outcome import Result
 from postprocessors.export.c99 import c_sources, linuxcnc_component
-from postprocessors.export.calibration import Calibration, calibration_of, checked_name, default_name
+from postprocessors.export.calibration import (
+    Calibration,
+    calibration_of,
+    checked_name,
+    comment_lines,
+    default_name,
+    environment,
+    shared_values,
+)
 from postprocessors.export.document import json_document
-from postprocessors.export.isg import isg_load
-from postprocessors.export.structured_text import structured_text
-from postprocessors.export.urscript import urscript_payload
+from postprocessors.export.instructions import INFIX, CodeLanguage, functions_of, number, operand, signature, statements
+from postprocessors.export.isg import identified_load, isg_load
+
+
+def structured_text(calibration: Calibration, name: str) -> str:
+    """The text of a model called `name`: structure, constants, functions and function block."""
+    machine = calibration.case.hexapod
+    camel = "".join(part.capitalize() for part in name.split("_"))
+    return (
+        environment()
+        .get_template("model.st.jinja")
+        .render(
+            name=name,
+            Name=camel,
+            origin=comment_lines(calibration),
+            home=["0.0"] * 6 if machine is None else [number(v) for v in machine.home.vector],
+            force_units="N, N m" if calibration.case.sensor_frame.has_moments else "N",
+            functions=[
+                _function(f, camel, calibration.model.names)
+                for f in functions_of(calibration.model, calibration.hexapod)
+            ],
+            **shared_values(calibration),
+        )
+    )
+
+
+def _function(function: ca.Function, camel: str, parameters: list[str]) -> dict[str, object]:
+    def element(argument: str, k: int) -> str:
+        return f"u.{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
+
+    operations = INFIX | {
+        "sqrt": "SQRT({0})",
+        "sin": "SIN({0})",
+        "cos": "COS({0})",
+        "atan2": f"F_{camel}Atan2({{0}}, {{1}})",
+    }
+    language = CodeLanguage(operations, lambda _, slot: f"t[{slot}]", "{} := {};", "{} := {};", element, operand)
+    arguments = [
+        f"u : ST_{camel}Parameters;" if n == "u" else f"{n} : ARRAY[0..{function.numel_in(k) - 1}] OF LREAL;"
+        for k, n in enumerate(function.name_in())
+    ]
+    arguments += [f"{n} : ARRAY[0..{function.numel_out(k) - 1}] OF LREAL;" for k, n in enumerate(function.name_out())]
+    return {
+        "name": function.name(),
+        "comment": signature(function),
+        "arguments": arguments,
+        "slots": function.sz_w(),
+        "statements": statements(function, language),
+    }
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,3 +153,32 @@ def _c_folder(calibration: Calibration, output: Path | None, overwrite: bool) ->
         (part / names[0]).write_text(sources.source, encoding="ascii")
         (part / names[1]).write_text(sources.header, encoding="ascii")
     return [folder / n for n in names]
+
+
+LARGEST = 133.0  # [kg m^2] of an element of the inertia
+
+
+def urscript_payload(calibration: Calibration) -> str:
+    """A URScript program that sets the identified body as payload.
+
+    Raises:
+        IdentificationError: a static model, which has no inertia, or a body that is none or too large.
+    """
+    body = identified_load(calibration, "set_target_payload")
+    elements = [body.inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    if max(map(abs, elements)) > LARGEST:
+        raise IdentificationError(
+            f"{calibration.result.source}: an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot "
+            f"takes ({LARGEST:g}); is this the load of a robot?"
+        )
+    lines = [
+        *(f"# {line}" for line in comment_lines(calibration)),
+        "# payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
+        "# tool flange = sensor frame {P} of the case; m from it, kg m^2 about the centre of gravity",
+        f"set_target_payload({body.mass:.4f}, {_list(body.centre, 5)}, {_list(elements, 6)})",
+    ]
+    return "def payload():\n" + "".join(f"  {line}\n" for line in lines) + "end\n"
+
+
+def _list(values: Iterable[float], decimals: int) -> str:
+    return f"[{', '.join(f'{float(v) + 0.0:.{decimals}f}' for v in values)}]"

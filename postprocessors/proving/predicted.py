@@ -1,13 +1,21 @@
 """The motion that a controller makes of a move which it times itself: its own law under the limits of the case."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import ExecutionError
+from cases.schema import Case
 from identification.limited import Box
+from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.stretches import Untimed
+from postprocessors.proving.stretches import Timed, Untimed, stretches
+
+if TYPE_CHECKING:
+    from postprocessors.program_file import Program
 
 Array = NDArray[np.float64]
 
@@ -41,3 +49,28 @@ def _arc(part: Untimed, start: Array, limits: Box, guarantees: Guarantees) -> Ci
     velocity, acceleration, jerk = limits_along(way, limits.rate, limits.acceleration, limits.jerk)
     law = guarantees.arc_law(min(part.feed / length, velocity), acceleration, jerk, abs(turn.angle))
     return CircularMove(start, part.end[3:], turn.plane, turn.centre, turn.angle, law)
+
+
+def planned_excitation(read: "Program", case: Case) -> Trajectory:
+    """The motion that the program asks for while its trigger is on.
+
+    Raises:
+        ExecutionError: nothing moves then.
+    """
+    limits = case.need_motion("a run")[1]
+    excited: list[Trajectory] = []
+    for part in stretches(read.reading):
+        if not part.trigger:
+            continue
+        if isinstance(part, Timed):
+            excited.append(part.points)
+        elif isinstance(part, Untimed):
+            motion = predicted(part, limits, read.guarantees)
+            excited += [] if motion is None else [motion]
+        elif excited and part.duration > 0.0:  # a pause between moves
+            excited.append(Standstill(excited[-1].at([excited[-1].duration]).pose[0], part.duration))
+    while excited and isinstance(excited[-1], Standstill):
+        excited.pop()
+    if not excited:
+        raise ExecutionError(read.path, "nothing moves with the trigger on", "write it with hexcite post")
+    return excited[0] if len(excited) == 1 else Joined(tuple(excited))

@@ -1,6 +1,6 @@
 """A program that was read, as stretches of motion between standstills: what the proof judges and controllers run."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from cases.errors import ProgramError
 from identification.motion import TimedPoints
-from identification.trajectories.polynomial import Piece, PolynomialMotion
-from identification.trajectories.tabulated import Tabulated
+from identification.trajectories.polynomial import Piece, PolynomialMotion, Tabulated
 from postprocessors.reading.words import Move, Pause, Polynomial, Reading, Stand, Switch, TableRows, Timing, Turn
 
 Array = NDArray[np.float64]
@@ -209,3 +208,23 @@ class _Grouping:
         feed = None if move.timing is Timing.RAPID else move.value
         law = (move.counted, move.acceleration)
         return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, *law)
+
+
+def measures_at_poses(program: Sequence[Stretch]) -> bool:
+    """Whether the trigger is on while the machine stands, and never while it moves."""
+    on = [part for part in program if part.trigger and not (isinstance(part, Still) and part.duration == 0.0)]
+    return bool(on) and all(isinstance(part, Still) for part in on)
+
+
+def measured_poses(program: Sequence[Stretch]) -> Array:
+    """Poses at which the trigger is on, in order, shape (k, 6) [m, rad]; of programs that measure standing still."""
+    here: Array | None = None
+    poses: list[Array] = []
+    for part in program:
+        if isinstance(part, Untimed):
+            here = part.end
+        elif isinstance(part, Timed):
+            here = part.points.at([part.points.duration]).pose[0]
+        elif part.trigger and part.duration > 0.0 and here is not None:
+            poses.append(here)
+    return np.array(poses).reshape(-1, 6)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.motion import TimedPoints
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
-from postprocessors.execute.block_limited import block_durations, largest_cut
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
+from postprocessors.execute.virtual import block_durations, largest_cut
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Move, Reading, Timing

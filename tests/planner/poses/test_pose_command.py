@@ -12,8 +12,7 @@ import pytest
 from cases.loading import built_in_cases
 from identification.motion import Measurement
 from planner.plan_folder import load_plan
-from postprocessors.proving.measured import measured_poses, measures_at_poses
-from postprocessors.proving.stretches import stretches
+from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
 from tests.planner.command_line import call, refused
 
 FEW = "8"
