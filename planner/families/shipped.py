@@ -22,7 +22,7 @@ def shipped_start(family: Family, case: Case) -> Array | None:
     """Unknowns of a family from which a search begins, limits of the machine apart; None where nothing fits it."""
     if not machine_of(case).of_pose:
         return None
-    return family.like(_shipped()[family.name])
+    return family.like(_shipped()[family.shipped])
 
 
 @cache
