@@ -75,8 +75,10 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
 
 def _poses(model: Model, recording: Recording, found: Scan) -> Array | None:
     """Poses of the standstills that are used, where forces in struts are to become one on the platform."""
-    if model.struts is None or recording.struts is None:
+    if model.struts is None:
         return None
+    if recording.struts is None:
+        return None if recording.poses is None else recording.poses[~found.bad]
     return model.struts.hexapod.coordinates(recording.struts[~found.bad])
 
 

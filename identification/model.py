@@ -194,9 +194,14 @@ class Model:
         Args:
             forces: shape (n, 6) [N, or N and N m].
             poses: shape (n, 6) [m, rad]; only sensors in struts need them.
+
+        Raises:
+            ValueError: sensors in struts, and no poses.
         """
-        if self.struts is None or poses is None:
+        if self.struts is None:
             return np.asarray(forces @ self.structure.T)
+        if poses is None:
+            raise ValueError("forces in struts become a force on the platform at known poses only; give poses")
         return over_samples(self._wrench, poses, forces)[0]
 
     @cached_property

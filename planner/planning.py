@@ -32,7 +32,7 @@ from planner.pose_errors import PoseErrors, without_pose_errors
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
-from planner.search.patience import FEWEST, Patience
+from planner.search.patience import Patience
 from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
 from planner.vibration import both_laws
@@ -115,7 +115,7 @@ def _explored(
     def fresh(family: Family) -> Task:
         return Task(own.case, request.model, family, request.criterion, next(seeds), request.payload)
 
-    first = max(len(families), min(FEWEST, patience.most))
+    first = max(len(families), min(1 + patience.idle, patience.most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     rival = _rival(request, case)

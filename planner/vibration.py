@@ -185,6 +185,8 @@ class BothLaws:
             f"moves with {other}, at equal time, would have {1.0 / self.own.over(self.other):.2f} times these errors: "
             f"{self.better} {'is' if self.better == 'limited jerk' else 'are'} better there"
         )
+        if self.steps == (self.better == "limited jerk"):
+            text += ": plan --family spline, which needs no steps" if self.steps else ": plan --for linuxcnc"
         return text + ("; identify --flexible estimates the mode" if self.own.times > LARGE else "")
 
     def to_json(self) -> dict[str, Any]:

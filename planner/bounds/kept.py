@@ -18,7 +18,7 @@ import numpy as np
 from platformdirs import user_cache_path
 
 from cases.basis import bound_hash
-from cases.errors import FileProblem, HexciteError
+from cases.errors import CaseError, FileProblem, HexciteError
 from cases.files import json_text, read_json, write_text
 from cases.schema import Case
 from identification.model import Model, full_model, identification_model
@@ -147,13 +147,19 @@ def bound(
         progress: told the state of things now and then.
 
     Raises:
-        HexciteError: no duration, an unknown model, or a case without machine or limits.
+        HexciteError: no duration, an unknown model, a case without machine or limits, or `tight` of sensors in struts.
     """
     require_time(time_limit)
     case.need_motion("the information limit")
     found = identification_model(case, full_model(case) if model is None else model)
     if tight:
         case.need_machine("the tight information limit")
+        if found.struts is not None:
+            raise CaseError(
+                f"case {case.name}",
+                "sensor_frame.struts",
+                "the tight information limit is for sensors in a frame of their own; use bound without --tight",
+            )
         return tight_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
     return box_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
 

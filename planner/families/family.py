@@ -47,6 +47,11 @@ class Family(Protocol):
         ...
 
     @property
+    def shipped(self) -> str:
+        """Name of the motion that comes with hexcite from which a search begins."""
+        ...
+
+    @property
     def duration(self) -> float:
         """Of the excitation [s]."""
         ...

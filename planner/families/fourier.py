@@ -80,6 +80,11 @@ class FourierFamily:
         return "fourier"
 
     @property
+    def shipped(self) -> str:
+        """One for every machine."""
+        return self.name
+
+    @property
     def duration(self) -> float:
         """Of the excitation [s]."""
         return self.period * self.repeats + 2.0 * self.run_in

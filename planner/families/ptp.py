@@ -129,6 +129,11 @@ class PointToPointFamily:
         return "ptp"
 
     @property
+    def shipped(self) -> str:
+        """One for moves with limited jerk, one for moves whose accelerations step."""
+        return "ptp, steps" if self.steps else self.name
+
+    @property
     def settings(self) -> dict[str, Any]:
         """Number of moves and duration."""
         return {"moves": self.moves, "duration_s": self.duration}

@@ -188,7 +188,7 @@ def shipped_start(family: Family, case: Case) -> Array | None:
     """
     if not machine_of(case).of_pose:
         return None
-    return family.like(_shipped()[family.name])
+    return family.like(_shipped()[family.shipped])
 
 
 @cache

@@ -66,6 +66,10 @@ class FamilySettings:
         """Number of explored starts that are refined; 0 where every start is refined at once."""
         return 2
 
+    def idle(self, criterion: str) -> int:
+        """Number of starts in a row without a gain after which more are not worth their time."""
+        return 2
+
     def lasting(self, share: float) -> Self:
         """The same for a duration of so many times the former one, with as many moves or knots a second."""
         return self
@@ -203,6 +207,10 @@ class Fourier(FamilySettings):
     def refinements(self, criterion: str) -> int:
         """Criteria other than D have more local optima."""
         return 2 if criterion == "D" else 4
+
+    def idle(self, criterion: str) -> int:
+        """For D, starts of a series differ little: on twelve machines no third one was the best."""
+        return 1 if criterion == "D" else 2
 
     def allowed_duration(self, duration: float) -> float:
         """A whole number of a stated period."""

@@ -89,6 +89,11 @@ class SplineFamily:
         return "spline"
 
     @property
+    def shipped(self) -> str:
+        """One for every machine."""
+        return self.name
+
+    @property
     def settings(self) -> dict[str, Any]:
         """Number of intervals and duration."""
         return {"knots": self.intervals, "duration_s": self.duration}

@@ -60,12 +60,20 @@ def identified_load(calibration: Calibration, command: str) -> IdentifiedLoad:
     """The identified body, for a controller's command of some name.
 
     Raises:
-        IdentificationError: a static model, which has no inertia, or an inertia that no body has.
+        IdentificationError: a static model, which has no inertia, an inertia that no body has, or sensors in struts at
+            the drive, whose body is the platform with the rods.
     """
     source, number = calibration.result.source, calibration.model.number
     if INERTIA not in calibration.model.blocks:
         raise IdentificationError(
             f"{source}: model {number} has no inertia, which {command} needs; identify model 6, 7, 8 or 9"
+        )
+    struts = calibration.model.struts
+    if struts is not None and struts.sensors.at == "drive":
+        raise IdentificationError(
+            source,
+            f"{command} describes a load, and sensors at the drives' end of the struts cannot tell it from the rods",
+            "export --to c, linuxcnc or st",
         )
     value = {name: v.value for name, v in calibration.physical.items()}
     xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
