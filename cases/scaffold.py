@@ -306,15 +306,10 @@ _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
 
 
 class Readiness(NamedTuple):
-    """Whether a case has what a command needs.
+    """Whether a case has what a command needs."""
 
-    Args:
-        command: as it is typed.
-        missing: tables and keys that the case lacks, or why the command is not for it.
-    """
-
-    command: str
-    missing: tuple[str, ...]
+    command: str  # as it is typed
+    missing: tuple[str, ...]  # tables and keys that the case lacks, or why the command is not for it
 
 
 def readiness(case: Case) -> tuple[Readiness, ...]:

@@ -22,19 +22,12 @@ Array = NDArray[np.float64]
 
 
 class ExternalForce(NamedTuple):
-    """External force and moment on the platform, about the origin of {P} and along its axes.
+    """External force and moment on the platform, about the origin of {P} and along its axes."""
 
-    Args:
-        t: time, shape (n,) [s]; numbers of the standstills where there is no clock.
-        wrench: shape (n, 6) [N, N m].
-        residuals: residuals of the sensors, measured less expected, shape (n, 6) [N, or N and N m].
-        warnings: sentences about what was not measured, and is left out.
-    """
-
-    t: Array
-    wrench: Array
-    residuals: Array
-    warnings: tuple[str, ...] = ()
+    t: Array  # time, shape (n,) [s]; numbers of the standstills where there is no clock
+    wrench: Array  # shape (n, 6) [N, N m]
+    residuals: Array  # residuals of the sensors, measured less expected, shape (n, 6) [N, or N and N m]
+    warnings: tuple[str, ...] = ()  # sentences about what was not measured, and is left out
 
     @property
     def rms(self) -> Array:
@@ -83,19 +76,12 @@ def _poses(model: Model, recording: Recording, found: Scan) -> Array | None:
 
 
 class Tare(NamedTuple):
-    """New offsets.
+    """New offsets."""
 
-    Args:
-        values: u with the offsets replaced, shape (u,).
-        covariance: covariance of u, shape (u, u): offsets and the rest no longer vary together.
-        change: new offsets less old ones, shape (6,).
-        std: standard deviation of the new offsets from the scatter of the standstill, shape (6,).
-    """
-
-    values: Array
-    covariance: Array
-    change: Array
-    std: Array
+    values: Array  # u with the offsets replaced, shape (u,)
+    covariance: Array  # covariance of u, shape (u, u): offsets and the rest no longer vary together
+    change: Array  # new offsets less old ones, shape (6,)
+    std: Array  # standard deviation of the new offsets from the scatter of the standstill, shape (6,)
 
 
 STILL = 1e-4  # [m] that struts may move in a standstill: encoder noise and drift, not motion

@@ -31,22 +31,14 @@ GAUSS_MARKOV = method()
 
 
 class Fitted(NamedTuple):
-    """Samples with their fit.
+    """Samples with their fit."""
 
-    Args:
-        samples: samples that were evaluated.
-        delay: delay of the forces; None where nothing moves.
-        residuals: residuals of the forces as recorded, shape (m, 6).
-        whitening: W is its square, where it is given.
-        columns: A and the nuisances, shape (n, 6, u + nuisances).
-    """
-
-    samples: Samples
+    samples: Samples  # samples that were evaluated
     fit: Fit
-    delay: Delay | None
-    residuals: Array
-    whitening: Array | None
-    columns: Array
+    delay: Delay | None  # delay of the forces; None where nothing moves
+    residuals: Array  # residuals of the forces as recorded, shape (m, 6)
+    whitening: Array | None  # W is its square, where it is given
+    columns: Array  # A and the nuisances, shape (n, 6, u + nuisances)
 
     @property
     def at(self) -> float:
@@ -116,19 +108,12 @@ def fit_samples(
 
 
 class _Converged(NamedTuple):
-    """Where Gauss-Newton over the delay ended.
+    """Where Gauss-Newton over the delay ended."""
 
-    Args:
-        delay: delay of the linearisation [s].
-        columns: A and the nuisances there, shape (n, 6, u + nuisances).
-        values: u, shape (u,).
-        whitening: root of W, where the case states noise.
-    """
-
-    delay: float
-    columns: Array
-    values: Array
-    whitening: Array | None
+    delay: float  # delay of the linearisation [s]
+    columns: Array  # A and the nuisances there, shape (n, 6, u + nuisances)
+    values: Array  # u, shape (u,)
+    whitening: Array | None  # root of W, where the case states noise
 
 
 def _converged(

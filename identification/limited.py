@@ -22,25 +22,15 @@ _STRUTS = tuple(f"strut {k}" for k in range(1, 7))
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Something that is limited, one row an instant and one column a coordinate or strut.
+    """Something that is limited, one row an instant and one column a coordinate or strut."""
 
-    Args:
-        name: name of the limit.
-        unit: unit of values and limits times `scale`.
-        labels: labels of the columns.
-        values: shape (n, k).
-        limits: lower and upper limit of each column, twice the same where there is but one, shape (2, k).
-        ratio: share of the limit that is used, infinite where a value is not a number, shape (n, k).
-        scale: scale to the unit.
-    """
-
-    name: str
-    unit: str
-    labels: tuple[str, ...]
-    values: Array
-    limits: Array
-    ratio: Array
-    scale: float
+    name: str  # name of the limit
+    unit: str  # unit of values and limits times `scale`
+    labels: tuple[str, ...]  # labels of the columns
+    values: Array  # shape (n, k)
+    limits: Array  # lower and upper limit of each column, twice the same where there is but one, shape (2, k)
+    ratio: Array  # share of the limit that is used, infinite where a value is not a number, shape (n, k)
+    scale: float  # scale to the unit
 
     @classmethod
     def between(

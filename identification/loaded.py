@@ -19,14 +19,10 @@ RIPPLE_STEP = 1e-3  # [s] between the samples of the ripple
 
 
 class Circumstances(NamedTuple):
-    """What is mounted on the simulated machine, and what disturbs it.
-
-    Args:
-        disturbances: None: an ideal structure, only sensors and encoders are imperfect.
-    """
+    """What is mounted on the simulated machine, and what disturbs it."""
 
     weights: tuple[RigidBody, ...] = ()
-    disturbances: Disturbances | None = None
+    disturbances: Disturbances | None = None  # None: an ideal structure, only sensors and encoders are imperfect
 
     @property
     def load(self) -> float:
@@ -111,15 +107,10 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
 
 
 class PoseFields(NamedTuple):
-    """Force errors that depend on the pose: two smooth random fields of the machine.
+    """Force errors that depend on the pose: two smooth random fields of the machine."""
 
-    Args:
-        platform: error of each sensor that the platform brings along, shape (n, 6) [N].
-        load: the same for each newton that is mounted, shape (n, 6) [N/N].
-    """
-
-    platform: Array
-    load: Array
+    platform: Array  # error of each sensor that the platform brings along, shape (n, 6) [N]
+    load: Array  # the same for each newton that is mounted, shape (n, 6) [N/N]
 
     def of(self, weight: float) -> Array:
         """Error of each sensor with something of a weight [N] on the platform, shape (n, 6) [N]."""

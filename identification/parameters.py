@@ -23,15 +23,10 @@ _CENTRAL_INERTIA = tuple(Parameter(f"IC{i + 1}{j + 1}", "kg m^2") for i, j in _I
 
 @dataclass(frozen=True)
 class PhysicalForm:
-    """Physical parameters of a model and the map to them.
+    """Physical parameters of a model and the map to them."""
 
-    Args:
-        parameters: names and units; mass first, as in u.
-        map: u -> (physical parameters, their derivative with respect to u).
-    """
-
-    parameters: tuple[Parameter, ...]
-    map: ca.Function
+    parameters: tuple[Parameter, ...]  # names and units; mass first, as in u
+    map: ca.Function  # u -> (physical parameters, their derivative with respect to u)
 
     def of(self, linear: ArrayLike, covariance: ArrayLike) -> tuple[Array, Array]:
         """Physical parameters and their covariance, propagated to first order.

@@ -22,15 +22,11 @@ UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
 
 @dataclass(frozen=True, slots=True)
 class Payload:
-    """A payload.
+    """A payload."""
 
-    Args:
-        parameters: mass, centre of gravity in {P} and inertia about it (where both results have it), by name.
-        warnings: sentences.
-    """
-
+    # mass, centre of gravity in {P} and inertia about it (where both results have it), by name
     parameters: dict[str, Value]
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  # sentences
 
 
 def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> Payload:

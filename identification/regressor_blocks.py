@@ -20,63 +20,37 @@ class Parameter(NamedTuple):
 
 
 class Rods(NamedTuple):
-    """Motion of the struts of a hexapod in {P}, one column a strut (`identification.strut_sensors`).
+    """Motion of the struts of a hexapod in {P}, one column a strut (`identification.strut_sensors`)."""
 
-    Args:
-        joints: platform joints, shape (3, 6) [m].
-        direction: n from base to platform joint, shape (3, 6).
-        turning: n', shape (3, 6) [1/s].
-        felt: acceleration of the platform joints less gravity, shape (3, 6) [m/s^2].
-        gravity: the same in each column, shape (3, 6) [m/s^2].
-        length: l, shape (1, 6) [m].
-        speed: l', shape (1, 6) [m/s].
-    """
-
-    joints: ca.SX
-    direction: ca.SX
-    turning: ca.SX
-    felt: ca.SX
-    gravity: ca.SX
-    length: ca.SX
-    speed: ca.SX
+    joints: ca.SX  # platform joints, shape (3, 6) [m]
+    direction: ca.SX  # n from base to platform joint, shape (3, 6)
+    turning: ca.SX  # n', shape (3, 6) [1/s]
+    felt: ca.SX  # acceleration of the platform joints less gravity, shape (3, 6) [m/s^2]
+    gravity: ca.SX  # the same in each column, shape (3, 6) [m/s^2]
+    length: ca.SX  # l, shape (1, 6) [m]
+    speed: ca.SX  # l', shape (1, 6) [m/s]
 
 
 class State(NamedTuple):
-    """What the regressor of one sample depends on, as expressions.
+    """What the regressor of one sample depends on, as expressions."""
 
-    Args:
-        x: position of the platform along the x axis of {B} [m].
-        y: the same along y [m].
-        gibbs: Gibbs vector of R, shape (3,) [-].
-        gravity: gravitational acceleration in {P}, shape (3,) [m/s^2].
-        specific: acceleration of the origin of {P} less gravity, in {P}, shape (3,) [m/s^2].
-        omega: angular velocity in {P}, shape (3,) [rad/s].
-        alpha: angular acceleration in {P}, shape (3,) [rad/s^2].
-        rods: motion of the struts, where sensors sit in them.
-    """
-
-    x: ca.SX
-    y: ca.SX
-    gibbs: ca.SX
-    gravity: ca.SX
-    specific: ca.SX
-    omega: ca.SX
-    alpha: ca.SX
-    rods: Rods | None = None
+    x: ca.SX  # position of the platform along the x axis of {B} [m]
+    y: ca.SX  # the same along y [m]
+    gibbs: ca.SX  # Gibbs vector of R, shape (3,) [-]
+    gravity: ca.SX  # gravitational acceleration in {P}, shape (3,) [m/s^2]
+    specific: ca.SX  # acceleration of the origin of {P} less gravity, in {P}, shape (3,) [m/s^2]
+    omega: ca.SX  # angular velocity in {P}, shape (3,) [rad/s]
+    alpha: ca.SX  # angular acceleration in {P}, shape (3,) [rad/s^2]
+    rods: Rods | None = None  # motion of the struts, where sensors sit in them
 
 
 class Block(NamedTuple):
-    """Columns of the regressor that belong together.
+    """Columns of the regressor that belong together."""
 
-    Args:
-        parameters: one for each column.
-        columns: state -> forces and moments on the platform (Cartesian) or at the sensors, shape (6, columns).
-        cartesian: whether `columns` still has to go through J^T to the sensors.
-    """
-
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[Parameter, ...]  # one for each column
+    # state -> forces and moments on the platform (Cartesian) or at the sensors, shape (6, columns)
     columns: Callable[[State], ca.SX]
-    cartesian: bool
+    cartesian: bool  # whether `columns` still has to go through J^T to the sensors
 
 
 def _inertia_operator(omega: ca.SX) -> ca.SX:

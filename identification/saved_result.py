@@ -26,33 +26,19 @@ _OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read
 
 @dataclass(frozen=True, slots=True)
 class SavedResult:
-    """Identified parameters.
+    """Identified parameters."""
 
-    Args:
-        source: the file.
-        case_name: name of the case they belong to.
-        model: number in Table 2.
-        values: u, shape (u,).
-        covariance: covariance of u by (28), shape (u, u).
-        covariance_robust: covariance of u, autocorrelation-robust, shape (u, u).
-        terms: forms of the error compensation other than the model's.
-        delay: delay of the forces [s]; 0 where none was estimated.
-        accelerometer: its biases, where standstills told them.
-        recordings: SHA-256 of the files that it was made of; empty where it does not say.
-        about: all of result.json.
-    """
-
-    source: str
-    case_name: str
-    model: int
-    values: Array
-    covariance: Array
-    covariance_robust: Array
-    terms: tuple[str, ...]
-    delay: float
-    accelerometer: AccelerometerBias | None = None
-    recordings: frozenset[str] = frozenset()
-    about: Mapping[str, Any] = field(default_factory=dict)
+    source: str  # the file
+    case_name: str  # name of the case they belong to
+    model: int  # number in Table 2
+    values: Array  # u, shape (u,)
+    covariance: Array  # covariance of u by (28), shape (u, u)
+    covariance_robust: Array  # covariance of u, autocorrelation-robust, shape (u, u)
+    terms: tuple[str, ...]  # forms of the error compensation other than the model's
+    delay: float  # delay of the forces [s]; 0 where none was estimated
+    accelerometer: AccelerometerBias | None = None  # its biases, where standstills told them
+    recordings: frozenset[str] = frozenset()  # SHA-256 of the files that it was made of; empty where it does not say
+    about: Mapping[str, Any] = field(default_factory=dict)  # all of result.json
 
     @property
     def artefact(self) -> Artefact:

@@ -35,17 +35,11 @@ Array = NDArray[np.float64]
 
 
 class ForceParts(NamedTuple):
-    """What true forces consist of.
+    """What true forces consist of."""
 
-    Args:
-        rigid: (18) of the motion that the drives made, shape (n, 6) [N].
-        mode: what the vibration of the structure adds, shape (n, 6) [N].
-        pose: error that depends on the pose, shape (n, 6) [N].
-    """
-
-    rigid: Array
-    mode: Array
-    pose: Array
+    rigid: Array  # (18) of the motion that the drives made, shape (n, 6) [N]
+    mode: Array  # what the vibration of the structure adds, shape (n, 6) [N]
+    pose: Array  # error that depends on the pose, shape (n, 6) [N]
 
     @property
     def total(self) -> Array:
@@ -54,19 +48,12 @@ class ForceParts(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """A run as its encoders and sensors will see it, whatever is mounted.
+    """A run as its encoders and sensors will see it, whatever is mounted."""
 
-    Args:
-        t: of the samples, shape (n,) [s].
-        struts: their true lengths, shape (n, 6) [m].
-        felt: motion that the sensors feel when they are sampled.
-        fields: force errors on the way; None where nothing disturbs.
-    """
-
-    t: Array
-    struts: Array
-    felt: Kinematics
-    fields: PoseFields | None
+    t: Array  # of the samples, shape (n,) [s]
+    struts: Array  # their true lengths, shape (n, 6) [m]
+    felt: Kinematics  # motion that the sensors feel when they are sampled
+    fields: PoseFields | None  # force errors on the way; None where nothing disturbs
 
 
 def force_parts(

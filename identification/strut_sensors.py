@@ -36,14 +36,10 @@ _Columns = Callable[[Rods, ca.SX], ca.SX]
 
 @dataclass(frozen=True)
 class StrutLayout:
-    """Sensors in the struts of a hexapod.
-
-    Args:
-        sensors: where in the struts they sit, and nominal values of the struts.
-    """
+    """Sensors in the struts of a hexapod."""
 
     hexapod: Hexapod
-    sensors: StrutSensors
+    sensors: StrutSensors  # where in the struts they sit, and nominal values of the struts
 
     def rods(self, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
         """Motion of the struts with the platform; see `rods`."""

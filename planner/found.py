@@ -27,25 +27,16 @@ _PLACES = ("position", "angle", "workspace position", "strut length", "singulari
 
 
 class Found(NamedTuple):
-    """What came of a search.
+    """What came of a search."""
 
-    Args:
-        motion: the best, proven.
-        settings: settings of its family, as found.
-        failed: starts that led nowhere.
-        interrupted: whether Ctrl-C ended the search early.
-        rival: what another family found in seconds.
-        white: what one start reaches where errors of the pose do not count.
-    """
-
-    motion: Trajectory
-    settings: dict[str, Any]
+    motion: Trajectory  # the best, proven
+    settings: dict[str, Any]  # settings of its family, as found
     limits: LimitReport
     starts: tuple[Start, ...] = ()
-    failed: tuple[Failed, ...] = ()
-    interrupted: bool = False
-    rival: Start | None = None
-    white: Start | None = None
+    failed: tuple[Failed, ...] = ()  # starts that led nowhere
+    interrupted: bool = False  # whether Ctrl-C ended the search early
+    rival: Start | None = None  # what another family found in seconds
+    white: Start | None = None  # what one start reaches where errors of the pose do not count
 
     def of_rival(self, parameters: int) -> float:
         """D-efficiency of the other family's motion in units of this one's, with the weights of the search.

@@ -23,19 +23,12 @@ UNITS = (slice(0, 3), slice(3, 6))  # forces and moments of a force/torque senso
 
 @dataclass(frozen=True, slots=True)
 class ExpectedNoise:
-    """Of one force sample, white.
+    """Of one force sample, white."""
 
-    Args:
-        sensors: standard deviation of a force sensor alone [N].
-        channels: covariance of the channels with noise of the accelerations, shape (6, 6) [N^2, ..].
-        weights: how identification will weigh, as in `cases.sensors`.
-        shaken: whether the case states noise of the accelerations.
-    """
-
-    sensors: float
-    channels: Array
-    weights: str
-    shaken: bool
+    sensors: float  # standard deviation of a force sensor alone [N]
+    channels: Array  # covariance of the channels with noise of the accelerations, shape (6, 6) [N^2, ..]
+    weights: str  # how identification will weigh, as in `cases.sensors`
+    shaken: bool  # whether the case states noise of the accelerations
 
     @property
     def std(self) -> Array:

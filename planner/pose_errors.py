@@ -29,17 +29,12 @@ BLOCK = 500  # samples whose correlations with all others are held at once
 
 @dataclass(frozen=True, slots=True)
 class PoseErrors:
-    """Errors that depend on the pose beside white noise.
+    """Errors that depend on the pose beside white noise."""
 
-    Args:
-        hexapod: whose strut lengths tell one place from another.
-        rate: variance of a channel's error over that of its noise, times samples a second [1/s].
-        mixing: R R^T, R the root of W that the regressors are multiplied with; None for W = 1, shape (6, 6).
-    """
-
-    hexapod: Hexapod
+    hexapod: Hexapod  # whose strut lengths tell one place from another
     field: PoseField
-    rate: float
+    rate: float  # variance of a channel's error over that of its noise, times samples a second [1/s]
+    # R R^T, R the root of W that the regressors are multiplied with; None for W = 1, shape (6, 6)
     mixing: Array | None = None
 
     @classmethod

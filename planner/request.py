@@ -18,31 +18,20 @@ MOST_SECONDS = 86_400.0  # of a search
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What to plan.
+    """What to plan."""
 
-    Args:
-        family: family of motions, with its settings.
-        duration: duration of the excitation [s].
-        criterion: letter of Table 4.
-        model: number in Table 2.
-        payload: number of the case's payloads that are mounted, at most.
-        payload_from: at least; None for just as many. Predicted standard deviations are the largest of the range.
-        targets: standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed.
-        starts: number of random starts; None for as many as pay.
-        seconds: time for the search; None until more starts stop paying.
-        seed: of the starts.
-    """
-
-    family: FamilySettings = field(default_factory=PointToPoint)
-    duration: float = 12.0
-    criterion: str = "D"
-    model: int = 9
-    payload: int = 0
+    family: FamilySettings = field(default_factory=PointToPoint)  # family of motions, with its settings
+    duration: float = 12.0  # duration of the excitation [s]
+    criterion: str = "D"  # letter of Table 4
+    model: int = 9  # number in Table 2
+    payload: int = 0  # number of the case's payloads that are mounted, at most
+    # at least; None for just as many. Predicted standard deviations are the largest of the range
     payload_from: int | None = None
+    # standard deviations to be met, such as m=0.05kg; the duration is then the longest allowed
     targets: tuple[str, ...] = ()
-    starts: int | None = None
-    seconds: float | None = None
-    seed: int = 0
+    starts: int | None = None  # number of random starts; None for as many as pay
+    seconds: float | None = None  # time for the search; None until more starts stop paying
+    seed: int = 0  # of the starts
 
     def __post_init__(self) -> None:
         if self.criterion not in CRITERIA:

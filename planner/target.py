@@ -27,19 +27,12 @@ NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 
 class Target(NamedTuple):
-    """A standard deviation that shall not be exceeded.
+    """A standard deviation that shall not be exceeded."""
 
-    Args:
-        name: name of the physical parameter.
-        std: [SI].
-        text: as the user wrote it.
-        unit: unit in which the user wrote it.
-    """
-
-    name: str
-    std: float
-    text: str
-    unit: str
+    name: str  # name of the physical parameter
+    std: float  # [SI]
+    text: str  # as the user wrote it
+    unit: str  # unit in which the user wrote it
 
     def share(self, predicted: Mapping[str, float]) -> float:
         """Share of it that predicted standard deviations [SI] use; it is met up to 1."""

@@ -20,15 +20,10 @@ class TooCoarse(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """Polynomials of one parameter p from 0 to 1 each.
+    """Polynomials of one parameter p from 0 to 1 each."""
 
-    Args:
-        times: start of each and end of the last, shape (k + 1,) [s].
-        coefficients: coefficients of 1, p, p^2, .., shape (k, d + 1, 6) [m, rad].
-    """
-
-    times: Array
-    coefficients: Array
+    times: Array  # start of each and end of the last, shape (k + 1,) [s]
+    coefficients: Array  # coefficients of 1, p, p^2, .., shape (k, d + 1, 6) [m, rad]
 
     def at(self, p: Array) -> Array:
         """Poses of every piece at parameters p, shape (m,); shape (k, m, 6)."""
@@ -38,15 +33,10 @@ class Pieces:
 
 @dataclass(frozen=True, slots=True)
 class PieceDeviation:
-    """Largest distance from the plan at the same instant.
+    """Largest distance from the plan at the same instant."""
 
-    Args:
-        position: [m].
-        angle: [rad].
-    """
-
-    position: float
-    angle: float
+    position: float  # [m]
+    angle: float  # [rad]
 
 
 def knots(motion: Trajectory) -> Array:

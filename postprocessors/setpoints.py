@@ -41,17 +41,11 @@ SAME = 1e-9  # [m, rad] that a table may be off the plan: rounding
 
 @dataclass(frozen=True, slots=True)
 class _TablePart:
-    """A stretch of whole cycles.
+    """A stretch of whole cycles."""
 
-    Args:
-        motion: None for a standstill.
-        cycles: how many.
-        on: whether the trigger is on.
-    """
-
-    motion: Trajectory | None
-    cycles: int
-    on: bool
+    motion: Trajectory | None  # None for a standstill
+    cycles: int  # how many
+    on: bool  # whether the trigger is on
 
 
 def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:

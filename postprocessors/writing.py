@@ -23,17 +23,11 @@ ROUNDING = max(1e-5 * MM, 1e-6 * DEG)
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A program that may be written.
+    """A program that may be written."""
 
-    Args:
-        content: content of the file.
-        proof: proof of that content; it holds.
-        reading: that content as read back.
-    """
-
-    content: bytes
-    proof: ProgramProof
-    reading: Reading
+    content: bytes  # content of the file
+    proof: ProgramProof  # proof of that content; it holds
+    reading: Reading  # that content as read back
 
 
 def proven_program(

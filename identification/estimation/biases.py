@@ -27,19 +27,12 @@ DRIFTED = 3.0  # standard deviations between offsets of a run and those that it 
 
 @dataclass(frozen=True, slots=True)
 class AccelerometerBias:
-    """What an accelerometer reads beside the specific force, in the axes of {P}.
+    """What an accelerometer reads beside the specific force, in the axes of {P}."""
 
-    Args:
-        values: shape (3,) [m/s^2].
-        covariance: shape (3, 3) [m^2/s^4].
-        turn: small rotation of the readings against the orientations, estimated beside, shape (3,) [rad].
-        rms: what both leave of the readings [m/s^2].
-    """
-
-    values: Array
-    covariance: Array
-    turn: Array
-    rms: float
+    values: Array  # shape (3,) [m/s^2]
+    covariance: Array  # shape (3, 3) [m^2/s^4]
+    turn: Array  # small rotation of the readings against the orientations, estimated beside, shape (3,) [rad]
+    rms: float  # what both leave of the readings [m/s^2]
 
     @property
     def std(self) -> Array:
@@ -80,21 +73,13 @@ def accelerometer_bias(specific_forces: Array, rotations: Array, gravity: Array)
 
 @dataclass(frozen=True, slots=True)
 class Biases:
-    """Offsets from another result.
+    """Offsets from another result."""
 
-    Args:
-        source: file of that result.
-        values: f_q0, shape (6,) [N, or N and N m].
-        covariance: covariance of them, the larger of white and robust, shape (6, 6).
-        accelerometer: where that result has it.
-        stale: what has changed in the case since that result, where the user went on.
-    """
-
-    source: str
-    values: Array
-    covariance: Array
-    accelerometer: AccelerometerBias | None
-    stale: tuple[str, ...] = ()
+    source: str  # file of that result
+    values: Array  # f_q0, shape (6,) [N, or N and N m]
+    covariance: Array  # covariance of them, the larger of white and robust, shape (6, 6)
+    accelerometer: AccelerometerBias | None  # where that result has it
+    stale: tuple[str, ...] = ()  # what has changed in the case since that result, where the user went on
 
     @property
     def known(self) -> dict[str, float]:

@@ -22,19 +22,12 @@ _PIECE = 20_000  # samples whose rows are held at once
 
 @dataclass(frozen=True, slots=True)
 class Compressed:
-    """chi^2 of (27) as a function of u.
+    """chi^2 of (27) as a function of u."""
 
-    Args:
-        root: R, upper triangular, R^T R = A^T W A, shape (u, u).
-        right: c, shape (u,).
-        rest: d^2, the chi^2 that no u explains.
-        rows: m n, the forces behind it.
-    """
-
-    root: Array
-    right: Array
-    rest: float
-    rows: int
+    root: Array  # R, upper triangular, R^T R = A^T W A, shape (u, u)
+    right: Array  # c, shape (u,)
+    rest: float  # d^2, the chi^2 that no u explains
+    rows: int  # m n, the forces behind it
 
     def chi_squared(self, values: Array) -> float:
         """(27) at u, shape (u,)."""

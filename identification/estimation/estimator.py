@@ -181,20 +181,13 @@ DEPENDENT = 1e-10  # least eigenvalue of the channels' correlation below which o
 
 @dataclass(frozen=True, slots=True)
 class FullWeightsFit:
-    """An estimate with W = channels^-1 at every sample.
+    """An estimate with W = channels^-1 at every sample."""
 
-    Args:
-        fit: `weights` is the diagonal of W; s0 is 1 up to the turns that are left; covariances allow for W being
-            estimated.
-        channels: covariance of the six channels' noise, of the recorded forces, shape (6, 6) [N^2, N^2 m..].
-        converged: whether the last turn changed it by less than `WEIGHT_TOLERANCE` of its variances.
-        rounds: turns taken.
-    """
-
+    # `weights` is the diagonal of W; s0 is 1 up to the turns that are left; covariances allow for W being estimated
     fit: Fit
-    channels: Array
-    converged: bool
-    rounds: int
+    channels: Array  # covariance of the six channels' noise, of the recorded forces, shape (6, 6) [N^2, N^2 m..]
+    converged: bool  # whether the last turn changed it by less than `WEIGHT_TOLERANCE` of its variances
+    rounds: int  # turns taken
 
 
 def full_weights(

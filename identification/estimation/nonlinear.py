@@ -33,23 +33,17 @@ ROUNDING = 1e-14  # of the forces: smaller steps only move the last digits
 
 @dataclass(frozen=True, slots=True)
 class NonlinearFit:
-    """An estimate in physical parameters.
+    """An estimate in physical parameters."""
 
-    Args:
-        fit: fit in u, so that `physical_form` gives the values below back; rank and condition are those of the local
-            Jacobian; None where the search failed.
-        values: p, shape (p,); where the search failed the last ones.
-        covariance: covariance of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p);
-            None where the search failed.
-        steps: steps of Gauss-Newton.
-        failure: why it failed, or None.
-    """
-
+    # fit in u, so that `physical_form` gives the values below back; rank and condition are those of the local Jacobian;
+    # None where the search failed
     fit: Fit | None
-    values: Array
+    values: Array  # p, shape (p,); where the search failed the last ones
+    # covariance of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p); None where the
+    # search failed
     covariance: Array | None
-    steps: int
-    failure: str | None
+    steps: int  # steps of Gauss-Newton
+    failure: str | None  # why it failed, or None
 
 
 def linear_map(model: Model) -> ca.Function:
@@ -145,17 +139,11 @@ RESOLVED = 1e-10  # of |r|^2: less of it than a step promises may drown in round
 
 
 class Minimum(NamedTuple):
-    """Where the search ended.
+    """Where the search ended."""
 
-    Args:
-        at: theta, shape (p,).
-        steps: taken.
-        failure: why this is not a minimum, and what to do; None where it is one.
-    """
-
-    at: Array
-    steps: int
-    failure: str | None
+    at: Array  # theta, shape (p,)
+    steps: int  # taken
+    failure: str | None  # why this is not a minimum, and what to do; None where it is one
 
 
 def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:

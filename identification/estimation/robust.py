@@ -28,22 +28,16 @@ SILENT = 1e-12  # of the largest force: what is left of a channel is rounding, n
 
 @dataclass(frozen=True, slots=True)
 class RobustFit:
-    """A Huber estimate.
+    """A Huber estimate."""
 
-    Args:
-        fit: its `covariance` is the sandwich of Huber 1967 and White 1980, right also where the spread of the forces
-            changes over the run; `weights` are 1 / scales^2, or ones where the scale is pooled.
-        converged: whether the last step was below `TOLERANCE`.
-        rounds: reweightings done.
-        scales: standard deviation of the noise in each channel, by the normalised MAD, shape (6,) [N, or N and N m].
-        attention: weight that each force kept, from 0 to 1, shape (n, 6).
-    """
-
+    # its `covariance` is the sandwich of Huber 1967 and White 1980, right also where the spread of the forces changes
+    # over the run; `weights` are 1 / scales^2, or ones where the scale is pooled
     fit: Fit
-    converged: bool
-    rounds: int
+    converged: bool  # whether the last step was below `TOLERANCE`
+    rounds: int  # reweightings done
+    # standard deviation of the noise in each channel, by the normalised MAD, shape (6,) [N, or N and N m]
     scales: Array
-    attention: Array
+    attention: Array  # weight that each force kept, from 0 to 1, shape (n, 6)
 
     @property
     def reduced(self) -> Array:

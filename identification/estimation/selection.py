@@ -24,21 +24,13 @@ _CENTRE = ("xC", "yC", "zC")
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which parameters of a model are estimated, and how u follows from them: u = offset + basis @ free.
+    """Which parameters of a model are estimated, and how u follows from them: u = offset + basis @ free."""
 
-    Args:
-        names: names of the free parameters, in the order of (17).
-        known: values that were given, by linear or physical name [SI].
-        dropped: linear parameters that were left out, u = 0.
-        offset: u0, shape (u,).
-        basis: B, shape (u, free).
-    """
-
-    names: tuple[str, ...]
-    known: Mapping[str, float]
-    dropped: tuple[str, ...]
-    offset: Array
-    basis: Array
+    names: tuple[str, ...]  # names of the free parameters, in the order of (17)
+    known: Mapping[str, float]  # values that were given, by linear or physical name [SI]
+    dropped: tuple[str, ...]  # linear parameters that were left out, u = 0
+    offset: Array  # u0, shape (u,)
+    basis: Array  # B, shape (u, free)
 
     def estimated(self, form: PhysicalForm) -> tuple[str, ...]:
         """Physical parameters that the data have a say in; the others are known, left out, or follow from such."""

@@ -41,14 +41,10 @@ LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for
 
 
 class Scan(NamedTuple):
-    """What was found in a recording.
-
-    Args:
-        bad: samples that no estimate may use, shape (n,).
-    """
+    """What was found in a recording."""
 
     findings: tuple[Finding, ...]
-    bad: Rows
+    bad: Rows  # samples that no estimate may use, shape (n,)
 
     @property
     def warnings(self) -> tuple[str, ...]:

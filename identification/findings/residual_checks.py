@@ -229,21 +229,13 @@ TELLING = 0.1  # share of the residuals' variance from which noise of accelerati
 
 @dataclass(frozen=True, slots=True)
 class NoiseComponents:
-    """Standard deviations of white noise of one recorded sample that would leave such residuals.
+    """Standard deviations of white noise of one recorded sample that would leave such residuals."""
 
-    Args:
-        force: standard deviation of a force channel [N].
-        moment: standard deviation of a moment channel of a force/torque sensor [N m]; None for bars.
-        acceleration: standard deviation of the acceleration of the origin of {P}, in each direction [m/s^2].
-        angular: standard deviation of the angular acceleration [rad/s^2].
-        share: share of the residuals' variance, in units of the channels' own, that the accelerations explain.
-    """
-
-    force: float
-    moment: float | None
-    acceleration: float
-    angular: float
-    share: float
+    force: float  # standard deviation of a force channel [N]
+    moment: float | None  # standard deviation of a moment channel of a force/torque sensor [N m]; None for bars
+    acceleration: float  # standard deviation of the acceleration of the origin of {P}, in each direction [m/s^2]
+    angular: float  # standard deviation of the angular acceleration [rad/s^2]
+    share: float  # share of the residuals' variance, in units of the channels' own, that the accelerations explain
 
     def finding(self, weights: str) -> Finding:
         """What is to be told of it, `weights` being those of the identification; keys as in the case."""

@@ -79,21 +79,14 @@ class Explained(NamedTuple):
 
 
 class Data(NamedTuple):
-    """Some instants of a run.
+    """Some instants of a run."""
 
-    Args:
-        forces: shape (n, 6) [N, or N and N m].
-        slopes: their derivative, which a delay adds, shape (n, 6); None of standstills.
-        weights: weights of each channel, shape (6,).
-        struts: lengths, velocities and accelerations, each of shape (n, 6); None without struts.
-        regressors: A as recorded, shape (n, 6, u); None where the struts do not close.
-    """
-
-    forces: Array
-    slopes: Array | None
-    weights: Array
+    forces: Array  # shape (n, 6) [N, or N and N m]
+    slopes: Array | None  # their derivative, which a delay adds, shape (n, 6); None of standstills
+    weights: Array  # weights of each channel, shape (6,)
+    # lengths, velocities and accelerations, each of shape (n, 6); None without struts
     struts: tuple[Array, Array, Array] | None
-    regressors: Array | None
+    regressors: Array | None  # A as recorded, shape (n, 6, u); None where the struts do not close
 
 
 def other_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> str | None:

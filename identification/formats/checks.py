@@ -145,17 +145,11 @@ _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # keep t
 
 
 class Marked(NamedTuple):
-    """A table with numbers only.
+    """A table with numbers only."""
 
-    Args:
-        table: table in which every value is finite.
-        missing: rows in which one stands for nothing, shape (n,); None: there are none.
-        columns: those in which they are, as the file calls them.
-    """
-
-    table: ColumnTable
-    missing: Rows | None
-    columns: tuple[str, ...]
+    table: ColumnTable  # table in which every value is finite
+    missing: Rows | None  # rows in which one stands for nothing, shape (n,); None: there are none
+    columns: tuple[str, ...]  # those in which they are, as the file calls them
 
 
 def marked(table: ColumnTable, form: RecordingFormat) -> Marked:

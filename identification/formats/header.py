@@ -16,15 +16,10 @@ _TYPICAL = ("t_s", "l1_mm", "q1_mm", "x_mm", "r11", "ax", "f1_N", "fx_N")
 
 @dataclass(frozen=True, slots=True)
 class ColumnChoice:
-    """Which of a file's columns are ours.
+    """Which of a file's columns are ours."""
 
-    Args:
-        values: our column name -> position in the file.
-        clock: position of the time stamps.
-    """
-
-    values: dict[str, int]
-    clock: int | None
+    values: dict[str, int]  # our column name -> position in the file
+    clock: int | None  # position of the time stamps
 
 
 def decoded(file: Path, lines: Sequence[bytes], dialect: TextFormat) -> list[str]:

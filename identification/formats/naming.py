@@ -63,17 +63,11 @@ _OF_DRIVES = (DRIVES, DRIVE_VELOCITIES)
 
 
 class Named(NamedTuple):
-    """What the name of a column says.
+    """What the name of a column says."""
 
-    Args:
-        ours: our name of it; None: it says nothing.
-        unit: unit that it states; None: none.
-        commanded: whether it is what was asked for, not what was measured.
-    """
-
-    ours: str | None
-    unit: str | None
-    commanded: bool = False
+    ours: str | None  # our name of it; None: it says nothing
+    unit: str | None  # unit that it states; None: none
+    commanded: bool = False  # whether it is what was asked for, not what was measured
 
 
 def named(theirs: str, unit: str = "") -> Named:

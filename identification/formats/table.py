@@ -18,20 +18,13 @@ _SHOWN_CHARACTERS = 40
 
 @dataclass(frozen=True, slots=True)
 class Lines:
-    """Where in its file each row stands.
+    """Where in its file each row stands."""
 
-    Args:
-        first: number of the line of the first row, counted from 1.
-        skipped: numbers of lines behind it that hold no row, ascending.
-        word: what the file's rows are called.
-        every: distance of the samples among the file's rows.
-        inserted: rows that stand in no line, counted from 0 and ascending, before only each so-manyth is taken.
-    """
-
-    first: int = 2
-    skipped: tuple[int, ...] = ()
-    word: str = "line"
-    every: int = 1
+    first: int = 2  # number of the line of the first row, counted from 1
+    skipped: tuple[int, ...] = ()  # numbers of lines behind it that hold no row, ascending
+    word: str = "line"  # what the file's rows are called
+    every: int = 1  # distance of the samples among the file's rows
+    # rows that stand in no line, counted from 0 and ascending, before only each so-manyth is taken
     inserted: tuple[int, ...] = ()
 
     def later(self, row: int, every: int = 1) -> "Lines":
@@ -53,23 +46,16 @@ class Lines:
 
 @dataclass(frozen=True, slots=True)
 class ColumnTable:
-    """Columns of a file that share their rows, in the file's units.
+    """Columns of a file that share their rows, in the file's units."""
 
-    Args:
-        source: the file, for messages.
-        names: all columns that the file has, as it calls them.
-        values: our column name -> numbers, shape (n,); missing ones are NaN. Only columns that we know.
-        stamps: stamps of the clock, shape (n,), as the file counts; integers where it writes such. None: no clock.
-        tick: duration of one unit of the stamps [s].
-        lines: where the rows stand.
-    """
-
-    source: str
-    names: tuple[str, ...]
+    source: str  # the file, for messages
+    names: tuple[str, ...]  # all columns that the file has, as it calls them
+    # our column name -> numbers, shape (n,); missing ones are NaN. Only columns that we know
     values: Mapping[str, Array]
+    # stamps of the clock, shape (n,), as the file counts; integers where it writes such. None: no clock
     stamps: Stamps | None
-    tick: float
-    lines: Lines
+    tick: float  # duration of one unit of the stamps [s]
+    lines: Lines  # where the rows stand
 
     @property
     def rows(self) -> int:

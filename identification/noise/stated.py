@@ -25,17 +25,11 @@ TURNS = 3  # of weights and parameters; the weights need the parameters to a per
 
 @dataclass(frozen=True, slots=True)
 class StatedNoise:
-    """White noise of one recorded sample.
+    """White noise of one recorded sample."""
 
-    Args:
-        model: model that turns accelerations into forces.
-        force: standard deviation of each channel, shape (6,) [N, or N and N m].
-        acceleration: acceleration of each component of the twist rate, shape (6,) [m/s^2, rad/s^2].
-    """
-
-    model: Model
-    force: Array
-    acceleration: Array
+    model: Model  # model that turns accelerations into forces
+    force: Array  # standard deviation of each channel, shape (6,) [N, or N and N m]
+    acceleration: Array  # acceleration of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]
 
     @classmethod
     def of(cls, model: Model, sensors: Sensors) -> "StatedNoise":

@@ -25,15 +25,10 @@ MAJORITY = 3  # periods that tell which of them is strange
 
 
 class PeriodScatter(NamedTuple):
-    """A signal, period by period.
+    """A signal, period by period."""
 
-    Args:
-        series: one of each period, all with the same phase.
-        rows: samples of each.
-    """
-
-    series: tuple[FourierSeries, ...]
-    rows: tuple[NDArray[np.int64], ...]
+    series: tuple[FourierSeries, ...]  # one of each period, all with the same phase
+    rows: tuple[NDArray[np.int64], ...]  # samples of each
 
     def only(self, kept: Sequence[int]) -> "PeriodScatter":
         """Some of the periods."""

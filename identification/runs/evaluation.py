@@ -34,23 +34,17 @@ DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A moving run, ready to be evaluated at any delay between forces and motion.
-
-    Args:
-        rows: samples that are evaluated, counted after the filter's margin, shape (n,).
-        samples: recorded samples of the window that they stand for.
-        smoothing: whether it is estimated by how much more the forces are smoothed than the motion.
-        spoilt: filtered samples that feel damage or a gap, shape (samples of the recording less two margins,).
-    """
+    """A moving run, ready to be evaluated at any delay between forces and motion."""
 
     recording: Recording
     model: Model
     machine: Machine
     filter: Filter
-    rows: NDArray[np.int64]
-    samples: int
+    rows: NDArray[np.int64]  # samples that are evaluated, counted after the filter's margin, shape (n,)
+    samples: int  # recorded samples of the window that they stand for
     window: tuple[Finding, ...] = ()
-    smoothing: bool = False
+    smoothing: bool = False  # whether it is estimated by how much more the forces are smoothed than the motion
+    # filtered samples that feel damage or a gap, shape (samples of the recording less two margins,)
     spoilt: NDArray[np.bool_] | None = None
 
     @property

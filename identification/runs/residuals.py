@@ -20,21 +20,14 @@ SEGMENT = 1024  # samples of a periodogram: 1 Hz at 1 kHz
 
 @dataclass(frozen=True, slots=True)
 class Residuals:
-    """Recorded forces and the model's, at every recorded sample of the excitation (standstills: at each of them).
+    """Recorded forces and the model's, at every recorded sample of the excitation (standstills: at each of them)."""
 
-    Args:
-        t: time, shape (n,) [s]; of standstills their number from 1.
-        forces: as recorded, shape (n, 6) [N, or N and N m].
-        predicted: A u behind the evaluation's filter, the delay put right, shape (n, 6).
-        step: time between samples [s]; None for standstills.
-        filtered: the forces as the estimator saw them, behind the evaluation's filter, shape (n, 6); None where it saw
-            them as recorded, or averaged in another way.
-    """
-
-    t: Array
-    forces: Array
-    predicted: Array
-    step: float | None
+    t: Array  # time, shape (n,) [s]; of standstills their number from 1
+    forces: Array  # as recorded, shape (n, 6) [N, or N and N m]
+    predicted: Array  # A u behind the evaluation's filter, the delay put right, shape (n, 6)
+    step: float | None  # time between samples [s]; None for standstills
+    # the forces as the estimator saw them, behind the evaluation's filter, shape (n, 6); None where it saw them as
+    # recorded, or averaged in another way
     filtered: Array | None = None
 
     @property

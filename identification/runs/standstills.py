@@ -35,17 +35,12 @@ class Window(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """The averaged standstills of a run.
+    """The averaged standstills of a run."""
 
-    Args:
-        averages: one row a standstill, without a clock, each weighted by one over its scatter.
-        windows: the rows that were averaged.
-        scatter: standard deviation of the averaged forces, pooled over the channels in units of each channel's own
-            scatter, shape (n,): 1 is usual, larger is restless.
-    """
-
-    averages: Recording
-    windows: tuple[Window, ...]
+    averages: Recording  # one row a standstill, without a clock, each weighted by one over its scatter
+    windows: tuple[Window, ...]  # the rows that were averaged
+    # standard deviation of the averaged forces, pooled over the channels in units of each channel's own scatter, shape
+    # (n,): 1 is usual, larger is restless
     scatter: Array
 
 

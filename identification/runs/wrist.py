@@ -38,26 +38,16 @@ LEAST_ROWS = 20
 
 @dataclass(frozen=True, slots=True)
 class WristRun:
-    """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion.
+    """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion."""
 
-    Args:
-        model: gives A; without inertia or with it, without position.
-        t: instants of the evaluated samples, shape (n,) [s].
-        forces: forces behind the filter, shape (n, 6) [N, N m].
-        recorded_forces: as recorded, shape (n, 6).
-        quaternion: quaternion of R over time, filtered.
-        specific_force: specific force in the axes of {P} over time, filtered [m/s^2].
-        samples: recorded samples that they stand for.
-    """
-
-    model: Model
+    model: Model  # gives A; without inertia or with it, without position
     filter: Filter
-    t: Array
-    forces: Array
-    recorded_forces: Array
-    quaternion: CubicSpline
-    specific_force: CubicSpline
-    samples: int
+    t: Array  # instants of the evaluated samples, shape (n,) [s]
+    forces: Array  # forces behind the filter, shape (n, 6) [N, N m]
+    recorded_forces: Array  # as recorded, shape (n, 6)
+    quaternion: CubicSpline  # quaternion of R over time, filtered
+    specific_force: CubicSpline  # specific force in the axes of {P} over time, filtered [m/s^2]
+    samples: int  # recorded samples that they stand for
     window: tuple[Finding, ...] = ()
 
     @property

@@ -29,25 +29,18 @@ class Plane(Enum):
 class CircularMove:
     """An arc of the origin of {P} about an axis parallel to x, y or z; the other coordinates change in proportion.
 
-    Args:
-        start: pose, shape (6,) [m, rad].
-        end_angles: roll, pitch, yaw at the end, shape (3,) [rad].
-        plane: plane in which it lies.
-        centre: along the plane's first and second axis, absolute in {B}, shape (2,) [m].
-        angle: turned about the plane's normal, positive counter-clockwise seen from its positive end; 2 pi is a full
-            circle, at most that [rad].
-        profile: time law of the share of the way covered, from 0 to 1.
-
     Raises:
         ValueError: no radius, no angle, or more than a full circle.
     """
 
-    start: Array
-    end_angles: Array
-    plane: Plane
-    centre: Array
+    start: Array  # pose, shape (6,) [m, rad]
+    end_angles: Array  # roll, pitch, yaw at the end, shape (3,) [rad]
+    plane: Plane  # plane in which it lies
+    centre: Array  # along the plane's first and second axis, absolute in {B}, shape (2,) [m]
+    # turned about the plane's normal, positive counter-clockwise seen from its positive end; 2 pi is a full circle, at
+    # most that [rad]
     angle: float
-    profile: TimeLaw
+    profile: TimeLaw  # time law of the share of the way covered, from 0 to 1
 
     def __post_init__(self) -> None:
         if not 0.0 < abs(self.angle) <= 2 * np.pi * (1 + 1e-12):

@@ -54,13 +54,10 @@ class DriveExecution:
 
     Its interpolator makes a uniform cubic B-spline of the inverse kinematics, and logs positions on it; accelerations
     are straight lines between those of the cycles, and known exactly.
-
-    Args:
-        spline: drives over time [m or rad].
     """
 
     machine: Machine
-    spline: "BSpline"
+    spline: "BSpline"  # drives over time [m or rad]
 
     @classmethod
     def of_log(cls, machine: Machine, period: float, drives: Array) -> "DriveExecution":

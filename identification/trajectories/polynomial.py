@@ -17,15 +17,10 @@ SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """sum_i c_i t^i over 0 <= t <= duration in each of the six coordinates.
+    """sum_i c_i t^i over 0 <= t <= duration in each of the six coordinates."""
 
-    Args:
-        coefficients: c_0 to c_d, shape (d + 1, n) [m or rad over powers of seconds].
-        duration: [s].
-    """
-
-    coefficients: Array
-    duration: float
+    coefficients: Array  # c_0 to c_d, shape (d + 1, n) [m or rad over powers of seconds]
+    duration: float  # [s]
 
     @property
     def start(self) -> Array:
@@ -42,14 +37,11 @@ class Piece:
 class PolynomialMotion:
     """Pieces one after the other.
 
-    Args:
-        pieces: each begins where the one before it ends.
-
     Raises:
         ValueError: no pieces, a duration that is not positive, or a gap between two of them.
     """
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[Piece, ...]  # each begins where the one before it ends
     table: Array = field(init=False, repr=False, compare=False)
     """c_i of all pieces, those of lower degree filled up with zeros, shape (degree + 1, pieces, n)."""
     times: Array = field(init=False, repr=False, compare=False)
@@ -143,20 +135,14 @@ class Tabulated:
     Between rows the pose is the cubic that shares pose and rates with both; rates and accelerations, which a table
     states for themselves, go straight from row to row. Jerks are the slopes of accelerations.
 
-    Args:
-        times: shape (k,), equal steps from 0 [s].
-        pose: coordinates, shape (k, n) [m or rad].
-        rates: shape (k, n) [m/s or rad/s].
-        accelerations: shape (k, n) [m/s^2 or rad/s^2].
-
     Raises:
         ValueError: fewer than two rows, or shapes that do not belong together.
     """
 
-    times: Array
-    pose: Array
-    rates: Array
-    accelerations: Array
+    times: Array  # shape (k,), equal steps from 0 [s]
+    pose: Array  # coordinates, shape (k, n) [m or rad]
+    rates: Array  # shape (k, n) [m/s or rad/s]
+    accelerations: Array  # shape (k, n) [m/s^2 or rad/s^2]
 
     def __post_init__(self) -> None:
         shape = (len(self.times), *self.pose.shape[1:2])

@@ -20,19 +20,12 @@ REPORT = 0.5  # [s] between two words on progress
 
 
 class Bounded(NamedTuple):
-    """What is known of cells, one row each.
+    """What is known of cells, one row each."""
 
-    Args:
-        upper: no point of the cell has a larger value, shape (n,).
-        lower: value at the point below, shape (n,).
-        point: a point of the cell, shape (n, dimensions of the points).
-        split: the coordinate of the cell to halve next, shape (n,).
-    """
-
-    upper: Array
-    lower: Array
-    point: Array
-    split: NDArray[np.intp]
+    upper: Array  # no point of the cell has a larger value, shape (n,)
+    lower: Array  # value at the point below, shape (n,)
+    point: Array  # a point of the cell, shape (n, dimensions of the points)
+    split: NDArray[np.intp]  # the coordinate of the cell to halve next, shape (n,)
 
 
 class Bounding(Protocol):
@@ -45,19 +38,12 @@ class Bounding(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Maximum:
-    """What branch and bound found.
+    """What branch and bound found."""
 
-    Args:
-        upper: proven: no value is larger.
-        lower: the largest value that was met.
-        points: points with values above what was tolerable, the largest first, shape (k, dimensions).
-        cells: bounded.
-    """
-
-    upper: float
-    lower: float
-    points: Array
-    cells: int
+    upper: float  # proven: no value is larger
+    lower: float  # the largest value that was met
+    points: Array  # points with values above what was tolerable, the largest first, shape (k, dimensions)
+    cells: int  # bounded
 
 
 def maximise(

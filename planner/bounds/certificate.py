@@ -46,14 +46,10 @@ def first_cells(features: Features) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class BoxDerivative:
-    """Bounds of d over cells of angles and angular rates; see `planner.bounds.branch.Bounding`.
-
-    Args:
-        form: Q of the design.
-    """
+    """Bounds of d over cells of angles and angular rates; see `planner.bounds.branch.Bounding`."""
 
     features: Features
-    form: Array
+    form: Array  # Q of the design
 
     @cached_property
     def _error_norms(self) -> tuple[float, float]:

@@ -31,19 +31,12 @@ NEGLIGIBLE = 1e-6  # weights below are dropped from the design
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """A design and how far it may be from the best.
+    """A design and how far it may be from the best."""
 
-    Args:
-        states: as shares of the half widths of the box, shape (n, 18).
-        weights: shape (n,), adding up to 1.
-        logdet: log det F, reference scaling.
-        maximum: maximum of the directional derivative over the box.
-    """
-
-    states: Array
-    weights: Array
-    logdet: float
-    maximum: Maximum
+    states: Array  # as shares of the half widths of the box, shape (n, 18)
+    weights: Array  # shape (n,), adding up to 1
+    logdet: float  # log det F, reference scaling
+    maximum: Maximum  # maximum of the directional derivative over the box
 
 
 def optimal_design(

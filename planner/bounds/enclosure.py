@@ -34,21 +34,13 @@ WIDEST = np.pi / 4  # [rad] of a half width: the enclosure needs less than pi / 
 
 
 class Enclosure(NamedTuple):
-    """Control points over n cells.
+    """Control points over n cells."""
 
-    Args:
-        tables: T of the features at the control points of the angles, shape (n, 27, 21, 15).
-        products: products of the rates at their control points, shape (n, 27, 6).
-        gibbs_error: what the interpolated Gibbs vector misses, its length, shape (n,).
-        product_error: what each interpolated product of the angular velocity misses, shape (n,).
-        angle_error: what an angle itself misses when interpolated, shape (n, 3).
-    """
-
-    tables: Array
-    products: Array
-    gibbs_error: Array
-    product_error: Array
-    angle_error: Array
+    tables: Array  # T of the features at the control points of the angles, shape (n, 27, 21, 15)
+    products: Array  # products of the rates at their control points, shape (n, 27, 6)
+    gibbs_error: Array  # what the interpolated Gibbs vector misses, its length, shape (n,)
+    product_error: Array  # what each interpolated product of the angular velocity misses, shape (n,)
+    angle_error: Array  # what an angle itself misses when interpolated, shape (n, 3)
 
 
 def enclose(features: Features, low: Array, high: Array) -> Enclosure:

@@ -48,26 +48,18 @@ TIME_LIMIT = 120.0  # [s] of processor time, so that answers do not depend on wh
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """An upper bound of log det of the mean information, in reference scaling.
+    """An upper bound of log det of the mean information, in reference scaling."""
 
-    Args:
-        logdet: the bound, log det F + u log(dmax / u).
-        dmax: largest directional derivative over the box, of the tighter bound largest Lagrangian: proven, or the
-            largest that was met.
-        parameters: u.
-        method: how the design and dmax were found.
-        certified: whether the bound is proven; otherwise it is an estimate.
-        design_logdet: log det F of the design that was found; the best lies between it and the bound.
-        proven_logdet: what is proven in any case; `logdet` where certified, looser otherwise. None where nothing is:
-            for machines whose coordinates are not a pose.
-    """
-
-    logdet: float
+    logdet: float  # the bound, log det F + u log(dmax / u)
+    # largest directional derivative over the box, of the tighter bound largest Lagrangian: proven, or the largest that
+    # was met
     dmax: float
-    parameters: int
-    method: str
-    certified: bool
-    design_logdet: float
+    parameters: int  # u
+    method: str  # how the design and dmax were found
+    certified: bool  # whether the bound is proven; otherwise it is an estimate
+    design_logdet: float  # log det F of the design that was found; the best lies between it and the bound
+    # what is proven in any case; `logdet` where certified, looser otherwise. None where nothing is: for machines whose
+    # coordinates are not a pose
     proven_logdet: float | None
 
     def efficiency(self, logdet: float) -> float:

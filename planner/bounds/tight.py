@@ -42,21 +42,13 @@ _ACTIVE = (0, 1, 2, 3, 4, 5, 9, 10, 11, 12, 13, 14, 15, 16, 17)  # rates of x, y
 
 @dataclass(frozen=True, slots=True)
 class TightDesign:
-    """What was found.
+    """What was found."""
 
-    Args:
-        logdet: log det F of the dual point that gives the bound.
-        attained: log det of the best design that was found.
-        dmax: largest h: proven, or the largest that was met.
-        proven: proven largest h.
-        certified: whether `dmax` is proven.
-    """
-
-    logdet: float
-    attained: float
-    dmax: float
-    proven: float
-    certified: bool
+    logdet: float  # log det F of the dual point that gives the bound
+    attained: float  # log det of the best design that was found
+    dmax: float  # largest h: proven, or the largest that was met
+    proven: float  # proven largest h
+    certified: bool  # whether `dmax` is proven
 
 
 def tight_design(

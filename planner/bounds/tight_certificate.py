@@ -36,14 +36,10 @@ def first_tight_cells(features: Features) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class TightDerivative:
-    """Bounds of h over cells; see `planner.bounds.branch.Bounding`.
-
-    Args:
-        form: Q of the design.
-    """
+    """Bounds of h over cells; see `planner.bounds.branch.Bounding`."""
 
     features: Features
-    form: Array
+    form: Array  # Q of the design
     multipliers: Multipliers
 
     def at(self, shares: Array) -> Array:

@@ -118,27 +118,16 @@ def _read(text: str, units: Mapping[str, str], option: str, example: str) -> tup
 
 
 class Typed(NamedTuple):
-    """What a user asks of an identification, as typed.
+    """What a user asks of an identification, as typed."""
 
-    Args:
-        estimator: its name.
-        fix: known values.
-        drop: names to leave out.
-        symmetric: whether the platform is symmetric.
-        prior: uncertain values.
-        weights: instead of the case's.
-        biases: result whose offsets are taken.
-        stale: go on although the case has changed since the biases were identified.
-    """
-
-    estimator: str = "gauss-markov"
-    fix: tuple[str, ...] = ()
-    drop: tuple[str, ...] = ()
-    symmetric: bool = False
-    prior: tuple[str, ...] = ()
-    weights: str | None = None
-    biases: Path | None = None
-    stale: bool = False
+    estimator: str = "gauss-markov"  # its name
+    fix: tuple[str, ...] = ()  # known values
+    drop: tuple[str, ...] = ()  # names to leave out
+    symmetric: bool = False  # whether the platform is symmetric
+    prior: tuple[str, ...] = ()  # uncertain values
+    weights: str | None = None  # instead of the case's
+    biases: Path | None = None  # result whose offsets are taken
+    stale: bool = False  # go on although the case has changed since the biases were identified
 
 
 def method_of(wish: Typed, model: Model, case: Case) -> Method:

@@ -55,45 +55,27 @@ class Told(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One thing that is compared.
+    """One thing that is compared."""
 
-    Args:
-        name: as the user named it.
-        level: plan, run or result.
-        model: number in Table 2.
-        family: family of the plan, or what the recording says.
-        duration: measuring time [s]; None where nothing tells.
-        samples: samples of forces that count.
-        criteria: A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown.
-        parameters: parameters by name.
-        s0: s0 of an identified one [N].
-        notes: figures of the execution, by name.
-        hashes: fingerprints of the recordings that it is or was made of.
-        plan: fingerprint of the plan that it is or followed; None where nothing says.
-        noise: noise of a force sample that predictions assume [N]; None for identified ones.
-        load: mass of the weights that are mounted [kg]; None where nothing tells.
-        machine: machine that was measured, in words; None for plans, and where nothing tells.
-        warnings: warnings that its evaluation gave.
-        vibration: vibration of a planned motion on a machine with a structural mode; None where the case states none.
-    """
-
-    name: str
-    level: Level
+    name: str  # as the user named it
+    level: Level  # plan, run or result
     case: Case
-    model: int
-    family: str
-    duration: float | None
-    samples: int
+    model: int  # number in Table 2
+    family: str  # family of the plan, or what the recording says
+    duration: float | None  # measuring time [s]; None where nothing tells
+    samples: int  # samples of forces that count
+    # A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown
     criteria: Mapping[str, float]
-    parameters: Mapping[str, Told]
-    s0: float | None
-    notes: Mapping[str, float]
-    hashes: frozenset[str]
-    plan: str | None = None
-    noise: float | None = None
-    load: float | None = None
-    machine: str | None = None
-    warnings: tuple[str, ...] = ()
+    parameters: Mapping[str, Told]  # parameters by name
+    s0: float | None  # s0 of an identified one [N]
+    notes: Mapping[str, float]  # figures of the execution, by name
+    hashes: frozenset[str]  # fingerprints of the recordings that it is or was made of
+    plan: str | None = None  # fingerprint of the plan that it is or followed; None where nothing says
+    noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
+    load: float | None = None  # mass of the weights that are mounted [kg]; None where nothing tells
+    machine: str | None = None  # machine that was measured, in words; None for plans, and where nothing tells
+    warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
+    # vibration of a planned motion on a machine with a structural mode; None where the case states none
     vibration: Vibration | None = None
 
     def to_json(self) -> dict[str, Any]:

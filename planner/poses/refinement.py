@@ -22,17 +22,11 @@ INSIDE = 1e-7  # kept from every edge, so that rounding of the solver cannot lea
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """What refinement made of a set of poses.
+    """What refinement made of a set of poses."""
 
-    Args:
-        poses: shape (n, 6) [m, rad]; the start where nothing better was found.
-        value: value of the criterion, exact.
-        status: what the solver said.
-    """
-
-    poses: Array
-    value: float
-    status: str
+    poses: Array  # shape (n, 6) [m, rad]; the start where nothing better was found
+    value: float  # value of the criterion, exact
+    status: str  # what the solver said
 
 
 def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> Refinement:

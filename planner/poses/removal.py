@@ -25,17 +25,11 @@ MOST_EXHAUSTIVE = 2500  # poses that `reduce_smallest_change` starts from: it ev
 
 @dataclass(frozen=True, slots=True)
 class Reduction:
-    """What Algorithm 1 did.
+    """What Algorithm 1 did."""
 
-    Args:
-        removed: indices of the poses in the order of their removal, shape (n - r,).
-        values: values of the criterion after each removal, shape (n - r,).
-        kept: indices of the poses that are left, ascending, shape (r,).
-    """
-
-    removed: Index
-    values: Array
-    kept: Index
+    removed: Index  # indices of the poses in the order of their removal, shape (n - r,)
+    values: Array  # values of the criterion after each removal, shape (n - r,)
+    kept: Index  # indices of the poses that are left, ascending, shape (r,)
 
 
 def full_rank(regressors: Array) -> bool:

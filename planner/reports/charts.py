@@ -113,19 +113,12 @@ def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32
 
 
 class Series(NamedTuple):
-    """Standard deviations of one method.
+    """Standard deviations of one method."""
 
-    Args:
-        name: name in the legend.
-        deviations: deviations by parameter; parameters that it does not tell are missing.
-        colour: colour of its markers.
-        symbol: plotly's name of the marker.
-    """
-
-    name: str
-    deviations: Mapping[str, float]
-    colour: str
-    symbol: str = "circle"
+    name: str  # name in the legend
+    deviations: Mapping[str, float]  # deviations by parameter; parameters that it does not tell are missing
+    colour: str  # colour of its markers
+    symbol: str = "circle"  # plotly's name of the marker
 
 
 def ratio_figure(series: Sequence[Series]) -> Chart:

@@ -98,19 +98,12 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Plot:
-    """An interactive figure.
+    """An interactive figure."""
 
-    Args:
-        name: unique on the page, also the name of the file it is saved to from the browser.
-        figure: drawn in the colours of the page, so it sets none for text, grid and background.
-        note: caption, which says what to see; also what a screen reader says of the figure.
-        half: may stand beside another one where the window is wide.
-    """
-
-    name: str
-    figure: Chart
-    note: str
-    half: bool = False
+    name: str  # unique on the page, also the name of the file it is saved to from the browser
+    figure: Chart  # drawn in the colours of the page, so it sets none for text, grid and background
+    note: str  # caption, which says what to see; also what a screen reader says of the figure
+    half: bool = False  # may stand beside another one where the window is wide
     kind: str = "plot"
 
     @property
@@ -121,15 +114,10 @@ class Plot:
 
 @dataclass(frozen=True, slots=True)
 class MachineItem:
-    """The hexapod moving in 3-D, with buttons to play and a slider to scrub.
+    """The hexapod moving in 3-D, with buttons to play and a slider to scrub."""
 
-    Args:
-        scene: what `planner.reports.machine` makes of a motion.
-        note: caption.
-    """
-
-    scene: dict[str, Any]
-    note: str = ""
+    scene: dict[str, Any]  # what `planner.reports.machine` makes of a motion
+    note: str = ""  # caption
     kind: str = "machine"
 
     @property
@@ -151,19 +139,12 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """A report.
+    """A report."""
 
-    Args:
-        title: heading.
-        lead: what was done, in a sentence or two.
-        inputs: what it was done with, versions too: names and values.
-        warnings: stand first.
-    """
-
-    title: str
-    lead: str
-    inputs: tuple[tuple[str, str], ...]
-    warnings: tuple[str, ...]
+    title: str  # heading
+    lead: str  # what was done, in a sentence or two
+    inputs: tuple[tuple[str, str], ...]  # what it was done with, versions too: names and values
+    warnings: tuple[str, ...]  # stand first
     sections: tuple[Section, ...]
 
 

@@ -37,27 +37,16 @@ INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is inte
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A path and what its limits are made of, at the points at which they are held.
+    """A path and what its limits are made of, at the points at which they are held."""
 
-    Args:
-        s: places on the path, its own time, shape (n,) [s].
-        weights: weights of the integral over s, shape (n,) [s].
-        first: derivatives of the six coordinates and the six strut lengths with respect to s, shape (n, 12).
-        second: shape (n, 12).
-        third: third derivatives of the six coordinates, shape (n, 6).
-        velocity: limits, shape (12,).
-        acceleration: shape (12,).
-        jerk: shape (6,).
-    """
-
-    s: Array
-    weights: Array
-    first: Array
-    second: Array
-    third: Array
-    velocity: Array
-    acceleration: Array
-    jerk: Array
+    s: Array  # places on the path, its own time, shape (n,) [s]
+    weights: Array  # weights of the integral over s, shape (n,) [s]
+    first: Array  # derivatives of the six coordinates and the six strut lengths with respect to s, shape (n, 12)
+    second: Array  # shape (n, 12)
+    third: Array  # third derivatives of the six coordinates, shape (n, 6)
+    velocity: Array  # limits, shape (12,)
+    acceleration: Array  # shape (12,)
+    jerk: Array  # shape (6,)
 
     @classmethod
     def of(cls, path: Trajectory, case: Case, margin: float) -> "Course":
@@ -113,16 +102,11 @@ def _basis(duration: float) -> "BSpline":
 
 @dataclass(frozen=True)
 class PacedMotion:
-    """A motion along a path at another pace, with finite jerks; a `Trajectory`.
-
-    Args:
-        pace: p over the planned time.
-        solver: what the optimiser said.
-    """
+    """A motion along a path at another pace, with finite jerks; a `Trajectory`."""
 
     path: Trajectory
-    pace: "BSpline"
-    solver: str = field(default="", compare=False)
+    pace: "BSpline"  # p over the planned time
+    solver: str = field(default="", compare=False)  # what the optimiser said
 
     @cached_property
     def _clock(self) -> tuple[Array, Array]:

@@ -34,17 +34,12 @@ STRETCHES = 40
 
 
 class RetimedPath(NamedTuple):
-    """A path at another pace.
+    """A path at another pace."""
 
-    Args:
-        motion: proven inside all limits, with a margin; the path itself where its own pace is as good as any found.
-        off_path: largest distance from the path, of the position [m] and of an angle [rad].
-        solver: what the optimiser said.
-    """
-
+    # proven inside all limits, with a margin; the path itself where its own pace is as good as any found
     motion: Trajectory
-    off_path: tuple[float, float]
-    solver: str
+    off_path: tuple[float, float]  # largest distance from the path, of the position [m] and of an angle [rad]
+    solver: str  # what the optimiser said
 
 
 def retimed_path(

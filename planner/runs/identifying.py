@@ -30,20 +30,13 @@ from planner.runs.recorded import UNSAID, StandstillWish, fitting_case, shorter_
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What is asked of an identification.
+    """What is asked of an identification."""
 
-    Args:
-        model: number in Table 2; None for what the run can carry.
-        how: estimator, and what is known beforehand, for a model.
-        terms: forms of the error compensation instead of the model's: K1 to K5.
-        still: what is known of standstills in a run with a clock.
-    """
-
-    model: int | None = None
-    how: Callable[[Model], Method] = lambda model: GAUSS_MARKOV
-    terms: tuple[str, ...] = ()
+    model: int | None = None  # number in Table 2; None for what the run can carry
+    how: Callable[[Model], Method] = lambda model: GAUSS_MARKOV  # estimator, and what is known beforehand, for a model
+    terms: tuple[str, ...] = ()  # forms of the error compensation instead of the model's: K1 to K5
     conditioning: Conditioning = USUAL
-    still: StandstillWish = UNSAID
+    still: StandstillWish = UNSAID  # what is known of standstills in a run with a clock
 
 
 def identify(

@@ -31,15 +31,10 @@ RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
 class StandstillWish(NamedTuple):
-    """What a user says about standstills in a run that was recorded with a clock.
+    """What a user says about standstills in a run that was recorded with a clock."""
 
-    Args:
-        poses: whose standstills the run holds, shape (n, 6) [m, rad].
-        asked: average standstills without knowing the poses.
-    """
-
-    poses: Array | None = None
-    asked: bool = False
+    poses: Array | None = None  # whose standstills the run holds, shape (n, 6) [m, rad]
+    asked: bool = False  # average standstills without knowing the poses
 
 
 UNSAID = StandstillWish()
@@ -187,15 +182,10 @@ STANDS = 1e-4  # [m] that a strut may move while the trigger is on: it settles f
 
 
 class Stood(NamedTuple):
-    """How a run went.
+    """How a run went."""
 
-    Args:
-        duration: duration from the first movement to the last [s].
-        off: largest distance of a standstill from its pose of the program [m].
-    """
-
-    duration: float
-    off: float
+    duration: float  # duration from the first movement to the last [s]
+    off: float  # largest distance of a standstill from its pose of the program [m]
 
 
 def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:

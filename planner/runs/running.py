@@ -37,23 +37,14 @@ NOTICEABLE = 0.01  # of a run
 
 
 class RunRating(NamedTuple):
-    """Planned against executed.
+    """Planned against executed."""
 
-    Args:
-        planned: duration of the excitation in the program [s].
-        executed: with the controller [s].
-        path_error: [m].
-        efficiency_planned: D-efficiency of the program's excitation; None where it measures standing still.
-        efficiency: efficiency of the executed one, behind the filter of the evaluation; None as before.
-        peaks: largest share of each kinetic limit in the whole run, approach and return included.
-    """
-
-    planned: float
-    executed: float
-    path_error: float
-    efficiency_planned: float | None
-    efficiency: float | None
-    peaks: dict[str, float]
+    planned: float  # duration of the excitation in the program [s]
+    executed: float  # with the controller [s]
+    path_error: float  # [m]
+    efficiency_planned: float | None  # D-efficiency of the program's excitation; None where it measures standing still
+    efficiency: float | None  # efficiency of the executed one, behind the filter of the evaluation; None as before
+    peaks: dict[str, float]  # largest share of each kinetic limit in the whole run, approach and return included
 
     @property
     def peak_acceleration(self) -> float:
@@ -63,25 +54,18 @@ class RunRating(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
-    """A run with its recording.
-
-    Args:
-        recording: what was measured, simulated.
-        planned: the excitation that the program asks for, or the way through the poses that it measures.
-        program_hash: fingerprint of the program that ran.
-        guarantees: what the controller that it was written for answers for.
-        poses: poses at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
-        plan_hash: fingerprint of the plan that the program says it was written from; None where it says nothing.
-    """
+    """A run with its recording."""
 
     run: ExecutedRun
-    recording: Recording
+    recording: Recording  # what was measured, simulated
     rating: RunRating
-    planned: Trajectory
-    program_hash: str
-    guarantees: Guarantees
+    planned: Trajectory  # the excitation that the program asks for, or the way through the poses that it measures
+    program_hash: str  # fingerprint of the program that ran
+    guarantees: Guarantees  # what the controller that it was written for answers for
     around: Circumstances
+    # poses at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad]
     poses: NDArray[np.float64]
+    # fingerprint of the plan that the program says it was written from; None where it says nothing
     plan_hash: str | None = None
 
 

@@ -121,19 +121,12 @@ AHEAD = 2  # tasks kept ready a thread, so that no worker waits for the next
 
 
 class TaskEnd(NamedTuple):
-    """What became of a task.
+    """What became of a task."""
 
-    Args:
-        key: key of the task.
-        value: what it returned; None where it failed.
-        reason: why it failed twice, one line; None where it did not.
-        seconds: seconds that it took on its worker; 0 where it failed.
-    """
-
-    key: str
-    value: Any
-    reason: str | None
-    seconds: float
+    key: str  # key of the task
+    value: Any  # what it returned; None where it failed
+    reason: str | None  # why it failed twice, one line; None where it did not
+    seconds: float  # seconds that it took on its worker; 0 where it failed
 
 
 def run_tasks(

@@ -26,19 +26,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One cell's work.
+    """One cell's work."""
 
-    Args:
-        case: machine and limits, and a simulated machine where runs are asked for.
-        request: what to plan, from one start.
-        noise_seeds: noise seeds of the recordings to identify; none: the plan alone.
-        disturbed: whether the simulated machine vibrates, ripples and errs with the pose.
-    """
-
-    case: Case
-    request: Request
-    noise_seeds: tuple[int, ...]
-    disturbed: bool = False
+    case: Case  # machine and limits, and a simulated machine where runs are asked for
+    request: Request  # what to plan, from one start
+    noise_seeds: tuple[int, ...]  # noise seeds of the recordings to identify; none: the plan alone
+    disturbed: bool = False  # whether the simulated machine vibrates, ripples and errs with the pose
 
 
 def work(job: Job) -> list[dict[str, Any]]:

@@ -42,17 +42,11 @@ def principal_axes(inertia: Array) -> PrincipalAxes:
 
 
 class IdentifiedLoad(NamedTuple):
-    """What the force sensors carry, as a rigid body in {P}.
+    """What the force sensors carry, as a rigid body in {P}."""
 
-    Args:
-        mass: [kg].
-        centre: of gravity, shape (3,) [m].
-        inertia: about the centre of gravity, shape (3, 3) [kg m^2].
-    """
-
-    mass: float
-    centre: Array
-    inertia: Array
+    mass: float  # [kg]
+    centre: Array  # of gravity, shape (3,) [m]
+    inertia: Array  # about the centre of gravity, shape (3, 3) [kg m^2]
     principal: PrincipalAxes
 
 

@@ -73,17 +73,11 @@ def _function(function: ca.Function, camel: str, parameters: list[str]) -> dict[
 
 @dataclass(frozen=True, slots=True)
 class SingleFile:
-    """A target that is one file.
+    """A target that is one file."""
 
-    Args:
-        suffix: suffix of the file, where none is given.
-        text: what it holds, from the calibration and the name of the model.
-        named: whether the file's name becomes the name of the model.
-    """
-
-    suffix: str
-    text: Callable[[Calibration, str], str]
-    named: bool
+    suffix: str  # suffix of the file, where none is given
+    text: Callable[[Calibration, str], str]  # what it holds, from the calibration and the name of the model
+    named: bool  # whether the file's name becomes the name of the model
 
 
 SINGLE_FILES = {

@@ -14,17 +14,12 @@ UNTIMED = ", untimed moves"  # names apart what a controller does by itself, les
 
 @dataclass(frozen=True, slots=True)
 class Answering:
-    """What a program is judged by.
-
-    Args:
-        file: name of the program, for messages.
-        forces: bounds of the sensor forces; None where the case has no range or body.
-    """
+    """What a program is judged by."""
 
     case: Case
     guarantees: Guarantees
-    file: str
-    forces: ForceBounds | None
+    file: str  # name of the program, for messages
+    forces: ForceBounds | None  # bounds of the sensor forces; None where the case has no range or body
 
     @property
     def limits(self) -> Box:

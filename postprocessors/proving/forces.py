@@ -47,16 +47,11 @@ class Steady(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ForceBounds:
-    """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits.
-
-    Args:
-        limits: limits of rates and accelerations, which the controller keeps.
-        chain: the machine, where it is one; else a hexapod.
-    """
+    """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits."""
 
     loads: Loads
-    limits: Box
-    chain: Chain | None = None
+    limits: Box  # limits of rates and accelerations, which the controller keeps
+    chain: Chain | None = None  # the machine, where it is one; else a hexapod
 
     @classmethod
     def of(cls, case: Case) -> "ForceBounds | None":

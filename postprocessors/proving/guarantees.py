@@ -30,47 +30,32 @@ class ArcLaw(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Guarantees:
-    """A controller as set up for one case and one program.
+    """A controller as set up for one case and one program."""
 
-    Args:
-        controller: its name, for messages.
-        shortest_block: a timed block must not be shorter: the controller's cycle [s].
-        longest_block: a timed block must not be longer: beyond it nothing is known of its time law [s].
-        follows_paths: whether it passes timed points at their times along the assumed curve between them; then what a
-            timed path reaches is proven from the text, else only its geometry and rates are.
-        even_blocks: whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all
-            coordinates, at one feed): then rates are proven also where it does not follow the assumed curve.
-        enforced: families of limits that it keeps by itself, whatever the program asks for; see `family`.
-        law: its time law in straight moves that it times itself, under the limits of the case.
-        jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
-        rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
-        block_key: setting that the length of timed blocks comes from.
-    """
-
-    controller: str
-    shortest_block: float
-    longest_block: float
+    controller: str  # its name, for messages
+    shortest_block: float  # a timed block must not be shorter: the controller's cycle [s]
+    longest_block: float  # a timed block must not be longer: beyond it nothing is known of its time law [s]
+    # whether it passes timed points at their times along the assumed curve between them; then what a timed path reaches
+    # is proven from the text, else only its geometry and rates are
     follows_paths: bool
+    # whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all coordinates,
+    # at one feed): then rates are proven also where it does not follow the assumed curve
     even_blocks: bool
-    enforced: frozenset[str]
-    law: Law
+    enforced: frozenset[str]  # families of limits that it keeps by itself, whatever the program asks for; see `family`
+    law: Law  # its time law in straight moves that it times itself, under the limits of the case
     arc_law: ArcLaw
-    jerk_time: float
+    jerk_time: float  # within this time its accelerations step where its law has no jerk limit; 0 where it has one [s]
+    # how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them
     rounding: tuple[float, float] = (0.0, 0.0)
-    block_key: str = "controller.block_ms"
+    block_key: str = "controller.block_ms"  # setting that the length of timed blocks comes from
 
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """What a controller will make of a program's time, told before it runs.
+    """What a controller will make of a program's time, told before it runs."""
 
-    Args:
-        stretch: predicted duration over planned duration of the excitation's timed paths.
-        remarks: what to know about it and what to change, one sentence each.
-    """
-
-    stretch: float = 1.0
-    remarks: tuple[str, ...] = ()
+    stretch: float = 1.0  # predicted duration over planned duration of the excitation's timed paths
+    remarks: tuple[str, ...] = ()  # what to know about it and what to change, one sentence each
 
 
 def family(name: str) -> str:

@@ -24,15 +24,10 @@ AT_A_SPEED = (*KINETIC, FEED_TO_HOME)  # limits that a slower program keeps
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A limit that the program passes.
+    """A limit that the program passes."""
 
-    Args:
-        line: line of the program.
-        check: which limit, and by how much.
-    """
-
-    line: int
-    check: LimitCheck
+    line: int  # line of the program
+    check: LimitCheck  # which limit, and by how much
 
     def sentence(self) -> str:
         """Line, value and limit."""
@@ -41,27 +36,16 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class ProgramProof:
-    """What the proof found.
+    """What the proof found."""
 
-    Args:
-        file: the program.
-        controller: controller that would run it.
-        blocks: lines that hold words.
-        duration: duration of everything whose duration is known [s].
-        excitation: duration of the motion with the trigger on [s].
-        limits: worst case of each limit.
-        violations: limits that are passed, the worst first.
-        remarks: what no limit says: where it begins and ends.
-    """
-
-    file: str
-    controller: str
-    blocks: int
-    duration: float
-    excitation: float
-    limits: LimitReport
-    violations: tuple[Violation, ...]
-    remarks: tuple[str, ...]
+    file: str  # the program
+    controller: str  # controller that would run it
+    blocks: int  # lines that hold words
+    duration: float  # duration of everything whose duration is known [s]
+    excitation: float  # duration of the motion with the trigger on [s]
+    limits: LimitReport  # worst case of each limit
+    violations: tuple[Violation, ...]  # limits that are passed, the worst first
+    remarks: tuple[str, ...]  # what no limit says: where it begins and ends
 
     @property
     def ok(self) -> bool:

@@ -18,17 +18,11 @@ STILL = 1e-9  # [m, rad] below the last decimal of any program
 
 @dataclass(frozen=True, slots=True)
 class Timed:
-    """A path whose time the program states block by block.
+    """A path whose time the program states block by block."""
 
-    Args:
-        lines: line of the program that ends each block, shape (k - 1,).
-        points: the motion through the k poses, from rest to rest.
-        trigger: whether the trigger is on.
-    """
-
-    lines: tuple[int, ...]
-    points: TimedPoints | PolynomialMotion | Tabulated
-    trigger: bool
+    lines: tuple[int, ...]  # line of the program that ends each block, shape (k - 1,)
+    points: TimedPoints | PolynomialMotion | Tabulated  # the motion through the k poses, from rest to rest
+    trigger: bool  # whether the trigger is on
 
     def line_at(self, time: float) -> int:
         """Line of the program whose block runs at `time` after the start of the stretch [s]."""
@@ -38,29 +32,18 @@ class Timed:
 
 @dataclass(frozen=True, slots=True)
 class Untimed:
-    """A straight move or an arc from standstill to standstill whose time law is the controller's.
+    """A straight move or an arc from standstill to standstill whose time law is the controller's."""
 
-    Args:
-        line: line of the program.
-        start: shape (6,) [m, rad], or None where the program cannot know it.
-        end: shape (6,) [m, rad].
-        feed: along XYZ [m/s] or ABC [rad/s]; None for a rapid.
-        linear: whether the feed counts XYZ.
-        turn: the arc; None for a straight move.
-        trigger: whether the trigger is on.
-        counted: indices of the coordinates of a chain whose way the feed counts; None as `linear` says.
-        acceleration: acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or
-            rad/s^2].
-    """
-
-    line: int
-    start: Array | None
-    end: Array
-    feed: float | None
-    linear: bool
-    turn: Turn | None
-    trigger: bool
+    line: int  # line of the program
+    start: Array | None  # shape (6,) [m, rad], or None where the program cannot know it
+    end: Array  # shape (6,) [m, rad]
+    feed: float | None  # along XYZ [m/s] or ABC [rad/s]; None for a rapid
+    linear: bool  # whether the feed counts XYZ
+    turn: Turn | None  # the arc; None for a straight move
+    trigger: bool  # whether the trigger is on
+    # indices of the coordinates of a chain whose way the feed counts; None as `linear` says
     counted: tuple[int, ...] | None = None
+    # acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2]
     acceleration: float | None = None
 
     @property
@@ -89,17 +72,11 @@ class Untimed:
 
 @dataclass(frozen=True, slots=True)
 class Still:
-    """A dwell.
+    """A dwell."""
 
-    Args:
-        line: line of the program.
-        duration: [s].
-        trigger: whether the trigger is on.
-    """
-
-    line: int
-    duration: float
-    trigger: bool
+    line: int  # line of the program
+    duration: float  # [s]
+    trigger: bool  # whether the trigger is on
 
 
 Stretch = Timed | Untimed | Still

@@ -53,17 +53,11 @@ def units_of(columns: tuple[str, ...]) -> Array:
 
 
 class SetpointTable(NamedTuple):
-    """A table as read.
+    """A table as read."""
 
-    Args:
-        first: line of its first row (Parquet: 1).
-        header: keys and values.
-        values: one row a cycle, the columns of `columns_of`, in the units of their names.
-    """
-
-    first: int
-    header: dict[str, str]
-    values: Array
+    first: int  # line of its first row (Parquet: 1)
+    header: dict[str, str]  # keys and values
+    values: Array  # one row a cycle, the columns of `columns_of`, in the units of their names
 
 
 def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> SetpointTable:

@@ -64,19 +64,12 @@ M2
 
 
 class AxisLayout(NamedTuple):
-    """Axes and joints of a machine.
+    """Axes and joints of a machine."""
 
-    Args:
-        axes: letters of the coordinates.
-        turns: which of them are angles, shape (k,).
-        kinematics: LinuxCNC's name for it, with its settings.
-        slides: which joints are lengths, shape (k,).
-    """
-
-    axes: str
-    turns: NDArray[np.bool_]
-    kinematics: str
-    slides: NDArray[np.bool_]
+    axes: str  # letters of the coordinates
+    turns: NDArray[np.bool_]  # which of them are angles, shape (k,)
+    kinematics: str  # LinuxCNC's name for it, with its settings
+    slides: NDArray[np.bool_]  # which joints are lengths, shape (k,)
 
     @classmethod
     def of(cls, case: Case) -> "AxisLayout":

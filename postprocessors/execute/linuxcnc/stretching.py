@@ -79,15 +79,10 @@ MOST_HEADROOM = 1e6
 
 
 class Stretch(NamedTuple):
-    """The timed paths of a program under a controller's limits.
+    """The timed paths of a program under a controller's limits."""
 
-    Args:
-        planned: duration of those that run with the trigger on [s].
-        expected: what they will take [s].
-    """
-
-    planned: float
-    expected: float
+    planned: float  # duration of those that run with the trigger on [s]
+    expected: float  # what they will take [s]
 
     @property
     def factor(self) -> float:
@@ -96,15 +91,10 @@ class Stretch(NamedTuple):
 
 
 class LongerBlocks(NamedTuple):
-    """Blocks that keep their time.
+    """Blocks that keep their time."""
 
-    Args:
-        duration: duration of one [s].
-        cut: how far they leave the path [m].
-    """
-
-    duration: float
-    cut: float
+    duration: float  # duration of one [s]
+    cut: float  # how far they leave the path [m]
 
 
 def triggered_paths(reading: Reading) -> list[TimedPoints]:

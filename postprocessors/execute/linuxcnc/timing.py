@@ -144,17 +144,11 @@ def dwell_problem(
 
 
 class _Standstill(NamedTuple):
-    """Dwells and switches without a motion between them.
+    """Dwells and switches without a motion between them."""
 
-    Args:
-        numbers: numbers of their lines, ascending.
-        start: first row of the log during which they stood.
-        end: one past the last.
-    """
-
-    numbers: list[int]
-    start: int
-    end: int
+    numbers: list[int]  # numbers of their lines, ascending
+    start: int  # first row of the log during which they stood
+    end: int  # one past the last
 
 
 def _standstills(log: ControllerLog, numbers: Iterable[int], window: tuple[int, int]) -> Iterator[_Standstill]:
@@ -199,17 +193,11 @@ def without_surplus(
 
 
 class _Phase(NamedTuple):
-    """A part of a standstill in which the trigger does not switch.
+    """A part of a standstill in which the trigger does not switch."""
 
-    Args:
-        start: first row of the log.
-        end: one past the last.
-        seconds: programmed [s].
-    """
-
-    start: int
-    end: int
-    seconds: float
+    start: int  # first row of the log
+    end: int  # one past the last
+    seconds: float  # programmed [s]
 
 
 def _phases(
