@@ -13,8 +13,8 @@ from cases.schema import Case
 from identification.finding import Severity, sentences
 from identification.findings.plausibility import Scan, unmeasured
 from identification.model import Model
+from identification.parameters import OFFSETS
 from identification.recording import Recording
-from identification.regressor_blocks import OFFSETS
 from identification.runs.preparation import moving_run, standstills
 from identification.saved_result import SavedResult
 

@@ -14,7 +14,7 @@ from identification.estimation.compressed import joint_triangle
 from identification.estimation.estimators import FitProblem, Method, gauss_markov_of, method
 from identification.estimation.fit import Fit, of_forces, w_of, whitened
 from identification.model import Model
-from identification.regressor_blocks import MASS
+from identification.parameters import MASS
 from identification.result import Delay
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.wrist import WristRun

@@ -17,8 +17,7 @@ from identification.evaluate import over_samples
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod, Kinematics
 from identification.machine import Machine, machine_if_any
-from identification.pose import gibbs, rotation
-from identification.regressor_blocks import (
+from identification.parameters import (
     FIRST_MOMENT,
     INERTIA,
     K1,
@@ -33,6 +32,7 @@ from identification.regressor_blocks import (
     Parameter,
     State,
 )
+from identification.pose import gibbs, rotation
 from identification.strut_sensors import StrutLayout, structure
 
 Array = NDArray[np.float64]

@@ -9,8 +9,7 @@ from scipy.special import chdtri
 from cases.basis import KEPT
 from cases.errors import IdentificationError
 from identification.model import Model
-from identification.parameters import physical_form
-from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS, Block
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block, physical_form
 from identification.result import Value
 from identification.saved_result import SavedResult
 

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from cases.sensors import StrutSensors
 from identification.hexapod import Hexapod
+from identification.parameters import Block, Parameter, Rods, State
 from identification.pose import rotation
-from identification.regressor_blocks import Block, Parameter, Rods, State
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,9 @@ from identification.motion import Trajectory
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.spline import enough_intervals
-from planner.request import Request
-from planner.search.last_words import solver_text
+from planner.request import Request, parse_targets
+from planner.search.ipopt import solver_text
 from planner.search.solving import DRAWN_BACK, Failed, Start
-from planner.target import parse_targets
 
 if TYPE_CHECKING:
     from planner.vibration import BothLaws

@@ -13,8 +13,7 @@ from identification.model import Model, identification_model
 from identification.motion import Standstill
 from identification.reference import uniform_states
 from planner.families.family import box_middle
-from planner.request import Request
-from planner.target import parse_targets
+from planner.request import Request, parse_targets
 
 _BOX, _WORKSPACE = "limits.motion", "workspace"
 _KEYS = {

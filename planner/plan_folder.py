@@ -21,9 +21,8 @@ from identification.reference import reference_scaling
 from planner.deviations import predicted_std_at_poses, worst_std
 from planner.families.saved import motion_of_entries
 from planner.families.settings import FAMILIES
-from planner.noise import ExpectedNoise, expected_noise, seen_through
+from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through
 from planner.plans import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
-from planner.pose_errors import PoseErrors
 from planner.poses.pose_criteria import pose_regressors, total_information
 from planner.poses.pose_request import PoseRequest
 from planner.request import LONGEST, Request

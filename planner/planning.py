@@ -26,9 +26,8 @@ from planner.families.saved import shipped_start
 from planner.found import Found, notes, weaknesses
 from planner.infeasible import remedy, require_plannable
 from planner.interruption import Interrupted, first_ctrl_c_calls
-from planner.noise import ExpectedNoise, expected_noise, seen_through
+from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through, without_pose_errors
 from planner.plans import Plan
-from planner.pose_errors import PoseErrors, without_pose_errors
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers

@@ -13,7 +13,6 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.limited import Box
 from identification.trajectories.profile import limits_along
-from postprocessors.composing import timed_path
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG
 from postprocessors.program import (
     Arc,
@@ -38,6 +37,7 @@ from postprocessors.wording import (
     feed,
     number,
 )
+from postprocessors.writing import timed_path
 
 MOTION = (ToHome, PointToPoint, Arc, TimedPath, SplinePath)
 FULL = 1e-9  # [rad] that a full circle may miss: rounding

@@ -12,7 +12,6 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import TimedPoints, Trajectory
-from postprocessors.composing import moves_as_polynomials, timed_path
 from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.program import (
     Arc,
@@ -41,6 +40,7 @@ from postprocessors.wording import (
     number,
     written_feed,
 )
+from postprocessors.writing import moves_as_polynomials, timed_path
 
 POLY_LENGTH_DECIMALS = 7  # of a coefficient: rates must pass from piece to piece
 POLY_ANGLE_DECIMALS = 8

@@ -9,7 +9,6 @@ import numpy as np
 from cases.controller import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
-from postprocessors.composing import timed_path
 from postprocessors.program import (
     Arc,
     Array,
@@ -36,6 +35,7 @@ from postprocessors.wording import (
     number,
     written_feed,
 )
+from postprocessors.writing import timed_path
 
 TIME_DECIMALS = 9  # of a second
 

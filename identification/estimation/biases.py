@@ -16,7 +16,7 @@ from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
-from identification.regressor_blocks import MASS, OFFSETS
+from identification.parameters import MASS, OFFSETS
 
 Array = NDArray[np.float64]
 

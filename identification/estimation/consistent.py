@@ -17,7 +17,7 @@ from scipy.special import fdtrc
 
 from cases.errors import IdentificationError
 from identification.estimation.fit import Fit
-from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS
 
 Array = NDArray[np.float64]
 

@@ -20,9 +20,8 @@ from identification.estimation.compressed import column_scale, compress, fit_alo
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.estimation.selection import require_names
 from identification.model import Model
-from identification.parameters import physical_form
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, physical_form
 from identification.pose import skew
-from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS
 
 Array = NDArray[np.float64]
 

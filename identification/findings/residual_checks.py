@@ -20,9 +20,9 @@ from identification.findings.plausibility import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
 from identification.noise.stated import acceleration_to_force, inverse_root
+from identification.parameters import MASS
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
-from identification.regressor_blocks import MASS
 from identification.runs.evaluation import Run
 
 Array = NDArray[np.float64]

@@ -34,7 +34,7 @@ from identification.formats.checks import (
     require_switch,
     with_lost_rows,
 )
-from identification.formats.header import without
+from identification.formats.delimited import without
 from identification.formats.stream import Stream
 from identification.formats.table import Array, ColumnTable, listed
 

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 
 from cases.errors import RecordingError
 from cases.recording_format import RecordingFormat
-from identification.formats.header import select, unknown_columns
+from identification.formats.delimited import select, unknown_columns
 from identification.formats.table import Array, ColumnTable, Lines, Stamps, shown
 from identification.formats.text import unreadable
 

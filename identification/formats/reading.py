@@ -17,7 +17,7 @@ from cases.schema import Case
 from identification.formats import delimited, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
-from identification.formats.header import without
+from identification.formats.delimited import without
 from identification.formats.stream import Recording, Stream, either
 from identification.formats.table import Array, ColumnTable, Stamps
 from identification.formats.text import require_file, unreadable

@@ -21,7 +21,7 @@ import pyarrow as pa
 
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
-from identification.formats.header import cells, decoded, select, unknown_columns
+from identification.formats.delimited import cells, decoded, select, unknown_columns
 from identification.formats.table import ColumnTable, Stamps
 from identification.formats.text import (
     Fields,

@@ -23,7 +23,7 @@ from identification.formats.stream import Recording, Stream
 from identification.formats.table import HOST_GAP, lost_samples
 from identification.model import Model
 from identification.noise.coloured import coloured_covariance, turned
-from identification.regressor_blocks import MASS
+from identification.parameters import MASS
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter
 

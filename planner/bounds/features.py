@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model
+from identification.parameters import State
 from identification.pose import gibbs, rotation, twist, twist_rate
-from identification.regressor_blocks import State
 
 Array = NDArray[np.float64]
 

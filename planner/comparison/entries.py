@@ -25,10 +25,9 @@ from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
 from planner.deviations import predicted_std
-from planner.noise import expected_noise
+from planner.noise import PoseErrors, expected_noise
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
-from planner.pose_errors import PoseErrors
 from planner.poses.pose_criteria import pose_regressors
 from planner.runs.recorded import standing_of
 from planner.search.problem import mean_information

@@ -11,7 +11,7 @@ from identification.model import Model
 from identification.pose import rpy
 from planner.poses.pose_criteria import PoseCriterion, pose_regressors, total_information
 from planner.poses.space import SIZE, PoseSpace, valid_poses, validity_margins
-from planner.search.last_words import last_words
+from planner.search.ipopt import last_words
 
 Array = NDArray[np.float64]
 

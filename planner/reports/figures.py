@@ -18,7 +18,7 @@ from planner.reports.charts import Chart, plain, thinned
 from planner.reports.page import Item, Plot, Table
 
 if TYPE_CHECKING:
-    from identification.runs.residuals import Residuals
+    from identification.outcome import Residuals
 
 Array = NDArray[np.float64]
 

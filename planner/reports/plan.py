@@ -25,7 +25,7 @@ from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots
 from planner.reports.machine import moving_machine
 from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles
-from planner.search.last_words import solver_text
+from planner.search.ipopt import solver_text
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.motion import Motion, Trajectory
-from planner.search.last_words import last_words
+from planner.search.ipopt import last_words
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -17,11 +17,10 @@ from identification.hexapod import StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
-from identification.outcome import TOLD_OF_RUNS, Result
+from identification.outcome import TOLD_OF_RUNS, Result, residuals_of
 from identification.recording import Recording, files_of, read
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
-from identification.runs.residuals import residuals_of
 from identification.samples import USUAL, Conditioning
 from identification.saved_result import provenance
 from planner.plans import Plan

@@ -16,8 +16,7 @@ from identification.model import identification_model
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
 from planner.families.family import box_middle
-from planner.search.kernel import Kernel
-from planner.search.states import Peak, state_size
+from planner.search.states import Kernel, Peak, state_size
 
 Array = NDArray[np.float64]
 

@@ -172,6 +172,11 @@ def rounded(points: TimedPoints, tolerance: tuple[float, float]) -> TimedPoints:
 def block_limited(points: TimedPoints, case: Case, tolerance: tuple[float, float]) -> RetimedMotion:
     """The rounded path, each block as long as written or as long as it needs, inside the limits of the case.
 
+    Each block is a trapezoid at half the acceleration limit along it, so that no block of length L is faster than
+    sqrt(a L / 2). While one slows down the next speeds up, for as long as each has room, and only below the speed at
+    which the corner between them is cut by the tolerance of G64; the slowing down above that speed is time lost.
+    Corners are rounded by parabolas. Durations agree with LinuxCNC within 1 % for blocks of 10 to 210 ms.
+
     Args:
         case: its limits of rates and accelerations, of coordinates and struts.
         tolerance: tolerance of corners [m], [rad].

@@ -10,8 +10,7 @@ from cases.units import DEG, MM
 from identification.limited import Box
 from identification.limits import LimitCheck, Status, prove
 from identification.motion import Array, Standstill
-from postprocessors.proving.answering import Answering
-from postprocessors.proving.guarantees import KINETIC, family
+from postprocessors.proving.guarantees import KINETIC, Answering, family
 from postprocessors.proving.stretches import Untimed
 
 WAY_HOME = ", way home"

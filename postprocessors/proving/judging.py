@@ -27,9 +27,8 @@ from identification.motion import Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion, Tabulated
 from identification.trajectories.profile import StraightMove
-from postprocessors.proving.answering import UNTIMED, Answering
 from postprocessors.proving.forces import Steady
-from postprocessors.proving.guarantees import family
+from postprocessors.proving.guarantees import UNTIMED, Answering, family
 from postprocessors.proving.homing import way_home
 from postprocessors.proving.joints import joint_checks
 from postprocessors.proving.predicted import predicted

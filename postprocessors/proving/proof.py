@@ -11,9 +11,8 @@ from cases.units import DEG, MM
 from identification.limited import Box
 from identification.limits import LimitCheck, LimitReport, Status, worst_of
 from identification.motion import Array
-from postprocessors.proving.answering import Answering
 from postprocessors.proving.forces import ForceBounds
-from postprocessors.proving.guarantees import KINETIC, Guarantees, family
+from postprocessors.proving.guarantees import KINETIC, Answering, Guarantees, family
 from postprocessors.proving.homing import FEED_TO_HOME
 from postprocessors.proving.judging import judge
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed, stretches

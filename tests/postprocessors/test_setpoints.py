@@ -14,13 +14,13 @@ from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
 from identification.trajectories.profile import StraightMove
-from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.program import Dwell, NeutralProgram, PointToPoint, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.setpoints import write_csv, write_parquet
+from postprocessors.writing import excitation_program
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
