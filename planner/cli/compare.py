@@ -56,6 +56,6 @@ def _show(answer: dict[str, Any], found: "Comparison") -> None:
         print_table("Planned and executed", EXECUTION, rows)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
+    print(f"report written: {answer['report']}")
     for sentence in answer["recommendation"]["sentences"]:
         print(f"recommendation: {sentence}")
-    print(f"report written: {answer['report']}")

@@ -180,17 +180,6 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     fewer = len(answer["limits"]) - len(shown)
     title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
     print_table(title, LIMIT_COLUMNS, limit_rows(shown))
-    kind = "certified" if answer["bound"]["certified"] else "an estimate"
-    print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
-    if any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
-        print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
-    elif answer["d_efficiency_tight"] is None:
-        command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
-        print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
-    else:
-        kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
-        value = answer["d_efficiency_tight"]
-        print(f"D-efficiency {value:.3f} against motions of limited jerk from rest to rest ({kind})")
     for note in answer["notes"]:
         print(f"note: {note}")
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
@@ -204,12 +193,23 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
         print(f"  {line}")
     first, last = (plan.case.words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
-    starts = f"; {len(answer['starts'])} starts" if answer["starts"] else ""
+    starts = f"; {len(answer['starts'])} start{'s' * (len(answer['starts']) > 1)}" if answer["starts"] else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
+    if any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
+        print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
+    elif answer["d_efficiency_tight"] is None:
+        command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
+        print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
+    else:
+        kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
+        value = answer["d_efficiency_tight"]
+        print(f"D-efficiency {value:.3f} against motions of limited jerk from rest to rest ({kind})")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
         f"{answer['report']}"
     )
+    kind = "certified" if answer["bound"]["certified"] else "an estimate"
+    print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
 
 
 def _mounted(answer: dict[str, Any]) -> str:

@@ -73,10 +73,6 @@ def _show(answer: dict[str, Any], plan: "Plan") -> None:
     print_table("Standard deviations", ("parameter", "std", "unit"), rows)
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")
     print(
-        f"D-efficiency {answer['efficiency']:.3f} of the best design over the candidates (lower bound), "
-        f"{answer['efficiency_space']:.3f} over the whole pose space (estimate)"
-    )
-    print(
         f"condition {answer['condition']:.3g} in reference scaling; {answer['fewest_poses']} of these poses keep rank"
     )
     print(
@@ -84,3 +80,7 @@ def _show(answer: dict[str, Any], plan: "Plan") -> None:
         f"({answer['travel_in_order_of_choice_s']:.1f} s in the order of choice), settling and averaging the rest"
     )
     print(f"plan written: {answer['plan']} (chosen in {answer['select_s']:.1f} s), with its report {answer['report']}")
+    print(
+        f"D-efficiency {answer['efficiency']:.3f} of the best design over the candidates (lower bound), "
+        f"{answer['efficiency_space']:.3f} over the whole pose space (estimate)"
+    )

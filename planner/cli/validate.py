@@ -111,6 +111,6 @@ def _show(answer: dict[str, Any], validation: "Validation") -> None:
         print_table(title, OFF_COLUMNS, rows)
     if rows := [row for remedy in validation.remedies for row in remedy.rows()]:
         print_table("The same recordings with the mode estimated too (identify --flexible)", REMEDY_COLUMNS, rows)
+    print(f"report written: {answer['report']}")
     for finding in validation.findings:
         print(finding.sentence())
-    print(f"report written: {answer['report']}")

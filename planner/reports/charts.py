@@ -13,6 +13,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
 SPREAD = 0.7  # of the distance between two parameters, over which the markers of one stand side by side
 
 
@@ -143,5 +144,6 @@ def ratio_figure(series: Sequence[Series]) -> Chart:
         range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, tickvals=list(range(len(names))),
         ticktext=[plain(n) for n in names], tickangle=-90,
     )  # fmt: skip
-    figure.update_yaxes(title="times the smallest", type="log", tickvals=[1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
+    largest = max((one.deviations[n] / best[n] for one in series for n in one.deviations if n in best), default=1.0)
+    figure.update_yaxes(title="times the smallest", type="log", tickvals=CLOSE if largest < CLOSE[-1] else FAR)
     return figure

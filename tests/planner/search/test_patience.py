@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.families.fourier import FourierFamily
-from planner.families.settings import Fourier, PointToPoint
+from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.request import Request
 from planner.search.patience import ENDLESS, EXPLORING, FAILURES, MOST, WORTHWHILE, Patience, gain
 from planner.search.solving import Failed, Start
 
 SIZE = 20
 FAMILY = FourierFamily(2, 3.0, 1, np.zeros(6), np.ones(6))
-IDLE = PointToPoint().idle("D")
+IDLE = Spline().idle("D")
 STEP = SIZE * np.log1p(WORTHWHILE)  # of log det, just worthwhile
 
 
@@ -27,7 +27,7 @@ def start(promise: float, seed: int = 0) -> Start:
 
 
 def patience(**settings: object) -> Patience:
-    return Patience.of(replace(Request(), **settings), SIZE)
+    return Patience.of(replace(Request(Spline()), **settings), SIZE)
 
 
 def ended_after(promises: list[float]) -> int | None:
@@ -45,11 +45,12 @@ def test_it_ends_after_so_many_starts_without_a_worthwhile_gain():
     assert ended_after([-5.0 + 0.3 * STEP * k for k in range(20)]) == 1 + IDLE
 
 
-def test_a_series_needs_one_start_less():
-    watch, same = patience(family=Fourier()), [start(-5.0)] * 3
+@pytest.mark.parametrize("family", [Fourier(), PointToPoint()])
+def test_other_families_need_one_start_less(family: Fourier | PointToPoint):
+    watch, same = patience(family=family), [start(-5.0)] * 3
     assert not watch.enough(same[:1])
     assert watch.enough(same[:2])
-    assert not patience(family=Fourier(), criterion="A").enough(same[:2])
+    assert not patience(family=family, criterion="A").enough(same[:2])
 
 
 @given(promises=st.lists(st.floats(-50.0, 50.0), min_size=0, max_size=30))
