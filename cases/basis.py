@@ -137,7 +137,6 @@ class Artefact(NamedTuple):
 
         Args:
             now: values of the case today, by dotted key.
-            stale: go on although the case has changed.
 
         Raises:
             FileProblem: the case has changed, and `stale` is not set.

@@ -117,7 +117,6 @@ def output_place(named: Path | None, usual: Path, overwrite: bool) -> Path:
 
     Args:
         named: with -o; None where nothing was named.
-        usual: the command's own name for its output.
         overwrite: whether the usual place may be replaced.
     """
     if named is not None:
@@ -212,7 +211,6 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
     in the meantime stays, and the new folder appears under a free name beside it.
 
     Args:
-        path: the folder.
         overwrite: whether a folder of the same kind that stands there is replaced.
 
     Raises:
@@ -288,7 +286,6 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
     """Reads a JSON object.
 
     Args:
-        path: the file.
         made_by: the command that writes such files, for the message.
 
     Raises:

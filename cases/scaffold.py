@@ -105,8 +105,6 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in.
 
     Args:
-        name: name of the new case.
-        like: name of a built-in case.
         folder: folder to make; it must not hold a case yet.
 
     Returns:
@@ -148,7 +146,6 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
     Args:
-        name: name of the new case.
         urdf: file that describes the robot.
         flange: link that carries the sensor.
         folder: folder to make; it must not hold a case yet.

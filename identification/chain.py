@@ -195,7 +195,6 @@ class SerialChain:
             q: positions of the joints, shape (n, count) [rad or m].
             rates: their first derivatives in time.
             accelerations: their second derivatives.
-            start: not needed.
         """
         del start
         position, columns, twist, twist_rate = over_samples(self.motion, q, rates, accelerations)

@@ -88,7 +88,6 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
 
     Args:
         regressors: A_j, shape (n, 6, u), weighted if channels differ in unit.
-        names: names of the u columns.
     """
     matrix = regressors.reshape(-1, regressors.shape[2])
     norms = np.linalg.norm(matrix, axis=0)

@@ -39,7 +39,6 @@ class Quantity:
         """Two-sided limits: the share is the distance from their middle over half their width.
 
         Args:
-            name: name of the quantity.
             unit: unit in which people read it.
             labels: labels of its k columns.
             values: shape (n, k) [SI].
@@ -227,7 +226,6 @@ def limited_struts(
     """What a case limits of the struts and joints, the distance from boxes and singularities among it.
 
     Args:
-        rotation: orientation as `rotation_motion` gives it.
         workspace: what it can reach.
     """
     strut, velocity, acceleration, normal = _strut_vectors(motion, rotation, machine)

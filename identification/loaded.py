@@ -89,7 +89,6 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
 
     Args:
         disturbances: rms and band of the ripple, which grows with the speed, as errors of screws and gears make it.
-        seed: of this run.
     """
     if disturbances.ripple == 0.0:
         return execution

@@ -140,7 +140,6 @@ def sensor_loads(rotation: tuple[Array, Array, Array], acceleration: Array, load
     Args:
         rotation: R and its first and second time derivative, shapes (n, 3, 3).
         acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
-        loads: loads of the case.
     """
     if loads is None:
         return

@@ -177,7 +177,6 @@ def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
 
     Args:
         count: count of the samples.
-        times: so many `PART` is the part.
     """
     most = times * PART
     if count <= most:

@@ -77,12 +77,7 @@ def load_result(path: Path) -> SavedResult:
 
 
 def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
-    """What `result.json` says of the parameters; errors as `load_result`.
-
-    Args:
-        data: its entries.
-        file: file for messages.
-    """
+    """What `result.json` says of the parameters; errors as `load_result`."""
     if data.get("schema_version") != SCHEMA_VERSION:
         raise FileProblem(
             file, f"schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}", "identify again"
@@ -127,7 +122,6 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
 
     Args:
-        path: the result.
         stale: go on although the machine has changed since.
 
     Raises:

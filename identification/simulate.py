@@ -104,7 +104,6 @@ def simulate_recording(
     Args:
         execution: the motion that the controller executed.
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
-        seed: of the noise.
         source: name of the recording, for messages.
 
     Raises:
@@ -118,7 +117,6 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
 
     Args:
         execution: the motion that the controller executed.
-        seed: of the ripple.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
     if around.disturbances is not None:
@@ -141,7 +139,6 @@ def sensed(
 
     Args:
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
-        seed: of the noise.
         source: name of the recording, for messages.
 
     Raises:

@@ -65,7 +65,6 @@ class StrutLayout:
 
         Args:
             body: what is known of the body on the platform, by name.
-            moving: as in `blocks`.
         """
         s = self.sensors
         known = dict(body)

@@ -89,9 +89,7 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
     """What to know about moves that the controller of a dialect times by another law than they were planned with.
 
     Args:
-        plan: its folder or name.
         made_for: the controller that it was made for.
-        dialect_name: dialect of the program.
 
     Raises:
         HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.

@@ -38,22 +38,14 @@ class Found(NamedTuple):
     white: Start | None = None  # what one start reaches where errors of the pose do not count
 
     def of_rival(self, parameters: int) -> float:
-        """D-efficiency of the other family's motion in units of this one's, with the weights of the search.
-
-        Args:
-            parameters: number u of the model.
-        """
+        """D-efficiency of the other family's motion in units of this one's, with the weights of the search."""
         if self.rival is None or not self.starts:
             return 0.0
         return float(np.exp((self.rival.logdet - self.starts[0].logdet) / parameters))
 
 
 def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
-    """Why another plan would carry more information, each with what to do; the first thing that a user reads.
-
-    Args:
-        parameters: number u of the model.
-    """
+    """Why another plan would carry more information, each with what to do; the first thing that a user reads."""
     words = []
     times = found.of_rival(parameters)
     if found.rival is not None and times > RIVALS:

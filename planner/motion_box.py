@@ -65,7 +65,6 @@ def largest_box(case: Case, seed: int = 0) -> MotionBox:
 
     Args:
         case: case with machine, workspace and limits.
-        seed: of the poses and starts.
 
     Raises:
         CaseError: the case has no machine or no limits, or home is out of reach.

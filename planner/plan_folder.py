@@ -38,7 +38,6 @@ def save_plan(plan: Plan, folder: Path, overwrite: bool = False) -> None:
     """Makes a folder with plan.json, and motion.csv or poses.csv.
 
     Args:
-        folder: folder to make.
         overwrite: whether a plan that stands there may be replaced.
 
     Raises:
@@ -148,7 +147,6 @@ def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator
     """Figures of plan.json that the motion beside them does not have, one after the other.
 
     Args:
-        data: all of plan.json.
         motion: motion that its entries describe.
 
     Raises:

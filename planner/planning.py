@@ -146,9 +146,6 @@ def _made_by_hand(request: Request, motion: Trajectory, file: Path, case: Case) 
 def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     """Optimises, proves and rates an excitation.
 
-    Args:
-        run: runs the starts.
-
     Raises:
         InfeasiblePlan: no motion keeps the limits.
         IdentificationError: the motion does not excite all parameters of the model.

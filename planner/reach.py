@@ -77,7 +77,6 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     Args:
         case: case with machine, workspace and limits.
         count: number of random poses, uniform in the box, for the share of its volume.
-        seed: of these poses.
 
     Raises:
         CaseError: the case has no machine or no limits.

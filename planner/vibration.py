@@ -69,7 +69,6 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
 
     Args:
         case: case with `[simulation.disturbances]`.
-        number: number of the model.
         payload: number of payloads that are mounted.
         seconds: measuring time of the white noise: motions are compared at equal time [s].
 

@@ -95,12 +95,7 @@ class Worth:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
-        """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged.
-
-        Args:
-            data: its entries.
-            parameters: number u of the model.
-        """
+        """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
         tight, rival = data["bound_tight"], data["rival"]
         return cls(
             settings=dict(data["settings"]),

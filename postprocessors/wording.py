@@ -46,8 +46,6 @@ def arc_words(move: CircularMove, names: Sequence[str], values: Sequence[str], f
     """Coordinates of an arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it.
 
     Args:
-        names: names of the six coordinates.
-        values: values of the six coordinates at its end.
         full: leave out where the circle ends in its plane, as LinuxCNC wants it of a full one.
     """
     axes = move.plane.axes[:2]

@@ -184,7 +184,6 @@ def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) ->
     """A trajectory as equally timed poses; of a spline the ends of its pieces are among them.
 
     Args:
-        name: what it is for.
         block: duration of a block at full speed, at most [s].
         speed: share of the planned speed; 0.1 takes ten times as long.
     """
@@ -200,7 +199,6 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     polynomials splines, measurements dwells with the trigger on in the second; whatever else becomes a timed path.
 
     Args:
-        name: what it is for.
         block: duration of a block of a timed path at full speed, at most [s].
         speed: share of the planned speed.
     """
@@ -234,7 +232,6 @@ def excitation_program(
     Args:
         trajectory: the excitation, from rest to rest.
         case: home, limits and controller settings.
-        header: comment lines.
         speed: share of the planned speed.
 
     Raises:

@@ -86,7 +86,6 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
 
     Args:
         root: R, or any matrix with R^T R the information, shape (k, u).
-        names: names of the u columns.
         rows: m n of the paper's numerical zero (Fig. 3).
         nuisance: so many of the last columns are not parameters of the model and are not counted.
 

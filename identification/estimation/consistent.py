@@ -69,7 +69,6 @@ def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit
     Args:
         regressors: A_j, shape (n, 6, u); for the residuals.
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         free: estimate of a Gauss-Markov estimator of these; chi^2 rises from it by (u - free)^T F (u - free), F and s0
             being in its covariance.
         thinnest: rms distance of the body's mass from any plane through its centre of gravity, at least [m]. A sheet

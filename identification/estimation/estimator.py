@@ -35,7 +35,6 @@ def gauss_markov(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
         nuisance: so many of the last columns are not parameters of the model: they are estimated too, and cost
             certainty, but rank and condition are told without them.
@@ -206,7 +205,6 @@ def full_weights(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         nuisance: so many of the last columns are not parameters of the model.
 
     Raises:

@@ -151,7 +151,6 @@ def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:
     Directions that nothing determines stay where they started: rank is the caller's to judge at the end.
 
     Args:
-        residual: r and its Jacobian.
         start: theta, shape (p,).
         tolerance: length of a step, as the change of r that it predicts, below which it is the last. Where r is in
             standard deviations of the noise no parameter is then further from the minimum than so many of its own.

@@ -59,7 +59,6 @@ def huber(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         pooled: one scale for all channels (identical sensors), else one for each (mixed units).
         nuisance: so many of the last columns are not parameters of the model.
         filtered: what was done to both before; a low-pass smears gross errors, so look for them before it.

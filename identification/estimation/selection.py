@@ -143,9 +143,7 @@ def estimate_selected(
     Args:
         regressors: A_j of the full model, shape (n, 6, u); columns beyond it (a delay) stay free.
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         selection: selection of the model that the regressors belong to.
-        estimator: what to estimate with.
 
     Returns:
         The estimator's Fit with values (u,) and covariances (u, u); rank and condition are those of the free ones.

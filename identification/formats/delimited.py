@@ -85,9 +85,6 @@ def require_known(file: Path, names: Sequence[str], lines: Sequence[bytes], form
     """Raises RecordingError unless some of the names are ours; looks for ours elsewhere in the header.
 
     Args:
-        file: file for the message.
-        names: found in line `row`.
-        lines: the first lines of the file.
         row: line in which the names were sought, counted from 1.
     """
     ours = {form.file_name(c) for c in COLUMNS}
@@ -134,9 +131,6 @@ NOTHING = ("", " ")  # fields of what was not measured
 def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch.
 
-    Args:
-        file: the file.
-
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.
     """
@@ -159,8 +153,6 @@ def rows_of(
     """Turns lines of numbers into tables.
 
     Args:
-        file: file for messages.
-        names: names of all their fields.
         chosen: the fields that are wanted.
         tick: duration of a unit of the time stamps, or, without such, between rows [s]; None: there is no clock.
 

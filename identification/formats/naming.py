@@ -74,7 +74,6 @@ def named(theirs: str, unit: str = "") -> Named:
     """What a name says.
 
     Args:
-        theirs: the name in the file.
         unit: what a line of units says of it.
     """
     if theirs in COLUMNS:
@@ -123,7 +122,6 @@ def matched(
     """Our columns among a file's, and the units that names state.
 
     Args:
-        names: names of the file's columns.
         units: units of the file's columns, or empty.
         joints: name of each joint of a chain, from the base -> our column; None: the machine is not a chain.
 
@@ -181,7 +179,6 @@ def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]
     """Six free columns next to each other, by names that differ in a number only: each of them may be six channels.
 
     Args:
-        names: names of the file's columns.
         free: positions that mean nothing yet.
     """
     for start in range(len(free) - 5):

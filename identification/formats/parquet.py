@@ -20,7 +20,6 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file, row group by row group.
 
     Args:
-        file: the file.
         form: what its columns are called and how its clock counts.
 
     Raises:

@@ -37,7 +37,6 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
     """Reads a file: one table for each clock in it.
 
     Args:
-        file: the file.
         held: numbers of the run's other files that are in memory already.
 
     Raises:
@@ -113,7 +112,6 @@ def read_recording(path: Path, case: Case) -> Recording:
     """Reads a recording: a file in the case's format, or the folder that `hexcite run` wrote.
 
     Args:
-        path: file or folder.
         case: says which columns to expect and how the file writes them.
 
     Raises:

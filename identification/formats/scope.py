@@ -55,9 +55,6 @@ class _Layout:
 def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch: one table for each clock and batch.
 
-    Args:
-        file: the file.
-
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.
     """

@@ -231,7 +231,6 @@ def explain(
 
     Args:
         file: where the block is from.
-        names: names of all fields.
         wanted: positions of the fields that must be numbers.
         cause: what the parser said, for damage that is not understood here.
     """

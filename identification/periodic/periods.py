@@ -38,7 +38,6 @@ class PeriodScatter(NamedTuple):
         """Spectral matrices of the noise of the mean period, averaged over neighbouring harmonics.
 
         Args:
-            harmonics: as many are wanted beside the constant.
             points: length of the discrete Fourier transform whose values they are the covariances of.
 
         Returns:

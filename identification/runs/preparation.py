@@ -33,9 +33,6 @@ MOST_BRIDGED = MOST_PUT_BACK
 def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:
     """Averaged standstills, ready to be evaluated.
 
-    Args:
-        found: rows to leave out.
-
     Raises:
         IdentificationError: the model needs what the recording does not have, or the struts cannot close.
     """

@@ -68,7 +68,6 @@ def maximise(
         enough: the upper bound that is wanted.
         tolerable: less than that; points above it are collected.
         deadline: `time.process_time()` at which to stop [s].
-        progress: told the gap now and then.
     """
     heap: list[tuple[float, int, Array, Array, int]] = []
     met: list[tuple[float, Array]] = []

@@ -47,7 +47,6 @@ def optimal_design(
     Args:
         gap: wanted dmax / u - 1.
         deadline: `time.process_time()` at which to stop [s].
-        progress: told the state of things now and then.
     """
     size = features.coefficients.shape[-1]
     states = _first_states()
@@ -93,8 +92,6 @@ def improved_weights(products: Array, weights: Array, size: int, gap: float, ste
         products: A_i^T A_i of each state as a row, shape (n, u * u).
         weights: weights to start from, shape (n,), adding up to 1.
         size: u.
-        gap: see above.
-        steps: at most.
     """
     for step in range(steps):
         inverse = np.linalg.inv((weights @ products).reshape(size, size))
@@ -157,7 +154,6 @@ def searched_design(
         scaling: reference scaling, shape (u,).
         gap: wanted dmax / u - 1.
         deadline: `time.process_time()` at which to stop [s].
-        progress: is told the state of things now and then.
     """
     box, draw = _Box(case, model, scaling), np.random.default_rng(SEED)
     size = len(scaling)

@@ -72,12 +72,7 @@ class Bound:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Bound":
-        """From `plan.json`; earlier versions wrote fewer entries. Raises TypeError or KeyError where one is damaged.
-
-        Args:
-            data: its entry.
-            parameters: number u of the model.
-        """
+        """From `plan.json`; earlier versions wrote fewer entries. Raises TypeError or KeyError where one is damaged."""
         absent = {"parameters": parameters, "design_logdet": data["logdet"], "proven_logdet": data["logdet"]}
         return cls(**(absent | dict(data)))
 
@@ -100,8 +95,6 @@ def box_bound(
     Args:
         cache: folder of the cache; the user's cache folder unless given.
         time_limit: processor time after which the answer is an estimate [s].
-        renew: compute an estimate of the cache again.
-        progress: told the state of things now and then.
 
     Raises:
         CaseError: the case has no machine or no limits.

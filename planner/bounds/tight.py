@@ -65,7 +65,6 @@ def tight_design(
     Args:
         gap: how far the proven maximum may lie above the largest value that was met, as a share, to count as proven.
         deadline: `time.process_time()` at which to stop [s]; the last part is kept for the proof.
-        progress: told the state of things now and then.
         rounds: rounds of the exchange, at most; each makes the bound tighter.
         aim: the gap at which search and proof end before their time; by default `gap`.
     """

@@ -102,7 +102,6 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
     """Reads a plan, recording or result folder.
 
     Args:
-        path: the folder.
         case: instead of the one that the folder names.
         stale: read it although its case has changed since; a warning says so.
 

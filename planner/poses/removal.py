@@ -50,7 +50,6 @@ def reduce_best(
 
     Args:
         regressors: scaled, of all poses, shape (n, 6, u); together of full rank.
-        count: poses to keep at least.
         done: called with the number of poses that are left, after each removal.
     """
     members: Index = np.arange(len(regressors))  # of the screen; `alive` are those that are not yet removed

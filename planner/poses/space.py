@@ -230,7 +230,6 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
 
     Args:
         count: points that are looked at.
-        seed: of the scrambling.
 
     Raises:
         HexciteError: too many, too few, or a negative seed.

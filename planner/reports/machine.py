@@ -25,11 +25,7 @@ SECONDS_A_POSE = 0.5  # of a pose set, when played
 
 
 def moving_machine(case: Case, trajectory: Trajectory, note: str) -> MachineItem:
-    """The machine of a case along a trajectory.
-
-    Args:
-        note: caption.
-    """
+    """The machine of a case along a trajectory."""
     rate = min(FRAMES_A_SECOND, MOST_FRAMES / max(trajectory.duration, 1e-9))
     motion = sample(trajectory, rate)
     return MachineItem(_scene(case, motion.t, motion.pose, steps=False), note)
@@ -40,7 +36,6 @@ def posing_machine(case: Case, poses: Array, note: str) -> MachineItem:
 
     Args:
         poses: shape (n, 6) [m, rad].
-        note: caption.
     """
     return MachineItem(_scene(case, SECONDS_A_POSE * np.arange(float(len(poses))), poses, steps=True), note)
 

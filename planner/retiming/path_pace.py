@@ -49,7 +49,6 @@ def retimed_path(
 
     Args:
         fastest: up to `FASTEST` times the planned pace; otherwise never faster than planned.
-        told: how it is getting on.
 
     Raises:
         InfeasiblePlan: no pace keeps all limits; the message names the one in the way.

@@ -257,7 +257,6 @@ def retimed_plan(
 
     Args:
         request: family, criterion, model and payload of the plan that it comes from.
-        source: the plan before.
         seconds: spent on re-timing [s].
         stale: what has changed in the case since the plan before, where the user went on.
 

@@ -73,11 +73,7 @@ def identify(
 
 
 def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:
-    """`identify` for what is asked as one value.
-
-    Args:
-        stale: what has changed in the case since the run.
-    """
+    """`identify` for what is asked as one value."""
     whole = replace(on_one_clock(recording, case), case=case, paths=recording.paths, record=recording.record)
     run, standing = standing_of(whole, case, wish.still)
     number = default_model(run, case) if wish.model is None else wish.model
@@ -95,12 +91,7 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
 def result_of(
     run: Recording, case: Case, estimate: Estimate, standing: dict[str, Any] | None, stale: tuple[str, ...]
 ) -> Result:
-    """The result of an estimate.
-
-    Args:
-        standing: what is to be said of averaged standstills.
-        stale: what has changed in the case since the run.
-    """
+    """The result of an estimate."""
     changed = tuple(warning(Kind.CASE, sentence) for sentence in stale)
     estimate = replace(estimate, findings=(*estimate.findings, *changed))
     record = {

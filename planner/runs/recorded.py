@@ -46,9 +46,7 @@ def case_of(
     """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
 
     Args:
-        path: path of the recording.
         case: as it was named, which is taken as it is now; None where the folder knows.
-        stale: go on although the case has changed since.
         result: folder of a result, whose case is taken where the recording names none.
 
     Raises:
@@ -144,9 +142,6 @@ def standing_of(
 def poses_of_plan(folder: Path, case: Case) -> Array:
     """Poses of a plan in the order of visit, shape (n, 6) [m, rad].
 
-    Args:
-        folder: folder of the plan.
-
     Raises:
         FileProblem: no plan there, or damaged.
         HexciteError: no plan of poses.
@@ -159,9 +154,6 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
 
 def poses_of_record(record: Mapping[str, Any]) -> Array | None:
     """Poses that a program measured, shape (n, 6); None where it measured a motion, or unknown.
-
-    Args:
-        record: what `recording.json` says.
 
     Raises:
         FileProblem: the entry is damaged.

@@ -94,10 +94,6 @@ def require_seed(seed: int) -> None:
 def execute(program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> RunOutcome:
     """Proves a program, runs it and simulates the recording.
 
-    Args:
-        on: `virtual` or `linuxcnc`.
-        seed: of the sensors' noise.
-
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
     """
@@ -140,9 +136,6 @@ def read_to_run(file: Path, case: Case) -> Program:
 
 def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, ...], ExecutedRun]:
     """Proves a program and runs it: its stretches, and what the controller did.
-
-    Args:
-        on: `virtual` or `linuxcnc`.
 
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.

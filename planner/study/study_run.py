@@ -146,7 +146,6 @@ def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) ->
     """Cells with rows that are not in the folder yet, and the noise seeds of these rows.
 
     Args:
-        folder: folder of the study.
         retry: whether cells that failed count as missing.
 
     Raises:
@@ -197,7 +196,6 @@ def run_study(
     """Computes the rows that a study folder lacks, and keeps each as it arrives.
 
     Args:
-        client: client of the cluster.
         folder: folder of the study; continued where it holds rows.
         done: told of each cell.
         retry: whether to try cells again that failed.

@@ -91,11 +91,7 @@ MOST_REASONS = 20
 
 
 def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
-    """The page of a study folder.
-
-    Args:
-        about: its study.json.
-    """
+    """The page of a study folder."""
     found = groups(table)
     failures = _failures(table)
     lost = sum(count for _, count in failures)

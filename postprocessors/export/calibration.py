@@ -70,7 +70,6 @@ def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool
     Args:
         path: `result.json` or the folder that holds it.
         case_name: built-in name, folder or file of the case; by default the one that the result names.
-        force: export in spite of warnings.
         stale: export although the case has changed since; the file says so.
 
     Raises:

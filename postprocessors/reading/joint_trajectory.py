@@ -29,7 +29,6 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     The recording has no trigger: the whole motion counts as the excitation.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
 
     Raises:
@@ -131,7 +130,6 @@ def _quintic(before: Array, after: Array, duration: float) -> Array:
 
     Args:
         before: position, rate and acceleration, shape (3, joints).
-        after: the same at its end.
         duration: [s].
     """
     scale = duration ** np.arange(3)[:, None]

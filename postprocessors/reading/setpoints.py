@@ -64,7 +64,6 @@ def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -
     """The numbers of a table.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
         most: rows that the controller's memory holds.
         columns: columns that the table must have.

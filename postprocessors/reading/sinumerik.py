@@ -222,7 +222,6 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
         case: gives the words of the machine's transformation and the limits of its program memory.
 

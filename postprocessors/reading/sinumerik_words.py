@@ -193,7 +193,6 @@ def polynomial(
 
     Args:
         state: state of the controller; its pose becomes the piece's end.
-        seen: words of the block but PO.
         first: word of the motion, for messages.
 
     Raises:

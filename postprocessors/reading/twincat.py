@@ -221,7 +221,6 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
         case: gives kinematics, sign of B, M functions and the limits of the program memory.
 

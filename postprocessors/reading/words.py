@@ -170,10 +170,7 @@ def each_word(
     """What stands in a line from a position on, word by word.
 
     Args:
-        text: text of the line.
         position: where to begin.
-        pattern: pattern of a word with blanks before it.
-        found: makes something of a match and its column.
         unreadable: makes an error of the column and the first characters of what is not a word.
 
     Raises:

@@ -260,7 +260,6 @@ def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: 
     """Writes everything that LinuxCNC reads, except its program and its display, into a folder of its own.
 
     Args:
-        folder: an existing folder.
         case: a case with machine, workspace, limits and controller.
         home_joints: joints at home, shape (k,) [m or rad].
         headroom: acceleration limits as a multiple of the case's.

@@ -189,7 +189,6 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
 
     Args:
         program: the program, for messages.
-        folder: the session's.
 
     Returns:
         `version` of LinuxCNC; `started` and `ended`: rows between which the program ran; `samples` and `lost`: counts.
@@ -234,8 +233,6 @@ def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, 
 
     Args:
         program: the program, for messages.
-        folder: the session's.
-        report: the driver's.
         speedup: controller time per wall-clock time, for messages.
 
     Raises:

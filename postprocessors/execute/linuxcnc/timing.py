@@ -44,7 +44,6 @@ def dwells(program: Path, lines: list[str]) -> dict[int, float]:
 
     Args:
         program: the program, for messages.
-        lines: its lines.
 
     Raises:
         ExecutionError: a dwell has another form than `G4 P<seconds>` on a line of its own.
