@@ -16,7 +16,7 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, field_validator, mo
 from cases.chain import Chain, JointLimits, JointMotionLimits, SerialMachine, joint_problems
 from cases.controller import Controller
 from cases.errors import CaseError
-from cases.machine import Limits, Machine, MotionLimits, Workspace
+from cases.machine import HexapodMachine, Limits, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
 from cases.poses import Poses
 from cases.recording_format import STRUTS, RecordingFormat
@@ -34,7 +34,7 @@ def fingerprint(content: object) -> str:
 
 
 def _kind_of_machine(table: Any) -> str:
-    return "<SerialMachine>" if isinstance(table, SerialMachine) or _has(table, "chain") else "<Machine>"
+    return "<SerialMachine>" if isinstance(table, SerialMachine) or _has(table, "chain") else "<HexapodMachine>"
 
 
 def _kind_of_limits(table: Any) -> str:
@@ -48,7 +48,7 @@ def _has(table: Any, key: str) -> bool:
 
 # Tags in angle brackets name the class that a table was read as; messages leave them out.
 AnyMachine = Annotated[
-    Annotated[Machine, Tag("<Machine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
+    Annotated[HexapodMachine, Tag("<HexapodMachine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
     Discriminator(_kind_of_machine),
 ]
 AnyLimits = Annotated[
@@ -245,9 +245,9 @@ class Case(Part):
         raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
 
     @property
-    def hexapod(self) -> Machine | None:
+    def hexapod(self) -> HexapodMachine | None:
         """The hexapod, where the machine is one."""
-        return self.machine if isinstance(self.machine, Machine) else None
+        return self.machine if isinstance(self.machine, HexapodMachine) else None
 
     @property
     def chain(self) -> Chain | None:
@@ -301,7 +301,7 @@ class Case(Part):
         freed = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
         return self.model_copy(update={"limits": freed})
 
-    def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
+    def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, Limits]:
         """Hexapod, workspace and limits.
 
         Args:

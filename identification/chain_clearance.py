@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.chain import Chain
 from cases.machine import Tool
 from cases.units import MM
-from identification.machine import Share
+from identification.machines import Share
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod_limits import hexapod_shares
-from identification.machine import FrameMotion, Share
+from identification.machines import FrameMotion, Share
 from identification.pose import rotation, rpy, skew, twist, twist_rate
 
 Array = NDArray[np.float64]

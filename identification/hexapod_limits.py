@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.machine import Share
+from identification.machines import Share
 from identification.pose import rotation
 
 if TYPE_CHECKING:

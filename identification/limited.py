@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.machine import Machine, MotionLimits, Workspace
+from cases.machine import HexapodMachine, MotionLimits, Workspace
 from cases.units import DEG, MM
 from identification.keep_out import distances, guarded
 from identification.motion import Motion
@@ -117,7 +117,7 @@ def limited_coordinates(
         yield from _by_kind(("jerk", "m/s^3"), ("angular jerk", "rad/s^3"), jerks, -j, j, one, limits)
 
 
-def plane(motion: Motion, machine: Machine, workspace: Workspace) -> Quantity:
+def plane(motion: Motion, machine: HexapodMachine, workspace: Workspace) -> Quantity:
     """How far the platform of a hexapod is from home, in the plane that it can reach."""
     low, high = workspace.plane[0], workspace.plane[1]
     offset = motion.pose[:, :2] - machine.home.vector[:2]
@@ -135,7 +135,7 @@ def _with_steps(motion: Motion, limit: Array) -> Array:
     return jerks
 
 
-def strut_velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Quantity:
+def strut_velocities(motion: Motion, machine: HexapodMachine, limits: MotionLimits) -> Quantity:
     """Velocities of the struts alone."""
     most = np.full(6, limits.strut_velocity_m_s)
     return Quantity.between("strut velocity", "m/s", _STRUTS, strut_motion(motion, machine)[1], -most, most, 1.0)
@@ -192,7 +192,7 @@ def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
 
 
 def _strut_vectors(
-    motion: Motion, rotation: tuple[Array, Array, Array], machine: Machine
+    motion: Motion, rotation: tuple[Array, Array, Array], machine: HexapodMachine
 ) -> tuple[Array, Array, Array, Array]:
     """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
     turn, first, second = rotation
@@ -203,7 +203,7 @@ def _strut_vectors(
     return strut, velocity, acceleration, turn[:, :, 2]
 
 
-def strut_motion(motion: Motion, machine: Machine) -> tuple[Array, Array, Array]:
+def strut_motion(motion: Motion, machine: HexapodMachine) -> tuple[Array, Array, Array]:
     """Strut lengths [m], velocities and accelerations of a motion, each of shape (n, 6)."""
     return _along(*_strut_vectors(motion, rotation_motion(motion), machine)[:3])
 
@@ -219,7 +219,7 @@ def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, A
 def limited_struts(
     motion: Motion,
     rotation: tuple[Array, Array, Array],
-    machine: Machine,
+    machine: HexapodMachine,
     workspace: Workspace,
     limits: MotionLimits,
 ) -> Iterable[Quantity]:
@@ -279,7 +279,7 @@ def _determinant(direction: Array, arms: Array) -> Array:
 class _Of:
     """A machine as a key."""
 
-    machine: Machine
+    machine: HexapodMachine
 
 
 @lru_cache(maxsize=8)
@@ -292,7 +292,7 @@ def _at_home(of: _Of) -> float:
     return float(_determinant(direction, strut + machine.base.points - machine.home.vector[:3])[0])
 
 
-def _singularity(motion: Motion, strut: Array, direction: Array, machine: Machine) -> Quantity:
+def _singularity(motion: Motion, strut: Array, direction: Array, machine: HexapodMachine) -> Quantity:
     """det(J^-1) in % of that at home: 100 there, 0 in a singularity, negative behind one; the share is what is lost."""
     arms = strut + machine.base.points - motion.pose[:, None, :3]
     left = (_determinant(direction, arms) / _at_home(_Of(machine)))[:, None]

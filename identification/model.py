@@ -16,7 +16,7 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod, Kinematics
-from identification.machine import Machine, machine_if_any
+from identification.machines import Machine, machine_if_any
 from identification.parameters import (
     FIRST_MOMENT,
     INERTIA,

@@ -23,7 +23,7 @@ from identification.loaded import (
     rippled,
     vibrating,
 )
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import expected_forces, full_model, identification_model
 from identification.noise.stated import acceleration_to_force
 from identification.parameters import linear_parameters, physical_form

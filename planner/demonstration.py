@@ -7,7 +7,7 @@ from typing import Any
 
 from cases.files import DEMO, check_folder
 from cases.schema import Case
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import full_model
 from identification.outcome import Result
 from identification.recording import Recording

@@ -8,7 +8,7 @@ from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.limits import LimitCheck, prove
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import Model, identification_model
 from identification.motion import Standstill
 from identification.reference import uniform_states

@@ -8,7 +8,7 @@ import numpy as np
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.program import NeutralProgram
+from postprocessors.blocks import NeutralProgram
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.reading.words import Reading
 

@@ -8,7 +8,7 @@ import numpy as np
 from identification.motion import Joined, Trajectory
 from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import Profile, StraightMove
-from postprocessors.program import Array
+from postprocessors.blocks import Array
 
 CHECKS = 16  # instants inside a piece at which it is compared
 FINEST = 64  # subdivisions of a piece before giving up

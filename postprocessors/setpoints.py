@@ -17,12 +17,12 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
 from identification.motion import Array, Joined, Motion, Slowed, TimedPoints, Trajectory
-from postprocessors.program import (
+from postprocessors.blocks import (
     Arc,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
     TimedPath,
     ToHome,
@@ -61,7 +61,7 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
 
     for block in program.blocks:
         match block:
-            case PointToPoint() | Arc():
+            case ExactStopMove() | Arc():
                 moving.append(block.move)
             case SplinePath():
                 moving.append(block.motion)

@@ -12,20 +12,20 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import TimedPoints, Trajectory
-from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
-from postprocessors.program import (
+from postprocessors.blocks import (
     Arc,
     Array,
     Block,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
     TimedPath,
     ToHome,
     Trigger,
 )
+from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.promises import sinumerik_guarantees
 from postprocessors.reading.words import Reading
@@ -79,7 +79,7 @@ class _SinumerikWriter:
                     *self.group(True),
                     f"G1 {self.pose(block.pose)} F{feed(block.feed, True)}",
                 ]
-            case PointToPoint():
+            case ExactStopMove():
                 linear, value = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(linear), f"G1 {self.pose(block.move.end)} F{value}"]
             case Arc():

@@ -9,14 +9,14 @@ import numpy as np
 from cases.controller import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
-from postprocessors.program import (
+from postprocessors.blocks import (
     Arc,
     Array,
     Block,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
     TimedPath,
     ToHome,
@@ -70,7 +70,7 @@ class _TwinCatWriter:
             case ToHome():
                 move = f"G01 G60 {self.pose(block.pose)} F{feed(block.feed, True)}"
                 return ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *self.group(True), move]
-            case PointToPoint():
+            case ExactStopMove():
                 linear, value = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(linear), f"G01 G60 {self.pose(block.move.end)} F{value}"]
             case Arc():

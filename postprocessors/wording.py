@@ -12,7 +12,7 @@ from cases.machine import MotionLimits
 from cases.units import DEG, MINUTE, MM
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import StraightMove, limits_along
-from postprocessors.program import Arc, Array, PointToPoint
+from postprocessors.blocks import Arc, Array, ExactStopMove
 from postprocessors.proving.guarantees import Guarantees
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
@@ -87,7 +87,7 @@ NO_SLOWER = 1e-9
 HALVINGS = 80  # of the interval of the feed: down to its last bit
 
 
-def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarantees, linear: bool = True) -> float:
+def feed_of(block: ExactStopMove | Arc, limits: MotionLimits, guarantees: Guarantees, linear: bool = True) -> float:
     """Feed of a move along X, Y, Z [m/s], or along the angles [rad/s].
 
     The largest that the move can reach where even that takes longer than planned.
@@ -119,7 +119,7 @@ def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarant
     return high * float(np.linalg.norm(way[:3] if linear else way[3:]))
 
 
-def written_feed(block: PointToPoint, limits: MotionLimits, guarantees: Guarantees) -> tuple[bool, str]:
+def written_feed(block: ExactStopMove, limits: MotionLimits, guarantees: Guarantees) -> tuple[bool, str]:
     """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it.
 
     Args:
@@ -128,4 +128,4 @@ def written_feed(block: PointToPoint, limits: MotionLimits, guarantees: Guarante
     """
     written = as_written(block.move)
     linear = bool(np.any(np.round((written.end - written.start)[:3] / MM, LENGTH_DECIMALS) != 0.0))
-    return linear, feed(feed_of(PointToPoint(written), limits, guarantees, linear), linear)
+    return linear, feed(feed_of(ExactStopMove(written), limits, guarantees, linear), linear)

@@ -13,19 +13,19 @@ from identification.motion import Array, Joined, Measurement, Slowed, Standstill
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion, polynomials_of
 from identification.trajectories.profile import StraightMove
-from postprocessors.dialects import Language
-from postprocessors.program import (
+from postprocessors.blocks import (
     Arc,
     Block,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
     TimedPath,
     ToHome,
     Trigger,
 )
+from postprocessors.dialects import Language
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.words import Event, Reading
@@ -108,7 +108,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
 
     Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].
     """
-    written = [b for b in program.blocks if isinstance(b, TimedPath | SplinePath | PointToPoint | Arc)]
+    written = [b for b in program.blocks if isinstance(b, TimedPath | SplinePath | ExactStopMove | Arc)]
     # The first move of all goes home; it has no counterpart with a known start.
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
     if len(read) != len(written):
@@ -125,7 +125,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
                     f"spline {block.name!r}",
                     isinstance(stretch, Timed) and _same_spline(block, stretch, tolerance),
                 )
-            case PointToPoint() | Arc():
+            case ExactStopMove() | Arc():
                 name = "a move"
                 same = isinstance(stretch, Untimed) and _same_move(block, stretch)
         if not same:
@@ -133,7 +133,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
             raise ProgramError(reading.file, line, 0, f"{name} reads back differently; report this")
 
 
-def _same_move(block: PointToPoint | Arc, stretch: Untimed) -> bool:
+def _same_move(block: ExactStopMove | Arc, stretch: Untimed) -> bool:
     near = bool(np.all(np.abs(stretch.end - block.move.end) <= ROUNDING))
     return near and (stretch.turn is not None) == isinstance(block, Arc)
 
@@ -164,10 +164,10 @@ APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: nobody
 def moves_as_polynomials(program: NeutralProgram) -> NeutralProgram:
     """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces."""
     blocks: list[Block] = []
-    for together, group in groupby(program.blocks, lambda b: isinstance(b, PointToPoint)):
+    for together, group in groupby(program.blocks, lambda b: isinstance(b, ExactStopMove)):
         found = list(group)
         if together:
-            moves = [b.move for b in found if isinstance(b, PointToPoint)]
+            moves = [b.move for b in found if isinstance(b, ExactStopMove)]
             found = [SplinePath("moves", polynomials_of(moves))]
         blocks += found
     return replace(program, blocks=tuple(blocks))
@@ -205,7 +205,7 @@ def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float)
     if isinstance(trajectory, Joined):
         return tuple(b for part in trajectory.parts for b in motion_blocks(name, part, block, speed))
     if isinstance(trajectory, StraightMove):
-        return (PointToPoint(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
+        return (ExactStopMove(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
     if isinstance(trajectory, CircularMove):
         return (Arc(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
     if isinstance(trajectory, Standstill):

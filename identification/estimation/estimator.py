@@ -44,8 +44,7 @@ def gauss_markov(
     """
     compressed = compress(regressors, forces, weights)
     values = best_values(compressed, names, nuisance)
-    tangent = np.eye(len(values))
-    return fit_along(regressors, forces, names, weights, compressed, values, tangent, nuisance, filtered)
+    return fit_along(compressed, names, values, np.eye(len(values)), nuisance, filtered)
 
 
 def best_values(compressed: Compressed, names: Sequence[str], nuisance: int = 0) -> Array:

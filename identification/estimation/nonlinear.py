@@ -122,8 +122,7 @@ def nonlinear(
     if found.failure is not None:
         return NonlinearFit(None, physical, None, found.steps, found.failure)
     labels = [name for name, f in zip(names, free, strict=True) if f]
-    along = fit_along(regressors, forces, labels, weights, compressed, u, tangent, beyond, filtered)
-    fit = with_kernel(along, regressors, filtered)
+    fit = with_kernel(fit_along(compressed, labels, u, tangent, beyond, filtered), regressors, filtered)
     onto = np.zeros((len(names), len(names)))
     onto[free] = np.linalg.pinv(tangent)  # tangent has full rank: du/dp has it for every mass but zero
     return NonlinearFit(fit, physical, onto @ fit.covariance @ onto.T, found.steps, None)

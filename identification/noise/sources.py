@@ -28,7 +28,7 @@ from identification.estimation.fit import Filtered, Fit
 from identification.evaluate import over_samples
 from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod, Kinematics
-from identification.machine import Machine
+from identification.machines import Machine
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
 from identification.periodic.averaging import PeriodicRun

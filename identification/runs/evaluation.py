@@ -15,7 +15,7 @@ from identification.estimation.compressed import joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.finding import Finding
 from identification.hexapod import Kinematics, StrutsDoNotClose
-from identification.machine import Machine
+from identification.machines import Machine
 from identification.model import Model, expected_forces, regressors
 from identification.noise.coloured import coloured_covariance, turned
 from identification.noise.pose_noise import covariance_by_pose

@@ -12,7 +12,7 @@ from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import Scan, bridged
 from identification.formats.checks import MOST_PUT_BACK
 from identification.hexapod import StrutsDoNotClose
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY, Run

@@ -109,7 +109,6 @@ def fastest_circle(
     rate: ArrayLike,
     acceleration: ArrayLike,
     jerk: ArrayLike,
-    end_angles: ArrayLike | None = None,
 ) -> CircularMove:
     """A fast arc within limits on each coordinate, shapes (6,): near the fastest seven-segment one, never beyond.
 
@@ -123,23 +122,16 @@ def fastest_circle(
         rate: limits, shape (6,).
         acceleration: limits, shape (6,).
         jerk: limits, shape (6,).
-        end_angles: roll, pitch, yaw at the end, shape (3,) [rad]; those of the start where None.
 
     Raises:
         ValueError: it cannot be slowed into its limits.
     """
     pose = np.asarray(start, dtype=float)
-    turned = pose[3:] if end_angles is None else np.asarray(end_angles, dtype=float)
     limits = [np.asarray(limit, dtype=float) for limit in (rate, acceleration, jerk)]
-    way = np.r_[
-        np.full(2, abs(angle) * np.hypot(*_arm(pose, plane, np.asarray(centre, dtype=float)))), turned - pose[3:]
-    ]
-    axes = [*plane.axes[:2], 3, 4, 5]
-    moves = np.abs(way) > 0.0
-    along = [float(np.min(limit[axes][moves] / np.abs(way)[moves])) for limit in limits]
-    profile = fastest_profile(1.0, *along)
+    way = abs(angle) * np.hypot(*_arm(pose, plane, np.asarray(centre, dtype=float)))
+    profile = fastest_profile(1.0, *(float(limit[list(plane.axes[:2])].min() / way) for limit in limits))
     for _ in range(60):
-        move = CircularMove(pose, turned, plane, np.asarray(centre, dtype=float), angle, profile)
+        move = CircularMove(pose, pose[3:], plane, np.asarray(centre, dtype=float), angle, profile)
         motion = move.at(np.linspace(0.0, move.duration, 4001))
         used = [
             float(np.max(np.abs(values) / limit)) ** (1 / order)

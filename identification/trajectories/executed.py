@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from cases.machine import MotionLimits
 from cases.schema import Case
 from identification.hexapod import Kinematics
-from identification.machine import Machine
+from identification.machines import Machine
 from identification.model import Model, regressors
 from identification.motion import Trajectory, sample
 from identification.signals import Filter

@@ -11,7 +11,7 @@ import numpy as np
 from cases.chain import MOST_JOINTS
 from cases.parts import LARGEST
 from cases.schema import Case
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.polynomial import Piece, PolynomialMotion

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case

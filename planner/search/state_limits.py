@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import identification_model
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cases.errors import ExecutionError
 from cases.schema import Case
 from identification.limited import Box
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import DriveExecution
 from identification.trajectories.path_timing import RetimedMotion, UntimedPath, keeps_pace, retime

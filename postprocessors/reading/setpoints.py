@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
-from cases.machine import Machine
+from cases.machine import HexapodMachine
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited import strut_motion
@@ -230,7 +230,7 @@ class _Rows:
                     row + 1, column, "does not follow from the row before with its rate and acceleration; correct it"
                 )
 
-    def _require_struts(self, machine: Machine) -> None:
+    def _require_struts(self, machine: HexapodMachine) -> None:
         none = np.zeros_like(self.pose)
         motion = Motion(self.time.copy(), self.pose.copy(), self.rates.copy(), self.accelerations.copy(), none)
         exact = np.hstack(strut_motion(motion, machine))

@@ -6,7 +6,7 @@ from hypothesis import given
 from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
 from postprocessors.reading.words import Move, Pause, Switch, Timing

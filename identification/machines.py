@@ -111,8 +111,8 @@ def machine_of(case: Case) -> Machine:
     Raises:
         CaseError: the case has no machine, or one that does not move the sensors.
     """
-    from identification.chain import SerialChain
     from identification.hexapod import Hexapod
+    from identification.serial_chain import SerialChain
 
     return SerialChain.of(case) if case.chain is not None else Hexapod.of(case)
 

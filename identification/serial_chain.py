@@ -20,7 +20,7 @@ from cases.sensors import RigidBody
 from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
-from identification.machine import FrameMotion, Share
+from identification.machines import FrameMotion, Share
 from identification.overload import SHARE
 from identification.pose import rpy, skew
 

@@ -29,7 +29,7 @@ class ToHome:
 
 
 @dataclass(frozen=True, slots=True)
-class PointToPoint:
+class ExactStopMove:
     """A straight move in the six coordinates from rest to rest, exact stop at its end.
 
     Controllers know feeds, not durations: a dialect writes the feed that makes its controller's own time law, under the
@@ -99,7 +99,7 @@ class Trigger:
     on: bool
 
 
-Block = Comment | ToHome | PointToPoint | Arc | TimedPath | SplinePath | Dwell | Trigger
+Block = Comment | ToHome | ExactStopMove | Arc | TimedPath | SplinePath | Dwell | Trigger
 
 
 @dataclass(frozen=True, slots=True)
