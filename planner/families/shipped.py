@@ -20,7 +20,7 @@ FILE = Path(__file__).with_name("shipped.json")
 
 def shipped_start(family: Family, case: Case) -> Array | None:
     """Unknowns of a family from which a search begins, limits of the machine apart; None where nothing fits it."""
-    if not machine_of(case).of_pose:
+    if not machine_of(case).of_pose or family.shipped not in _shipped():
         return None
     return family.like(_shipped()[family.shipped])
 
