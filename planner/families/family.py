@@ -52,6 +52,11 @@ class Family(Protocol):
         ...
 
     @property
+    def iterations(self) -> int:
+        """Largest number of the solver's that explore from a start."""
+        ...
+
+    @property
     def duration(self) -> float:
         """Of the excitation [s]."""
         ...

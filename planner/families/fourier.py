@@ -9,7 +9,7 @@ coefficients, and a quintic leads from rest in the middle of its circle into it 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,8 @@ class FourierFamily:
         """The family whose motions last a number of periods; of order 1 two halves of one are run-in and run-out."""
         led = order == 1
         return cls(order, period, periods - led, middle, half, centred, period / 2 if led else 0.0)
+
+    iterations: ClassVar[int] = 30
 
     @property
     def name(self) -> str:

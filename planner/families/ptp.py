@@ -9,7 +9,7 @@ The last move need not end where the first begins: a way back would cost moves t
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -121,6 +121,8 @@ class PointToPointFamily:
         cycle = case.need_controller("point-to-point moves in whole controller cycles").cycle
         limits = [box.rate, box.acceleration, *([box.jerk] if box.limits_jerk else [])]
         return cls(moves, duration, cycle, middle, half, np.array(limits))
+
+    iterations: ClassVar[int] = 60
 
     @property
     def name(self) -> str:

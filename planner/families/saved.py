@@ -186,7 +186,7 @@ def shipped_start(family: Family, case: Case) -> Array | None:
     steps (point-to-point). A search that begins from one ends higher than from random starts, and sooner; random starts
     follow. `tests/bench/shipped_starts.py` has searched for them on the built-in hexapod.
     """
-    if not machine_of(case).of_pose:
+    if not machine_of(case).of_pose or family.shipped not in _shipped():
         return None
     return family.like(_shipped()[family.shipped])
 

@@ -44,12 +44,13 @@ class SettingsGroup:
 
 
 def groups(table: "pa.Table") -> list[SettingsGroup]:
-    """Groups of cells that differ in their seed only, in the order in which they first appear."""
+    """Groups of cells that differ in their seed only, in the order of their settings."""
     columns = {name: table[name].to_pylist() for name in table.schema.names}
     members: dict[tuple[Any, ...], list[int]] = {}
     for row, key in enumerate(zip(*(columns[name] for name in GROUPED), strict=True)):
         members.setdefault(key, []).append(row)
-    return [_group(key, rows, columns) for key, rows in members.items()]
+    ordered = sorted(members, key=lambda key: [(value is not None, value) for value in key])
+    return [_group(key, members[key], columns) for key in ordered]
 
 
 def _group(key: tuple[Any, ...], rows: list[int], columns: dict[str, list[Any]]) -> SettingsGroup:
