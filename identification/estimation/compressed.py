@@ -5,7 +5,6 @@ W^1/2 (A f) = Q (R c; 0 d) turns chi^2 of (27) into |c - R u|^2 + d^2 (Golub & V
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,13 +34,6 @@ class Compressed:
     def chi_squared(self, values: Array) -> float:
         """(27) at u, shape (u,)."""
         return float(np.sum((self.right - self.root @ values) ** 2)) + self.rest
-
-
-class Rank(NamedTuple):
-    """Rank of a scaled regressor and its condition mu_1 / mu_u (26)."""
-
-    rank: int
-    condition: float
 
 
 def compress(regressors: Array, forces: Array, weights: Array) -> Compressed:
@@ -84,8 +76,8 @@ def column_scale(root: Array) -> Array:
     return np.where(norms > 0.0, 1.0 / np.where(norms > 0.0, norms, 1.0), 1.0)
 
 
-def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) -> Rank:
-    """Rank and condition of a regression that determines all its parameters.
+def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) -> tuple[int, float]:
+    """Rank and condition mu_1 / mu_u (26) of the scaled regression, which determines all its parameters.
 
     Args:
         root: R, or any matrix with R^T R the information, shape (k, u).
@@ -106,7 +98,7 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
             f"rank {rank} of {counted}: {', '.join(hidden)} not determined by this run; excite them (plan a motion or "
             "more poses) or choose a model without them"
         )
-    return Rank(rank, float(singular[0] / singular[-1]))
+    return rank, float(singular[0] / singular[-1])
 
 
 def inverse_root(root: Array) -> Array:

@@ -159,8 +159,8 @@ def with_priors(
     compressed = compress(regressors, forces, weights)
     scale = column_scale(compressed.root)
     zero = compressed.rows * np.finfo(float).eps  # the paper's (Fig. 3)
-    free, _, rank, _ = np.linalg.lstsq(compressed.root * scale, compressed.right, rcond=zero)
-    freedom = degrees_of_freedom(compressed.rows, float(rank), filtered)
+    free, _, seen, _ = np.linalg.lstsq(compressed.root * scale, compressed.right, rcond=zero)
+    freedom = degrees_of_freedom(compressed.rows, float(seen), filtered)
     floor = ROUNDING * float(np.sqrt(compressed.rest + np.sum(compressed.right**2)))
     least = max(compressed.chi_squared(scale * free), floor**2)
     noise = float(np.sqrt(least / freedom))  # s0 / sqrt(stride), the noise of (28)
@@ -175,7 +175,7 @@ def with_priors(
     if found.failure is not None:
         return PriorFit(None, (), 0.0, found.failure)
     jacobian = residual(found.at)[1]
-    together = determined(jacobian, names, compressed.rows, beyond)
+    rank, condition = determined(jacobian, names, compressed.rows, beyond)
     spread = inverse_root(jacobian)
     covariance = spread @ spread.T
     residuals = forces - regressors @ found.at
@@ -189,8 +189,8 @@ def with_priors(
         freedom=freedom,
         residuals=residuals,
         weights=weights,
-        rank=together.rank,
-        condition=together.condition,
+        rank=rank,
+        condition=condition,
     )
     return PriorFit(fit, _effects(pseudo, fit), float(np.sum((root @ spread) ** 2)) / len(names), None)
 

@@ -149,15 +149,8 @@ def _change(t: Array, forces: Array) -> Array:
     return np.asarray(maximum_filter1d(forces, width, axis=0) - minimum_filter1d(forces, width, axis=0))
 
 
-class Trimmed(NamedTuple):
-    """A fit to the half of the samples that agree best."""
-
-    values: Array  # u, shape (u,)
-    explained: Rows  # the samples of the fit, shape (n,)
-
-
-def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: float) -> Trimmed | None:
-    """The best of many searches; None where samples are too few.
+def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: float) -> tuple[Array, Rows] | None:
+    """Best of many fits: u of the half of the samples that agree best, and which these are; None of too few samples.
 
     Args:
         regressors: A_j at ascending times, shape (n, 6, u).
@@ -184,7 +177,7 @@ def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: floa
                 best = found
     if best is None:
         return None
-    return Trimmed(scale * best[1], best[2])
+    return scale * best[1], best[2]
 
 
 def _concentrated(matrices: Array, right: Array, rows: Rows, kept: int, width: int) -> tuple[float, Array, Rows]:
@@ -254,8 +247,9 @@ def _long_contacts(run: Samples, moving: Fitted) -> tuple[Contact, ...]:
     half = least_trimmed_squares(matrices[every], forces[every], moving.w, step)
     if half is None:
         return ()
-    left = forces - matrices @ half.values
-    return find_contacts(run.t, left, run.model.structure, forces - left, Calm.of(left[every][half.explained]))
+    values, explained = half
+    left = forces - matrices @ values
+    return find_contacts(run.t, left, run.model.structure, forces - left, Calm.of(left[every][explained]))
 
 
 def _spread(moving: Fitted) -> float:

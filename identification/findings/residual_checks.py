@@ -5,7 +5,6 @@ A new check is one more function in `CHECKS`. What cannot be at all is refused.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,21 +101,14 @@ CONSEQUENCE = (
 )
 
 
-class OverrideStretch(NamedTuple):
-    """Samples that went at one feed: a slice of the recording, and the feed over the programmed one."""
-
-    rows: slice
-    scale: float
-
-
-def recorded_overrides(recording: Recording) -> tuple[OverrideStretch, ...]:
-    """Stretches of the motion that the recording's own column says went at another feed than 100 %."""
+def recorded_overrides(recording: Recording) -> tuple[tuple[slice, float], ...]:
+    """Rows that the recording's own column says went at another feed than 100 %, and that feed over the programmed."""
     if recording.override is None or recording.t is None:
         return ()
     on = np.ones(len(recording.forces), dtype=bool) if recording.trigger is None else recording.trigger
     rows = np.flatnonzero(on & (np.abs(recording.override - 1.0) > 1e-6))
     return tuple(
-        OverrideStretch(slice(int(part[0]), int(part[-1]) + 1), float(np.median(recording.override[part])))
+        (slice(int(part[0]), int(part[-1]) + 1), float(np.median(recording.override[part])))
         for group in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
         for part in np.split(group, 1 + np.flatnonzero(np.abs(np.diff(recording.override[group])) > STEP))
         if len(part)

@@ -71,13 +71,6 @@ class Order(NamedTuple):
 STRAIGHT = Order(tuple(range(6)))
 
 
-class Explained(NamedTuple):
-    """What an order leaves of the forces: weighted, and of the channels in newtons [N]."""
-
-    weighted: float
-    newtons: float
-
-
 class Data(NamedTuple):
     """Some instants of a run."""
 
@@ -103,32 +96,30 @@ def other_wiring(recording: Recording, case: Case, model: Model, negative: bool 
     if data.forces.size - len(model.names) < LEAST:
         return None
     mass = model.names.index("m") if "m" in model.names else None
-    now = _left(data, data.regressors)
-    if not negative and now.newtons < SMALL * float(np.sqrt(data.forces.var(axis=0).mean())):
+    weighted, newtons = _left(data, data.regressors)
+    if not negative and newtons < SMALL * float(np.sqrt(data.forces.var(axis=0).mean())):
         return None
-    found: list[tuple[Explained, str, Order]] = []
+    found: list[tuple[tuple[float, float], str, Order]] = []
     for order in _orders(signs=True):
         found.append((_left(data, data.regressors, order, mass), "force", order))
     if data.struts is not None:
         for order in _orders(signs=case.recording.drives is not None):
             found.append((_left(data, _regressors_of(data, case, model, order), mass=mass), "strut", order))
-    best = min(found, key=lambda f: f[0].weighted)
-    if not np.isfinite(best[0].weighted) or best[0].weighted * FACTOR > now.weighted:
+    (least, least_newtons), *_ = min(found, key=lambda f: f[0])
+    if not np.isfinite(least) or least * FACTOR > weighted:
         if not negative:
             return None
         turned = Order(STRAIGHT.places, (-1,) * 6)
         return (
-            f"{turned.words(_SIDES['force'])}: the mass comes out negative, with residuals of {now.newtons:.2g} N; "
+            f"{turned.words(_SIDES['force'])}: the mass comes out negative, with residuals of {newtons:.2g} N; "
             f"{_remedy(case, 'force', turned)}, or correct gravity_m_s2"
         )
-    rivals = [min((f for f in found if f[1] == side), key=lambda f: f[0].weighted) for side in {f[1] for f in found}]
-    alike = sorted((r for r in rivals if r[0].weighted <= ALIKE * best[0].weighted), key=lambda r: r[0].weighted)
+    rivals = [min((f for f in found if f[1] == side), key=lambda f: f[0]) for side in {f[1] for f in found}]
+    alike = sorted((r for r in rivals if r[0][0] <= ALIKE * least), key=lambda r: r[0])
     names = " or ".join(order.words(_SIDES[side]) for _, side, order in alike)
-    instead = (
-        f" instead of {now.newtons:.2g} N" if np.isfinite(now.newtons) else ", while no pose fits them as recorded"
-    )
+    instead = f" instead of {newtons:.2g} N" if np.isfinite(newtons) else ", while no pose fits them as recorded"
     remedies = " or ".join(_remedy(case, side, order) for _, side, order in alike)
-    return f"{names}: residuals {best[0].newtons:.2g} N{instead}; {remedies}"
+    return f"{names}: residuals {least_newtons:.2g} N{instead}; {remedies}"
 
 
 _SIDES = {"force": "force channels", "strut": "struts"}
@@ -229,14 +220,16 @@ def _regressors_of(data: Data, case: Case, model: Model, order: Order) -> Array 
     return regressors(model, motion)
 
 
-def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None) -> Explained:
-    """Rms residuals of the forces in an order; infinite where the struts do not close, or a mass would be negative.
+def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int | None = None) -> tuple[float, float]:
+    """Rms residuals of the forces in an order, weighted, and of the channels in newtons [N].
+
+    Infinite where the struts do not close, or a mass would be negative.
 
     Args:
         matrices: A, shape (n, 6, u); None where the struts do not close.
         mass: its place among the parameters, where it must not be negative.
     """
-    nothing = Explained(float("inf"), float("inf"))
+    nothing = float("inf"), float("inf")
     if matrices is None:
         return nothing
     places, signs = list(order.places), np.array(order.signs)
@@ -251,6 +244,5 @@ def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int
         return nothing
     residuals = forces - scaled @ values
     channels = slice(0, 6) if np.ptp(data.weights) == 0.0 else slice(0, 3)
-    return Explained(
-        float(np.sqrt(np.mean((residuals * root) ** 2))), float(np.sqrt(np.mean(residuals[:, channels] ** 2)))
-    )
+    weighted, newtons = np.mean((residuals * root) ** 2), np.mean(residuals[:, channels] ** 2)
+    return float(np.sqrt(weighted)), float(np.sqrt(newtons))

@@ -8,7 +8,7 @@ sampled faster than the forces are read from the cubic spline through them at th
 """
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,20 +59,13 @@ def _motion(recording: Recording, case: Case) -> Stream | None:
     return replace(found, struts=Hexapod.of(case).strut_lengths(found.poses))
 
 
-class Rhythm(NamedTuple):
-    """Struts that a file holds until the next ones come."""
-
-    ratio: int  # rows for each sample of the struts
-    phase: int  # their first row, 0 to ratio - 1
-
-
 def changes_of(struts: Array) -> NDArray[np.int64]:
     """Rows of struts, shape (n, 6), that differ from the one before, shape (changes,)."""
     return np.flatnonzero(np.any(np.diff(struts, axis=0) != 0.0, axis=1)) + 1
 
 
-def rhythm_of(struts: Array) -> Rhythm | None:
-    """How struts are held, shape (n, 6); None where every row has its own."""
+def rhythm_of(struts: Array) -> tuple[int, int] | None:
+    """Rows for each sample of held struts, shape (n, 6), and the first of these; None where every row has its own."""
     changes = changes_of(struts)
     if len(changes) < HELD_CHANGES:
         return None
@@ -80,7 +73,7 @@ def rhythm_of(struts: Array) -> Rhythm | None:
     phase = int(np.bincount(changes % ratio).argmax())
     if ratio < 2 or np.mean(changes % ratio == phase) < HELD or np.mean(np.diff(changes) == ratio) < HELD / 2:
         return None
-    return Rhythm(ratio, phase)
+    return ratio, phase
 
 
 def _released(recording: Recording) -> Stream | None:
@@ -90,7 +83,7 @@ def _released(recording: Recording) -> Stream | None:
     if rhythm is None:
         _require_one_rhythm(recording)
         return None
-    return _samples(recording, rhythm)
+    return _samples(recording, *rhythm)
 
 
 def _require_one_rhythm(recording: Recording) -> None:
@@ -103,18 +96,18 @@ def _require_one_rhythm(recording: Recording) -> None:
     if held is not None:
         raise RecordingError(
             f"{recording.source}, {recording.lines.place(int(cuts[0]))}",
-            f"the struts are held for {held.ratio} rows each, and a gap breaks their rhythm",
+            f"the struts are held for {held[0]} rows each, and a gap breaks their rhythm",
             "cut the run there, or export struts and forces as files of their own",
         )
 
 
-def _samples(recording: Recording, rhythm: Rhythm) -> Stream:
+def _samples(recording: Recording, ratio: int, phase: int) -> Stream:
     assert recording.struts is not None
     assert recording.t is not None
-    rows = slice(rhythm.phase, None, rhythm.ratio)
+    rows = slice(phase, None, ratio)
     trigger = None if recording.trigger is None else recording.trigger[rows]
     velocities = None if recording.strut_velocities is None else recording.strut_velocities[rows]
-    lines = recording.lines.later(rhythm.phase, rhythm.ratio)
+    lines = recording.lines.later(phase, ratio)
     missing = None if recording.missing is None else recording.missing[rows]
     return Stream(
         recording.source, recording.t[rows], recording.struts[rows], trigger=trigger, strut_velocities=velocities,

@@ -90,31 +90,17 @@ def smoothing_of(run: Run, fit: Fit) -> Smoothing:
 SHARE = 0.5  # of the mode's frequency: there the first term that is left out is a sixteenth
 
 
-class Mode(NamedTuple):
-    """Frequency of a structural mode and its standard deviation [Hz]."""
-
-    frequency: float
-    std: float
-
-
 def mode_found(found: Smoothing, case: Case) -> list[Finding]:
     """What is to be told of the mode that sharpens the forces so, behind the low-pass of a case."""
     entries = {"smoothing_s2": found._asdict()}
-    mode = mode_of(found)
-    if mode is None:
+    if -found.value < CLEAR * found.std:
         told = "no structural mode is seen: the forces do not grow with frequency; identify without --flexible"
         return [note(Kind.MODEL, told, **entries)]
-    told = f"a structural mode at {mode.frequency:.3g} +- {mode.std:.2g} Hz amplifies the forces: estimated and "
+    frequency = float(1.0 / (2.0 * np.pi * np.sqrt(-found.value)))
+    std = frequency * found.std / (2.0 * -found.value)
+    told = f"a structural mode at {frequency:.3g} +- {std:.2g} Hz amplifies the forces: estimated and "
     told += f"compensated, behind a low-pass at {case.recording.filter_cutoff_Hz:.3g} Hz"
-    return [note(Kind.MODEL, told, **entries, structural_mode_Hz={"value": mode.frequency, "std": mode.std})]
-
-
-def mode_of(found: Smoothing) -> Mode | None:
-    """The mode that sharpens the forces so; None where they are not clearly sharpened."""
-    if -found.value < CLEAR * found.std:
-        return None
-    frequency = 1.0 / (2.0 * np.pi * np.sqrt(-found.value))
-    return Mode(float(frequency), float(frequency * found.std / (2.0 * -found.value)))
+    return [note(Kind.MODEL, told, **entries, structural_mode_Hz={"value": frequency, "std": std})]
 
 
 def below(case: Case, told: Any) -> Case | None:

@@ -1,7 +1,6 @@
 """The measurement model as C99: a header that people read and a source whose mathematics CasADi's expressions give."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import casadi as ca
 
@@ -19,18 +18,10 @@ _MATH = {"sqrt": "sqrt({0})", "sin": "sin({0})", "cos": "cos({0})", "atan2": "at
 _HALF_GAIN = 0.443  # cut-off times half window: a triangle of half width T has the gain sinc(f T)^2, 1/2 at f T = 0.443
 
 
-class SignalWindow(NamedTuple):
-    """The signal chain's window: half its width [s], and what it does."""
-
-    half: float
-    meaning: str
-
-
-def window_of(case: Case) -> SignalWindow:
-    """The triangular window whose gain is a half where the identification's filter has it; 10 ms without one."""
+def half_window(case: Case) -> float:
+    """Half width [s] of the triangle with half the gain where the identification's filter has it; 10 ms without one."""
     cutoff = case.recording.filter_cutoff_Hz
-    half = 0.010 if cutoff is None else round(_HALF_GAIN / cutoff, 6)
-    return SignalWindow(half, f"half gain at {_HALF_GAIN / half:.3g} Hz")
+    return 0.010 if cutoff is None else round(_HALF_GAIN / cutoff, 6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,15 +45,15 @@ def c_sources(calibration: Calibration, name: str) -> Sources:
 def c_parts(calibration: Calibration, name: str, linkage: str) -> tuple[str, str]:
     """Declarations and definitions without their files; `linkage` is empty or `static `."""
     machine = calibration.case.hexapod
-    window = window_of(calibration.case)
+    half = half_window(calibration.case)
     values = shared_values(calibration) | {
         "name": name,
         "NAME": name.upper(),
         "linkage": linkage,
         "ring": RING,
         "delay": number(calibration.result.delay),
-        "half_window": number(window.half),
-        "window_meaning": window.meaning,
+        "half_window": number(half),
+        "window_meaning": f"half gain at {_HALF_GAIN / half:.3g} Hz",
         "force_units": "[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
         "home": [] if machine is None else [number(v) for v in machine.home.vector],
         "functions": [
@@ -110,7 +101,7 @@ def linuxcnc_component(calibration: Calibration, name: str) -> str:
             hexapod=calibration.hexapod is not None,
             force_units="[N, N m]" if calibration.case.sensor_frame.has_moments else "[N]",
             wrench=AXES,
-            half_window=number(window_of(calibration.case).half),
+            half_window=number(half_window(calibration.case)),
             delay=number(calibration.result.delay),
             degree=number(DEG),
             offsets=[n for n in calibration.model.names if n.startswith("f_q0_")],

@@ -90,13 +90,6 @@ class Stretch(NamedTuple):
         return max(1.0, self.expected / self.planned)
 
 
-class LongerBlocks(NamedTuple):
-    """Blocks that keep their time."""
-
-    duration: float  # duration of one [s]
-    cut: float  # how far they leave the path [m]
-
-
 def triggered_paths(reading: Reading) -> list[TimedPoints]:
     """The timed paths that run with the trigger on.
 
@@ -139,8 +132,8 @@ def sufficient_headroom(paths: list[TimedPoints], case: Case, headroom: float) -
     return high
 
 
-def longer_blocks(paths: list[TimedPoints], case: Case, headroom: float) -> LongerBlocks | None:
-    """The shortest longer blocks that keep the paths' time near the path; None where there are none."""
+def longer_blocks(paths: list[TimedPoints], case: Case, headroom: float) -> tuple[float, float] | None:
+    """The shortest longer blocks [s] that keep the paths' time, and how far they cut corners [m]; None if too far."""
     block = max(float(np.diff(p.times).max()) for p in paths)
     while (block := math.ceil(1e3 * LONGER * block) / 1e3) <= LONGEST_BLOCK:
         coarse = [_in_blocks(p, block) for p in paths]
@@ -149,7 +142,7 @@ def longer_blocks(paths: list[TimedPoints], case: Case, headroom: float) -> Long
             return None
         found = predicted_stretch(coarse, case, headroom)
         if found is not None and found.factor <= NOTICEABLE:
-            return LongerBlocks(block, cut)
+            return block, cut
     return None
 
 
@@ -180,10 +173,10 @@ def linuxcnc_forecast(reading: Reading, case: Case) -> Forecast:
     return Forecast(stretch.factor, tuple(remarks))
 
 
-def _about(longer: LongerBlocks | None) -> str:
+def _about(longer: tuple[float, float] | None) -> str:
     if longer is None:
         return f"; longer blocks that do would leave the path by more than {1e3 * CUT:g} mm"
     return (
-        f", or blocks of {1e3 * longer.duration:.0f} ms (controller.block_ms), which leave the path by "
-        f"{1e3 * longer.cut:.1f} mm"
+        f", or blocks of {1e3 * longer[0]:.0f} ms (controller.block_ms), which leave the path by "
+        f"{1e3 * longer[1]:.1f} mm"
     )

@@ -47,7 +47,7 @@ def test_its_inverse_root_is_a_root_of_the_inverse_whatever_the_units() -> None:
 
 def test_what_nothing_excites_is_named() -> None:
     root = np.triu(np.ones((3, 3)))
-    assert determined(root, ["m", "k0", "k1"], 60).rank == 3
+    assert determined(root, ["m", "k0", "k1"], 60)[0] == 3
     root[:, 1] = 2.0 * root[:, 0]
     with pytest.raises(IdentificationError, match="rank 2 of 3: m, k0 not determined") as caught:
         determined(root, ["m", "k0", "k1"], 60)

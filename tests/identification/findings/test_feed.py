@@ -84,9 +84,7 @@ def test_a_recorded_override_is_told_where_it_counts() -> None:
     override[:300] = 0.0  # before the trigger
     override[1000:1500], override[1500:1600] = 0.5, 0.75
     run = replace(run, override=override)
-    first, second = recorded_overrides(run)
-    assert (first.scale, first.rows) == (0.5, slice(1000, 1500))
-    assert (second.scale, second.rows) == (0.75, slice(1500, 1600))
+    assert recorded_overrides(run) == ((slice(1000, 1500), 0.5), (slice(1500, 1600), 0.75))
     estimate = identify(run, CASE)
     (warning,) = [w for w in estimate.warnings if "feed other than 100 %" in w]
     assert "by the recorded override: lines 1002 to 1501 (1.000 to 1.499 s) at 50 %, lines 1502 to 1601" in warning

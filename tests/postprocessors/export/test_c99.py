@@ -13,7 +13,7 @@ from identification.hexapod import Hexapod, Kinematics
 from identification.model import expected_forces
 from identification.motion import Standstill
 from identification.simulate import simulate_recording
-from postprocessors.export.c99 import RING, c_sources, window_of
+from postprocessors.export.c99 import RING, c_sources, half_window
 from postprocessors.export.calibration import MOST_STEPS
 from tests.helpers import HOME, Harmonic, simulated
 from tests.postprocessors.export.calibrations import calibration, with_drives
@@ -179,7 +179,7 @@ def test_the_chain_reads_no_force_from_a_fast_motion_with_late_noisy_forces(dela
     truth = linear_parameters(identification_model(case, 9), case.simulation.parameters)
     compiled = Compiled(calibration(tmp_path, "hexapod", 9, truth), tmp_path)
     run = simulate_recording(case, PoseExecution(Hexapod.of(case), Harmonic(seed=4, duration=3.0)), np.zeros((0, 2)), 0)
-    half = window_of(CASE).half
+    half = half_window(CASE)
     chain = Chain(compiled, 1e-3, half, delay_ms * 1e-3)
     assert chain.status == OK
     found, plain = [], []

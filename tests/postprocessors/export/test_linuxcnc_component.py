@@ -18,7 +18,7 @@ from identification.model import identification_model
 from identification.parameters import linear_parameters
 from postprocessors.execute.linuxcnc.isolation import preload_works
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
-from postprocessors.export.c99 import linuxcnc_component, window_of
+from postprocessors.export.c99 import half_window, linuxcnc_component
 from tests.postprocessors.export.calibrations import calibration
 from tests.postprocessors.export.compiled import SYSTEM_PATH, build_component
 from tests.postprocessors.export.rig import run_rig
@@ -137,7 +137,7 @@ def logged(tools: None, folder: Path, tmp_path_factory: pytest.TempPathFactory) 
 
 def filtered_noise() -> Array:
     """Standard deviation of the wrench from 1 N of white noise on each sensor behind the window."""
-    half = round(window_of(CASE).half * 1e3)
+    half = round(half_window(CASE) * 1e3)
     triangle = np.r_[1 : half + 1, half - 1 : 0 : -1] / half**2
     return np.asarray(np.linalg.norm(triangle) * np.linalg.norm(structure_matrix(CASE.sensor_frame), axis=1))
 
@@ -173,7 +173,7 @@ def test_a_force_that_is_added_is_read(logged: Logged) -> None:
 def test_the_machine_really_moved_and_the_pose_is_its(logged: Logged) -> None:
     """The pose belongs to the struts a window ago: 2 cycles of LinuxCNC, 11 of the window, 2 of the sensors' delay."""
     assert np.ptp(logged.commanded, axis=0).min() > 15.0
-    late = 2 + round(window_of(CASE).half * 1e3) + round(LATE * 1e3)
+    late = 2 + round(half_window(CASE) * 1e3) + round(LATE * 1e3)
     rows = np.flatnonzero(logged.valid)
     rows = rows[rows >= late]
     error = logged.found[rows] - logged.commanded[rows - late]
