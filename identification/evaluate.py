@@ -8,7 +8,7 @@ CasADi is column-major: one column a sample, so that memory order equals NumPy's
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -69,16 +69,13 @@ def _mapped(function: ca.Function, count: int) -> ca.Function:
     return function.map(count)
 
 
-class _Program(NamedTuple):
-    """An SX function as a list: instructions (operation, inputs, outputs, constant), and places for their results."""
-
-    instructions: tuple[tuple[int, Sequence[int], Sequence[int], float], ...]
-    places: int
+_Program = tuple[tuple[tuple[int, Sequence[int], Sequence[int], float], ...], int]
+"""Instructions (operation, inputs, outputs, constant), and how many places their results need."""
 
 
 @lru_cache(maxsize=64)
 def _program(function: ca.Function) -> _Program | None:
-    """The instructions of a function; None where one is not known here."""
+    """An SX function as a list; None where an instruction is not known here."""
     if not function.is_a("SXFunction"):
         return None
     count = range(function.n_instructions())
@@ -87,17 +84,17 @@ def _program(function: ca.Function) -> _Program | None:
         return None
     constants = [function.instruction_constant(k) if operations[k] == ca.OP_CONST else 0.0 for k in count]
     used, made = ([list(of(k)) for k in count] for of in (function.instruction_input, function.instruction_output))
-    return _Program(tuple(zip(operations, used, made, constants, strict=True)), function.sz_w())
+    return tuple(zip(operations, used, made, constants, strict=True)), function.sz_w()
 
 
 def _execute(program: _Program, inputs: list[Array], outputs: list[Array]) -> None:
     """Runs a program for some samples: inputs of shape (n, length), outputs of shape (n, columns, rows)."""
-    count = len(inputs[0])
+    (instructions, size), count = program, len(inputs[0])
     given = [np.ascontiguousarray(v.T) for v in inputs]
     results = [np.zeros((r.shape[1] * r.shape[2], count)) for r in outputs]
-    memory = list(np.empty((program.places, count)))
+    memory = list(np.empty((size, count)))
     places = memory.copy()
-    for operation, used, made, constant in program.instructions:
+    for operation, used, made, constant in instructions:
         if operation == ca.OP_OUTPUT:
             results[made[0]][made[1]] = places[used[0]]
             continue

@@ -173,13 +173,6 @@ def poses_of_record(record: Mapping[str, Any]) -> Array | None:
 STANDS = 1e-4  # [m] that a strut may move while the trigger is on: it settles for some cycles
 
 
-class Stood(NamedTuple):
-    """How a run went."""
-
-    duration: float  # duration from the first movement to the last [s]
-    off: float  # largest distance of a standstill from its pose of the program [m]
-
-
 def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:
     """The whole way of a program that measures standing still, from home on, as its controller is expected to go it."""
     machine, _, limits = case.need_machine("a run")
@@ -198,8 +191,8 @@ def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Tr
     return Joined(tuple(way))
 
 
-def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
-    """How long it took from home to home, and how far the machine stood from the program's poses, shape (n, 6).
+def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[float, float]:
+    """How long it took from home to home [s], and how far the machine stood from the program's poses, shape (n, 6) [m].
 
     Raises:
         ExecutionError: the trigger did not come on once at each pose, or the machine moved while it was on.
@@ -222,4 +215,4 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
     off = float(np.linalg.norm(there[:, :3] - poses[:, :3], axis=1).max())
-    return Stood(float(t[moving[-1] + 1] - t[moving[0]]), off)
+    return float(t[moving[-1] + 1] - t[moving[0]]), off

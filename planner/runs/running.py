@@ -103,8 +103,8 @@ def execute(program: Program, case: Case, on: str, seed: int, around: Circumstan
     planned = way_of(parts, case, program.guarantees) if at_poses else planned_excitation(program, case)
     if at_poses:
         poses = measured_poses(parts)
-        went = stood(run, poses, program.path)
-        rating = RunRating(planned.duration, went.duration, went.off, None, None, executed_peaks(run.execution, case))
+        took, off = stood(run, poses, program.path)
+        rating = RunRating(planned.duration, took, off, None, None, executed_peaks(run.execution, case))
     else:
         poses, rating = np.zeros((0, 6)), _rating(case, planned, run)
     outcome = RunOutcome(

@@ -199,7 +199,7 @@ def _excitation(method: str, settings: ValidationSettings, program: Program) -> 
     poses, duration = np.zeros((0, 6)), run.excitation
     if measures_at_poses(parts):
         poses = measured_poses(parts)
-        duration = stood(run, poses, program.path).duration
+        duration = stood(run, poses, program.path)[0]
     told = f"{run.controller}; {run.remark}" if run.remark else run.controller
     return Excitation(
         program.case, method, METHODS[method], duration, run.execution, run.trigger, poses, settings.seed, told
