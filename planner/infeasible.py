@@ -6,12 +6,12 @@ import numpy as np
 
 from cases.errors import IdentificationError, InfeasiblePlan
 from cases.schema import Case
+from identification.criteria import uniform_states
 from identification.evaluate import over_samples
 from identification.limits import LimitCheck, prove
 from identification.machines import machine_of
 from identification.model import Model, identification_model
 from identification.motion import Standstill
-from identification.reference import uniform_states
 from planner.families.family import box_middle
 from planner.request import Request, parse_targets
 

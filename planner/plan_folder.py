@@ -13,11 +13,10 @@ from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text, read_json
 from cases.recording_format import POSE
 from cases.schema import Case
-from identification.criteria import CRITERIA, singular_values
+from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.limits import LimitReport
 from identification.model import Model, identification_model
 from identification.motion import Joined, Measurement, Trajectory, sample
-from identification.reference import reference_scaling
 from planner.deviations import predicted_std_at_poses, worst_std
 from planner.families.saved import motion_of_entries
 from planner.families.settings import FAMILIES

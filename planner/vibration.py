@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.loaded import circumstances, mode_frequency, vibrating
 from identification.model import Model, identification_model, regressors
 from identification.motion import Joined, Standstill, Trajectory
 from identification.parameters import nominal_parameters, physical_form
-from identification.reference import reference_scaling
 from identification.trajectories.executed import DriveExecution
 from identification.trajectories.profile import StraightMove, has_steps
 from planner.deviations import predicted_std_of

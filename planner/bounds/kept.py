@@ -21,8 +21,8 @@ from cases.basis import bound_hash
 from cases.errors import CaseError, FileProblem, HexciteError
 from cases.files import json_text, read_json, write_text
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.model import Model, full_model, identification_model
-from identification.reference import reference_scaling
 from planner.bounds.design import Design, optimal_design, searched_design
 from planner.bounds.features import box_features
 from planner.bounds.tight import tight_design

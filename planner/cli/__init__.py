@@ -21,7 +21,6 @@ from planner.cli import (
     cases,
     compare,
     demo,
-    export,
     force,
     identify,
     look,
@@ -31,7 +30,6 @@ from planner.cli import (
     retime,
     run,
     study,
-    validate,
 )
 from planner.interruption import Interrupted, ctrl_c_raises
 
@@ -55,12 +53,12 @@ app.command("identify")(identify.identify)
 app.command("force")(force.force)
 app.command("tare")(force.tare)
 app.command("payload")(force.payload)
-app.command("export")(export.export)
+app.command("export")(force.export)
 app.command("bound")(bound.bound)
 app.command("study")(study.study)
 app.command("retime")(retime.retime)
 app.command("compare")(compare.compare)
-app.command("validate")(validate.validate)
+app.command("validate")(compare.validate)
 app.command("demo")(demo.demo)
 
 

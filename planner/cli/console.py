@@ -14,7 +14,7 @@ from planner.precision import bounds_text, share_text
 
 if TYPE_CHECKING:
     from cases.files import FolderKind
-    from planner.reports.report import Shown
+    from planner.reports.page import Shown
 
 
 LONGEST_NUMBER = 12  # characters
@@ -183,8 +183,7 @@ def save_with_page(value: "Shown", kind: "FolderKind", folder: Path, overwrite: 
         FileProblem: the folder is somebody's, or cannot be written.
     """
     from cases.files import atomic_folder
-    from planner.reports.page import render
-    from planner.reports.report import page
+    from planner.reports.page import page, render
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)

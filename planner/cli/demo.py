@@ -40,8 +40,7 @@ def demo(
     from planner.demonstration import demo as whole_chain
     from planner.plans import Plan
     from planner.reports.demo import demo_page
-    from planner.reports.page import render
-    from planner.reports.report import report
+    from planner.reports.page import render, report
     from planner.runs.running import RunOutcome, best_controller
     from postprocessors.program_file import Program
 

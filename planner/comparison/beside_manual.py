@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cases.errors import HexciteError
+from identification.criteria import reference_scaling
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.deviations import worst_std
 from planner.families.manual import manual_motion, sequence_file
 from planner.plans import Plan

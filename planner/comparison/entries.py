@@ -14,12 +14,11 @@ from cases.basis import Artefact, recording_basis
 from cases.errors import FileProblem, IdentificationError
 from cases.files import another_kind, read_json
 from cases.schema import Case
-from identification.criteria import CRITERIA, singular_values
+from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.findings.plausibility import scan
 from identification.identify import default_model
 from identification.model import Model, identification_model
 from identification.recording import Recording, files_of, read
-from identification.reference import reference_scaling
 from identification.result import Value
 from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock

@@ -8,18 +8,30 @@ figure passes `plain`, for plotly reads some HTML in labels.
 import base64
 import gzip
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 from numpy.typing import NDArray
 
+from cases.files import write_text
 from planner.reports.charts import Chart, script_json
+
+if TYPE_CHECKING:
+    from identification.identifiability import Identifiability
+    from identification.model import Model
+    from identification.outcome import Result
+    from planner.comparison.advising import Comparison
+    from planner.plans import Plan
+    from planner.validation.validation import Validation
+
+    Shown = Plan | Result | Comparison | Validation
 
 Array = NDArray[np.float64]
 
@@ -181,3 +193,69 @@ def explained(text: str) -> Markup:
 def rows_of(rows: Sequence[Sequence[str]]) -> tuple[tuple[str, ...], ...]:
     """Rows of a table that was made for the terminal."""
     return tuple(tuple(row) for row in rows)
+
+
+# What only one kind of value needs is imported for that: SciPy takes a second.
+
+
+def report(value: "Shown", file: Path | str) -> None:
+    """Writes the page of a value, one HTML file that needs no network.
+
+    Args:
+        value: a plan, a result, a comparison, a validation.
+        file: file to write.
+    """
+    write_text(Path(file), render(page(value)))
+
+
+def page(value: "Shown") -> Page:
+    """The page of a value."""
+    return _PAGES[type(value).__name__](value)
+
+
+def _page_of_result(result: "Result") -> Page:
+    from planner.reports.identify import identify_page
+
+    return identify_page(result)
+
+
+def _page_of_comparison(comparison: "Comparison") -> Page:
+    from planner.reports.compare import compare_page
+
+    return compare_page(comparison.groups, comparison.advice)
+
+
+def _page_of_validation(validation: "Validation") -> Page:
+    from planner.reports.validation import validation_page
+
+    v = validation
+    return validation_page(v.case, v.steps, v.findings, v.columns, v.machine, v.failed, v.remedies)
+
+
+def _page_of_plan(plan: "Plan") -> Page:
+    if len(plan.poses):
+        from planner.reports.poses import poses_page
+
+        return poses_page(plan, _of_poses(plan)[1])
+    from planner.comparison.beside_manual import beside_manual
+    from planner.reports.plan import plan_page
+
+    return plan_page(plan, beside_manual(plan))
+
+
+_PAGES: "dict[str, Callable[[Any], Page]]" = {  # by name: to import the types of all takes a second
+    "Plan": _page_of_plan,
+    "Result": _page_of_result,
+    "Comparison": _page_of_comparison,
+    "Validation": _page_of_validation,
+}
+
+
+def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
+    """The model of a plan of poses, and what its poses determine."""
+    from identification.identifiability import analyse
+    from identification.model import identification_model
+    from planner.poses.pose_criteria import pose_regressors
+
+    model = identification_model(plan.case, plan.model)
+    return model, analyse(pose_regressors(model, plan.poses), model.names)

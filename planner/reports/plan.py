@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import MM
+from identification.criteria import reference_scaling
 from identification.evaluate import over_samples
 from identification.identifiability import analyse
 from identification.limited import strut_motion
@@ -16,7 +17,6 @@ from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
 from identification.overload import SHARE, load_shares
 from identification.parameters import nominal_parameters, physical_form
-from identification.reference import reference_scaling
 from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
 from planner.plans import Plan

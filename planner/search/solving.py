@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.infeasible import require_rest

@@ -4,10 +4,9 @@ from typing import Any
 
 from cases.loading import load_case
 from cases.schema import Case
-from identification.criteria import CRITERIA, singular_values
+from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.model import identification_model
 from identification.motion import Trajectory
-from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound
 from planner.cli.console import print_table
 from planner.families.settings import family_class

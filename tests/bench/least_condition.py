@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.bounds.features import Features, box_features
 from planner.bounds.moments import Moments, Multipliers, combined, motion_moments
 from planner.bounds.tight import climb

@@ -12,9 +12,9 @@ from time import process_time
 import numpy as np
 
 from cases.loading import load_case
+from identification.criteria import reference_scaling
 from identification.evaluate import over_samples
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from identification.simulate import truth_rows
 from planner.bounds.kept import box_bound
 from planner.deviations import predicted_std

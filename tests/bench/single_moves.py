@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from cases.loading import load_case
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
-from identification.reference import reference_scaling
 from planner.bounds.design import improved_weights
 from planner.bounds.kept import box_bound
 from planner.families.ptp import CRITICAL_POINTS, INFORMATION_POINTS, PointToPointFamily, states_of_move

@@ -6,8 +6,8 @@ import pytest
 from cases.errors import CaseError
 from cases.loading import load_case
 from cases.schema import Case
+from identification.criteria import information, reference_scaling, uniform_states
 from identification.model import identification_model
-from identification.reference import information, reference_scaling, uniform_states
 
 CASE = load_case("hexapod")
 MODEL = identification_model(CASE, 9)

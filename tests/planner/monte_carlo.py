@@ -6,11 +6,11 @@ import numpy as np
 
 from cases.schema import Case
 from cases.sensors import RigidBody
+from identification.criteria import reference_scaling
 from identification.evaluate import over_samples
 from identification.model import identification_model
 from identification.motion import Trajectory
 from identification.parameters import physical_form
-from identification.reference import reference_scaling
 from planner.deviations import predicted_std, predicted_std_of
 from planner.noise import expected_noise
 from planner.search.problem import mean_information

@@ -9,9 +9,8 @@ import pytest
 
 from cases.loading import built_in_cases
 from cases.schema import Case
-from identification.criteria import CRITERIA, singular_values
+from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion

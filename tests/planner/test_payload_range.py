@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from cases.loading import load_case
+from identification.criteria import reference_scaling
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.manual import manual_motion, sequence_file
 from planner.noise import expected_noise

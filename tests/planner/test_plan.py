@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.evaluate import over_samples
 from identification.limits import LimitReport, prove
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.families.fourier import DENSITY, FourierFamily
 from planner.families.fourier_motion import FourierMotion
 from planner.families.settings import Spline

@@ -7,9 +7,9 @@ import pytest
 
 from cases.loading import load_case
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.identify import identify
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.deviations import worst_std
 from planner.poses.planned_poses import _noise
 from tests.helpers import Harmonic

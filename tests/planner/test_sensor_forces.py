@@ -6,12 +6,12 @@ import pytest
 import planner.search.problem as problem_module
 from cases.loading import load_case
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.limited import rotation_motion
 from identification.limits import LimitCheck, LimitReport, Status, load_motion, prove
 from identification.model import identification_model
 from identification.motion import Motion
 from identification.overload import SHARE, load_shares, sensor_forces
-from identification.reference import reference_scaling
 from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily

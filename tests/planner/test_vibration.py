@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.identify import identify
 from identification.model import identification_model
 from identification.motion import Joined
-from identification.reference import reference_scaling
 from identification.trajectories.profile import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.families.fourier_motion import FourierMotion

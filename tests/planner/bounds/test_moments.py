@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
 from cases.loading import load_case
+from identification.criteria import reference_scaling
 from identification.model import identification_model
 from identification.motion import Joined, Motion
-from identification.reference import reference_scaling
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import StraightMove, fastest_profile
 from planner.bounds.features import box_features

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cases.units import DEG, MM
+from identification.criteria import reference_scaling
 from identification.limits import prove
 from identification.model import Model, identification_model
 from identification.motion import Trajectory
-from identification.reference import reference_scaling
 from planner.bounds.features import box_features
 from planner.bounds.kept import box_bound, compute_bound
 from planner.bounds.moments import combined, motion_moments

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.limits import prove
 from identification.model import identification_model
 from identification.motion import sample
-from identification.reference import reference_scaling
 from identification.trajectories.profile import StraightMove
 from planner.controlled import controlled
 from planner.families.ptp import PointToPointFamily

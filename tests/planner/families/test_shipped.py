@@ -8,9 +8,9 @@ import pytest
 
 from cases.loading import load_case
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.limits import prove
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.motion import sample
-from identification.reference import reference_scaling
 from planner.families.spline import CRITICAL, SplineFamily
 from planner.search.problem import Problem, build_problem
 from planner.search.rows import LinearRows

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
-from identification.reference import reference_scaling
 from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.limits import prove
 from identification.model import Model, identification_model
-from identification.reference import reference_scaling
 from identification.trajectories.profile import fastest_profile
 from planner.families.ptp import PointToPointFamily
 from planner.search.annealing import EXCESS, POSE_REACHED, RIDGE, SLACK, EqualMoves, Proposals, Walk, annealed_start

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner import planning
 from planner.families.settings import family_class
 from planner.planning import search

@@ -7,9 +7,9 @@ import pytest
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.limits import prove
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.families.family import Family, box_middle
 from planner.families.fourier import START_SHARE, FourierFamily
 from planner.search.inside import CLOSE_ENOUGH, MARGIN, keep_limits

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
+from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
-from identification.reference import reference_scaling
 from planner.search.problem import mean_information
 from planner.search.program import Program, regressor_kernel
 from tests.helpers import taylor_slope
