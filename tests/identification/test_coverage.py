@@ -38,6 +38,7 @@ def test_of_30_runs_about_95_percent_of_the_intervals_hold_the_truth() -> None:
     assert 0.90 <= coverage(30) <= 0.99
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("colour", few(20.0, 0.0))
 def test_the_delay_is_as_sure_as_it_says_also_under_noise_with_memory(colour: float) -> None:
     """White, and behind a 20 Hz filter of first order, which makes the white formula four times too sure."""

@@ -46,6 +46,7 @@ def within_3_std(seeds: range, folder: Path) -> float:
     return good / len(seeds)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seeds", few(range(4), range(4, 200)))
 def test_mild_damage_leaves_most_runs_usable(seeds: range, tmp_path: Path) -> None:
     assert within_3_std(seeds, tmp_path) >= 0.9

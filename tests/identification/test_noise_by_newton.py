@@ -40,6 +40,7 @@ def noisy(exact: Recording, seed: int) -> Recording:
     return Recording("newton.csv", exact.t, struts, None, forces, exact.trigger)
 
 
+@pytest.mark.slow
 def test_shares_and_attenuation_are_those_of_the_noise_that_was_added(exact: Recording) -> None:
     found = [identify(noisy(exact, seed), NOISY) for seed in range(SEEDS)]
     sources = [f.noise_sources for f in found]

@@ -173,6 +173,7 @@ def test_a_case_without_a_chain_is_refused() -> None:
 SHORT = written(walk(ROBOT, 1)).content.decode()
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(
     st.integers(0, len(SHORT) - 1), st.integers(1, 12), st.sampled_from(["", "0", ",", "[", "}", "\n", "#", "e", "-"])

@@ -151,6 +151,7 @@ def test_a_case_of_another_machine_is_refused() -> None:
         LANGUAGE.read(TEXT.encode(), "walk.script", load_case("hexapod"))
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(
     st.integers(0, len(TEXT) - 1), st.integers(1, 12), st.sampled_from(["", "0", ",", "(", "]", "\n", "#", "e", "."])

@@ -26,7 +26,7 @@ def test_all_exchanges_of_pairs_are_tried() -> None:
     assert len({o.places for o in ORDERS}) == len(ORDERS)
 
 
-@pytest.mark.parametrize("which", [0, 30, 74, 75])
+@pytest.mark.parametrize("which", [0, 75, *(pytest.param(k, marks=pytest.mark.slow) for k in (30, 74))])
 @pytest.mark.parametrize("side", ["struts", "forces"])
 def test_an_exchange_is_named_with_its_residuals_and_columns(side: str, which: int) -> None:
     order, whole = ORDERS[which], run(which)

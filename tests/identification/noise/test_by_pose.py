@@ -75,6 +75,7 @@ def shares_inside(noise: Callable[[int], np.ndarray], seeds: int) -> tuple[float
     return float(np.mean(with_pose)), float(np.mean(without))
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_where_errors_repeat() -> None:
     with_pose, without = shares_inside(lambda s: field(s) + 0.3 * memory(s, 0.3), 12)
     assert with_pose > 0.88
@@ -88,6 +89,7 @@ def test_an_error_in_one_sensor_widens_the_intervals_that_feel_it() -> None:
     assert without < with_pose - 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phi", [0.0, 0.9])
 def test_noise_that_does_not_know_the_pose_is_seldom_taken_for_its_errors(phi: float) -> None:
     assert sum(covariance_by_pose(left(memory(seed, phi))[1], STRUTS) is not None for seed in range(8)) <= 2

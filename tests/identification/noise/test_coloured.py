@@ -46,6 +46,7 @@ def coloured(fit: Fit) -> np.ndarray:
     return np.sqrt(np.diag(coloured_covariance(turned(A, fit.residuals, ONES))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phi", [0.0, 0.6, 0.9])
 def test_95_percent_intervals_hold_the_truth_whatever_the_memory(phi: float) -> None:
     assert 0.9 <= share_inside(lambda s: memory(s, phi), coloured) <= 0.985

@@ -53,6 +53,7 @@ def test_steps_of_encoders_that_repeat_are_not_averaged_away(period: float, repe
     assert found.acceleration_std**2 == pytest.approx(variance * (3 if repeats else 1), rel=0.01)
 
 
+@pytest.mark.slow
 def test_attenuation_is_the_mean_bias_by_noise_of_the_struts() -> None:
     seeds, std = range(5), 100.0
     case = stated(CASE, strut_noise_um=std)

@@ -60,6 +60,7 @@ def test_gain_of_the_second_derivative_is_what_the_filter_makes_of_white_noise()
     assert low_pass.apply(noise, 2).var() == pytest.approx(low_pass.acceleration_noise_gain, rel=0.03)
 
 
+@pytest.mark.slow
 def test_shares_are_those_that_each_noise_alone_leaves() -> None:
     """s0^2 with force noise alone, and with encoder steps alone, over s0^2 with both."""
     sources = {"force_noise_N": 2.0, "encoder_resolution_um": 10.0}
@@ -115,7 +116,8 @@ def noisy(recording: Recording, seed: int, std_um: float) -> Recording:
     return replace(recording, struts=recording.struts + errors)
 
 
-@pytest.mark.parametrize("steps", [True, pytest.param(False, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("steps", [True, False])
 def test_attenuation_is_the_mean_bias_of_a_coarse_encoder(steps: bool) -> None:
     """Steps of 20 um on a small motion, and white noise as large: estimates are off by what is said, size and sign."""
     size, seeds, resolution = 0.7, range(8), 20.0

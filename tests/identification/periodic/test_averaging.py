@@ -52,6 +52,7 @@ def test_an_ideal_machine_gives_its_parameters_back(period: float) -> None:
     assert estimate.told["periodic"]["periods"] == 3
 
 
+@pytest.mark.slow
 def test_with_little_noise_of_the_struts_it_agrees_with_the_low_pass() -> None:
     run = recorded(CASE, Repeating(), seed=1)
     clean, usual = identify(run, CASE, conditioning=AUTO), identify(run, CASE)
@@ -68,6 +69,7 @@ def test_errors_are_as_large_as_reported(clean: Estimate) -> None:
     np.testing.assert_allclose(found, CASE.simulation.force_noise_N, rtol=0.35)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step_um", few(200.0, 50.0))
 def test_coarse_encoders_bias_the_low_pass_and_spare_the_series(step_um: float) -> None:
     case = simulated(CASE, encoder_resolution_um=step_um)
@@ -80,6 +82,7 @@ def test_coarse_encoders_bias_the_low_pass_and_spare_the_series(step_um: float) 
     assert periodic.told["periodic"]["harmonics"] < 30
 
 
+@pytest.mark.slow
 def test_more_noise_of_the_struts_leaves_fewer_harmonics() -> None:
     counts = []
     for step_um in (0.1, 10.0, 200.0):
@@ -116,6 +119,7 @@ def test_a_contact_in_one_period_costs_that_period_and_nothing_else() -> None:
     assert np.abs((values(estimate) - PHYSICAL) / reported(estimate)).max() < 4.0
 
 
+@pytest.mark.slow
 def test_clean_runs_lose_no_period() -> None:
     model, run = MODEL, recorded(ideal(CASE), Repeating())
     for seed in range(4):

@@ -84,6 +84,7 @@ def test_the_period_is_found_from_half_a_sample_away(period: float, off: float, 
     assert refined_period(t, known.at(t), period + off, 8) == pytest.approx(period, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_noise_moves_the_period_by_what_the_information_says() -> None:
     """Cramer-Rao: the variance is that of the noise over the squared slope with the period, coefficients unknown."""
     known, t = truth(1.0), instants(1.0, 4)

@@ -36,6 +36,7 @@ def run(period: float, periods: int, seed: int = 0, harmonics: int = 5, rest: fl
     return t, 1.0 + struts, start
 
 
+@pytest.mark.slow
 @settings(max_examples=12)
 @given(period=st.floats(0.6, 2.0), periods=st.integers(2, 4), seed=st.integers(0, 1000))
 def test_the_periodic_part_is_found_between_approach_and_return(period: float, periods: int, seed: int) -> None:

@@ -50,7 +50,7 @@ def off(estimate: Estimate) -> float:
     return abs(mass.value - TRUE_MASS) / mass.reported
 
 
-@pytest.mark.parametrize("mode", [25.0, 40.0])
+@pytest.mark.parametrize("mode", [25.0, pytest.param(40.0, marks=pytest.mark.slow)])
 def test_the_mode_is_found_and_no_longer_draws_the_mass(mode: float):
     recording = run(mode)
     rigid, flexible = identify(recording, CASE), identify(recording, CASE, conditioning=FLEXIBLE)

@@ -81,6 +81,7 @@ def test_an_ideal_oversampled_run_gives_parameters_and_no_delay() -> None:
     assert estimate.delay.value == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_errors_are_those_of_ten_times_the_samples() -> None:
     """s0 is told for the averages; the standard deviations are those of the information that all samples hold."""
     many = identify(on_one_clock(two_rates(10.0, noise=3.0, late=0.003), CASE), CASE)

@@ -43,6 +43,7 @@ def test_pointwise_samples_of_leaping_forces_smooth_by_a_share_of_the_step_squar
     assert found["std"] < 0.005 * STEP**2  # the test sees it
 
 
+@pytest.mark.slow
 def test_parameters_are_not_drawn_by_the_sampling() -> None:
     """Over noise of 6 seeds the errors centre on nothing; left out, the smoothing alone is several deviations."""
     estimates = [identify(run(0.0, 0.2, seed), CASE) for seed in range(6)]

@@ -90,6 +90,7 @@ def feasible(name: str, seed: int, folder: Path) -> Trajectory:
     return family.motion(keep_limits(CASE, family, unknowns, 1000.0)[0])
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 2**32 - 1), name=st.sampled_from(["fourier", "ptp", "spline", "manual"]))
 @settings(max_examples=16, derandomize=True, deadline=None)
 def test_no_random_feasible_motion_of_any_family_passes_either_bound(
@@ -102,6 +103,7 @@ def test_no_random_feasible_motion_of_any_family_passes_either_bound(
     assert sign <= 0 or logdet < bound_of(found) < box
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", few(MODEL, ALL))
 def test_nor_does_an_optimised_one(model: Model, found: TightDesign):
     """Thirty iterations towards the bounds leave them out of reach."""

@@ -109,6 +109,11 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
         assert program.value(reached.unknowns) <= min(inside) + 1e-9
 
 
+@pytest.mark.parametrize(
+    "small",
+    ["fourier", "spline", *(pytest.param(name, marks=pytest.mark.slow) for name in ("led", "ptp"))],
+    indirect=True,
+)
 def test_it_ends_where_no_more_is_gained(small: Small):
     _, problem, at = small
     program = replace(problem.program, convex=True)

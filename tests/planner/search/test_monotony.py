@@ -59,10 +59,10 @@ def not_worse(values: list[float]) -> None:
 
 
 FIRST = ["fourier", *(pytest.param(name, marks=pytest.mark.slow) for name in ("ptp", "spline"))]
-SOME = ["fourier", "ptp", pytest.param("spline", marks=pytest.mark.slow)]
 
 
-@pytest.mark.parametrize("family", SOME)
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
 def test_a_wider_box_never_gives_less(family: str):
     not_worse([logdet(family, box=share) for share in (0.5, 1.0)])
 
@@ -72,7 +72,8 @@ def test_looser_limits_never_give_less(family: str):
     not_worse([logdet(family, limits=share) for share in (0.7, 1.0)])
 
 
-@pytest.mark.parametrize("family", FIRST)
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
 def test_more_starts_never_give_less(family: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(planning, "_rival", lambda request, case: None)  # a glance that takes as long as a start
     not_worse([logdet(family, starts=starts) for starts in (1, 2, 3)])

@@ -218,6 +218,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path, hexapod_case: Case) ->
     )
 
 
+@pytest.mark.slow
 def test_a_cell_with_payload_is_executed_and_identified_against_its_own_truth(hexapod_case: Case) -> None:
     """The estimate holds the mass of machine and weights: an error against the bare machine's would be 20 kg."""
     from planner.study.spec import request_of

@@ -49,6 +49,7 @@ def wait_for(reached: Callable[[], bool], what: str) -> None:
     pytest.fail(f"{what}: not within five minutes")
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_nothing_remains_after_the_time_is_up(
     write: Callable[[str], Path], hexapod_case: Case, folder: Path, monkeypatch: pytest.MonkeyPatch
@@ -63,6 +64,7 @@ def test_nothing_remains_after_the_time_is_up(
     assert [path.name for path in folder.iterdir() if path.suffix != ".lock"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_a_session_that_hangs_is_killed(
     write: Callable[[str], Path], hexapod_case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -119,6 +121,7 @@ print(log.controller, log.trigger.any())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_nothing_keeps_running_when_hexcite_is_ended(

@@ -65,6 +65,7 @@ def test_dwells_take_their_time_in_the_controllers_clock(executed: ControllerLog
         np.testing.assert_array_equal(np.ptp(executed.poses[start:end], axis=0), 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_motion_does_not_depend_on_the_speedup(write: Callable[[str], Path], hexapod_case: Case) -> None:
     steps = np.linspace(0.0, 2.0 * np.pi, 51)
@@ -123,6 +124,7 @@ def test_loops_are_refused_where_dwells_stand_between(write: Callable[[str], Pat
         run_linuxcnc(write(loop), hexapod_case)
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 def test_two_runs_at_the_same_time_do_not_disturb_each_other(tmp_path: Path, hexapod_case: Case) -> None:
     logs: dict[str, ControllerLog] = {}

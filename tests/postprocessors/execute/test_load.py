@@ -17,6 +17,7 @@ POSES = "\n".join(
 )  # a move, a rest, and the trigger in the second rest
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_trigger_brackets_standstills_whenever_the_servo_thread_is_stopped(

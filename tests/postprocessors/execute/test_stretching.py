@@ -127,6 +127,7 @@ def test_linuxcnc_stretches_a_dense_path_as_predicted(tmp_path: Path, hexapod_ca
     )
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 @pytest.mark.usefixtures("rs274")
 @pytest.mark.parametrize("block_ms", [50.0, 120.0])
