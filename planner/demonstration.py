@@ -7,7 +7,7 @@ from typing import Any
 
 from cases.files import DEMO, check_folder
 from cases.schema import Case
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import full_model
 from identification.outcome import Result
 from identification.recording import Recording
@@ -29,23 +29,14 @@ Done = Callable[[Plan | Program | RunOutcome | Result], None]
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """What came of each step.
-
-    Args:
-        plan: the motion.
-        program: program for LinuxCNC, or as a table of set points, proven.
-        outcome: outcome of the run.
-        result: result of its identification.
-        truth: each parameter beside that of the simulated machine, as `truth_rows` has them.
-        why: the reason for the controller.
-    """
+    """What came of each step."""
 
     plan: Plan
-    program: Program
+    program: Program  # program for LinuxCNC, or as a table of set points, proven
     outcome: RunOutcome
     result: Result
-    truth: tuple[dict[str, Any], ...]
-    why: str
+    truth: tuple[dict[str, Any], ...]  # each parameter beside that of the simulated machine, as `truth_rows` has them
+    why: str  # the reason for the controller
 
     @property
     def worst(self) -> float:

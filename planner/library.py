@@ -13,18 +13,16 @@ from cases.schema import Case
 from identification.model import full_model, identification_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
+from planner.infeasible import require_plannable
 from planner.interruption import Interrupted
-from planner.noise import expected_noise
+from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c
 from planner.plans import Plan
-from planner.pose_errors import PoseErrors
 from planner.poses.pose_request import PoseRequest
-from planner.readiness import require_plannable
-from planner.request import LONGEST, Request
+from planner.request import LONGEST, UNITS, Request, Target, parse_targets
 from planner.search.parallel import SILENT, Listener, News
 from planner.search.patience import WORTHWHILE, gain
 from planner.search.solving import Failed, Start
-from planner.target import UNITS, Target, parse_targets
 
 Told = Callable[[str], None]
 """Shows a line about how far a search has come."""

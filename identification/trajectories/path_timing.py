@@ -44,19 +44,12 @@ class UntimedPath(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class RetimedMotion:
-    """A motion along a planned path at another pace; a `Trajectory`.
-
-    Args:
-        path: the planned motion.
-        shares: gridpoints of s = t / duration, shape (k,), from 0 to 1.
-        times: when the gridpoints are passed, shape (k,) [s].
-        paces: s' there, shape (k,) [1/s].
-    """
+    """A motion along a planned path at another pace; a `Trajectory`."""
 
     path: Trajectory
-    shares: Array
-    times: Array
-    paces: Array
+    shares: Array  # gridpoints of s = t / duration, shape (k,), from 0 to 1
+    times: Array  # when the gridpoints are passed, shape (k,) [s]
+    paces: Array  # s' there, shape (k,) [1/s]
 
     @property
     def duration(self) -> float:

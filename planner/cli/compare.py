@@ -36,7 +36,7 @@ def compare(
     check_folder(place, COMPARISON, folders, overwrite)
     with status("comparing", json):
         found = compared(folders, None if case is None else load_case(case), stale)
-        save_with_page(found, COMPARISON, place, overwrite, plots=True)
+        save_with_page(found, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | found.to_json()
     if json:
         print_json(answer)

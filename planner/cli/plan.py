@@ -11,7 +11,6 @@ from planner.cli.console import (
     Criterion,
     Json,
     Overwrite,
-    Plots,
     limit_rows,
     print_json,
     print_table,
@@ -91,7 +90,6 @@ def plan(
         float | None, typer.Option(help="Time for the search in s; by default until more starts stop paying.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
-    plots: Plots = False,
     output: Out = None,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -105,9 +103,9 @@ def plan(
     from identification.model import full_model
     from planner.cli.console import save_with_page
     from planner.families.settings import family_class
+    from planner.infeasible import require_plannable
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned
-    from planner.readiness import require_plannable
     from planner.request import Request, read_payloads
 
     kind, options = family_class(family), context.params
@@ -137,7 +135,7 @@ def plan(
     with remarks("searching" if optimised else "timing", json) as remark:
         found = planned(request, loaded, remark)
     with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_with_page(found, PLAN, folder, overwrite, plots)
+        save_with_page(found, PLAN, folder, overwrite)
     answer = answer_of_plan(found, folder)
     if json:
         print_json(answer)

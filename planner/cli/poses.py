@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Criterion, Json, Overwrite, Plots, print_json, print_table, progress, status
+from planner.cli.console import Criterion, Json, Overwrite, print_json, print_table, progress, status
 
 if TYPE_CHECKING:
     from planner.plans import Plan
@@ -27,7 +27,6 @@ def poses(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; named after the case by default.")
     ] = None,
-    plots: Plots = False,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
@@ -49,7 +48,7 @@ def poses(
     with progress("choosing poses", steps, json) as counted:
         plan = poses_planned(request, loaded, lambda left: counted(f"{left} poses"))
     with status("writing", json):
-        save_with_page(plan, PLAN, folder, overwrite, plots)
+        save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if json:

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from planner.families.family import Layout
-from planner.families.fourier_motion import FourierMotion
+from planner.families.fourier_motion import FourierMotion, run_in, run_out
 from planner.families.linear import linear_layout
-from planner.families.run_in import run_in, run_out
 from planner.search.states import Peak
 
 Array = NDArray[np.float64]

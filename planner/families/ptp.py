@@ -19,9 +19,8 @@ from cases.schema import Case
 from identification.motion import Joined
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.families.family import Layout, box_middle
-from planner.search.kernel import Kernel
 from planner.search.rows import BlockRows, LinearRows
-from planner.search.states import KernelStates, LinearStates, Peak, state_size
+from planner.search.states import Kernel, KernelStates, LinearStates, Peak, state_size
 
 Array = NDArray[np.float64]
 

@@ -31,7 +31,6 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     """The fastest straight move within the limits, those of the struts included.
 
     Args:
-        case: its limits.
         start: shape (6,) [m, rad].
         end: different from start, shape (6,) [m, rad].
     """
@@ -48,7 +47,6 @@ def travel_times(case: Case, poses: Array) -> Array:
     Of more than a hundred poses struts are looked at in few places: good for an order, not for a proof.
 
     Args:
-        case: its limits.
         poses: shape (n, 6) [m, rad].
     """
     limits = case.need_machine("moves between poses")[2].motion
@@ -90,7 +88,6 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
     """By how much each move must be slowed for the struts' sake; below 1 where it need not be, shape (n,).
 
     Args:
-        case: its limits.
         start: shape (n, 6) [m, rad].
         end: shape (n, 6) [m, rad].
         laws: laws of `_laws`, for each move.

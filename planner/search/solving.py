@@ -20,8 +20,7 @@ from identification.reference import reference_scaling
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.infeasible import require_rest
-from planner.noise import expected_noise, seen_through
-from planner.pose_errors import PoseErrors
+from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search.annealing import annealed_start
 from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate
 from planner.search.ipopt import Watch, solve

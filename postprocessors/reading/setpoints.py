@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
-from cases.machine import Machine
+from cases.machine import HexapodMachine
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited import strut_motion
@@ -53,24 +53,17 @@ def units_of(columns: tuple[str, ...]) -> Array:
 
 
 class SetpointTable(NamedTuple):
-    """A table as read.
+    """A table as read."""
 
-    Args:
-        first: line of its first row (Parquet: 1).
-        header: keys and values.
-        values: one row a cycle, the columns of `columns_of`, in the units of their names.
-    """
-
-    first: int
-    header: dict[str, str]
-    values: Array
+    first: int  # line of its first row (Parquet: 1)
+    header: dict[str, str]  # keys and values
+    values: Array  # one row a cycle, the columns of `columns_of`, in the units of their names
 
 
 def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> SetpointTable:
     """The numbers of a table.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
         most: rows that the controller's memory holds.
         columns: columns that the table must have.
@@ -249,7 +242,7 @@ class _Rows:
                     row + 1, column, "does not follow from the row before with its rate and acceleration; correct it"
                 )
 
-    def _require_struts(self, machine: Machine) -> None:
+    def _require_struts(self, machine: HexapodMachine) -> None:
         none = np.zeros_like(self.pose)
         motion = Motion(self.time.copy(), self.pose.copy(), self.rates.copy(), self.accelerations.copy(), none)
         exact = np.hstack(strut_motion(motion, machine))

@@ -22,8 +22,8 @@ from cases.files import write_text
 from cases.loading import load_case
 from identification.model import identification_model
 from planner.bounds.kept import box_bound
+from planner.families.saved import FILE
 from planner.families.settings import family_class
-from planner.families.shipped import FILE
 from planner.search.solving import Start, Step, Task, run_start
 
 DIGITS = 5

@@ -14,8 +14,8 @@ from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
+from planner.families.saved import FILE, shipped_start
 from planner.families.settings import family_class
-from planner.families.shipped import FILE, shipped_start
 from planner.search.annealing import annealed_start
 from planner.search.problem import build_problem, mean_information
 from planner.search.solving import CLOSE

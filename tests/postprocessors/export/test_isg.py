@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError
 from cases.loading import load_case
 from identification.model import identification_model
-from postprocessors.export.isg import isg_load, principal_axes
+from postprocessors.export.targets import isg_load, principal_axes
 from tests.helpers import one_line
 from tests.postprocessors.export.calibrations import calibration, plausible
 
