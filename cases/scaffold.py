@@ -138,6 +138,9 @@ def new_case(name: str, like: str, folder: Path) -> Path:
         line = re.sub(r'^title = ".*"', 'title = "what it is, in a line"', line)
         line = re.sub(r'^source = ".*"', 'source = "where these values come from"', line)
         lines.append(line)
+        if line == "[controller]":
+            lines += textwrap.wrap(told["plan_for"], _WIDTH, initial_indent="# ", subsequent_indent="# ")
+            lines.append('# plan_for = "linuxcnc"')
     write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
     return file
 
