@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.search.program import Program
+from planner.search.program import NonlinearProgram
 
 Array = NDArray[np.float64]
 
@@ -108,7 +108,7 @@ class Passed(ca.Callback):  # type: ignore[misc]
         return 0
 
 
-def solve(program: Program, start: Array, iterations: int, watch: Watch, options: dict[str, Any]) -> Reached:
+def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch, options: dict[str, Any]) -> Reached:
     """Solves a program from a start, which need not be inside its limits.
 
     Args:

@@ -14,7 +14,7 @@ from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
 from planner.noise import PoseErrors, of_estimate
 from planner.search.by_pose import FieldByStates
-from planner.search.program import Program, regressor_kernel
+from planner.search.program import NonlinearProgram, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows
 from planner.search.state_limits import BINDS, LimitGroup, near_limits
 from planner.search.states import Peak
@@ -38,7 +38,7 @@ class Problem:
     """
 
     layout: Layout
-    program: Program
+    program: NonlinearProgram
     limits: tuple[LimitGroup, ...]
     box: Box
     middle: Array
@@ -127,7 +127,7 @@ def build_problem(
             for group in limits
             if group.peak is Peak.POSE
         )
-    program = Program(
+    program = NonlinearProgram(
         layout.states,
         regressor_kernel(model, scaling),
         (*layout.rows, *first, *rows),

@@ -49,7 +49,7 @@ class _Point(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Program:
+class NonlinearProgram:
     """Minimise a criterion of the mean information over unknowns within bounds and rows.
 
     Args:
@@ -86,7 +86,7 @@ class Program:
         """Number of parameters u."""
         return self.regressor.size // 6
 
-    def with_rows(self, *rows: Rows) -> "Program":
+    def with_rows(self, *rows: Rows) -> "NonlinearProgram":
         """The same with other rows."""
         return replace(self, rows=rows)
 

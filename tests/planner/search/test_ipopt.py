@@ -8,7 +8,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from planner.search.ipopt import INSIDE, Reached, solve
-from planner.search.program import Program
+from planner.search.program import NonlinearProgram
 from planner.search.rows import Blocks, LinearRows
 from tests.planner.search.conftest import Small
 
@@ -33,7 +33,7 @@ class Disc:
         return Blocks(np.arange(2)[None], 2 * multipliers[0] * np.eye(2)[None])
 
 
-class Valley(Program):
+class Valley(NonlinearProgram):
     """Rosenbrock's valley inside a disc, on a plane."""
 
     def value(self, x: np.ndarray) -> float:
@@ -51,7 +51,7 @@ class Valley(Program):
         return own
 
 
-def valley() -> Program:
+def valley() -> NonlinearProgram:
     plane = LinearRows.equation(csr_array(np.array([[-1.0, -1.0, 1.0]])), 0.0)
     return Valley(None, None, (plane, Disc()), np.full(3, -2.0), np.full(3, 2.0))  # type: ignore[arg-type]
 
@@ -89,13 +89,13 @@ def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int
     _, problem, at = small
     passed: list[tuple[float, np.ndarray]] = []
 
-    class Watched(Program):
+    class Watched(NonlinearProgram):
         def gradient(self, unknowns: np.ndarray) -> np.ndarray:  # asked for once an iterate
             passed.append((self.value(unknowns), unknowns.copy()))
             return super().gradient(unknowns)
 
     program = problem.program
-    watched = Watched(**{name: getattr(program, name) for name in Program.__dataclass_fields__})
+    watched = Watched(**{name: getattr(program, name) for name in NonlinearProgram.__dataclass_fields__})
     reached = solve(watched, at, iterations, lambda objective: False, {"mu_strategy": "adaptive"})
     lower, upper = program.row_bounds
 

@@ -9,7 +9,7 @@ from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.model import Model, identification_model
 from planner.search.problem import mean_information
-from planner.search.program import Program, regressor_kernel
+from planner.search.program import NonlinearProgram, regressor_kernel
 from tests.helpers import taylor_slope
 from tests.planner.search.conftest import Small
 
@@ -21,7 +21,7 @@ def direction(seed: int, unknowns: np.ndarray) -> np.ndarray:
     return np.random.default_rng(seed).normal(size=len(unknowns))
 
 
-def table(program: Program, unknowns: np.ndarray) -> np.ndarray:
+def table(program: NonlinearProgram, unknowns: np.ndarray) -> np.ndarray:
     """All derivatives of the rows, shape (R, n)."""
     dense = np.zeros((len(program.row_bounds[0]), program.unknowns))
     np.add.at(dense, program.pattern, program.row_slopes(unknowns))
