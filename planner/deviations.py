@@ -33,8 +33,6 @@ def predicted_std(
     Expected is the nominal body with a number of payloads.
 
     Args:
-        case: gives the body and the rate.
-        model: whose parameters are meant.
         scaling: diagonal of H, shape (u,).
         information: mean of H A^T W A H, shape (u, u).
         duration: [s].
@@ -60,7 +58,6 @@ def predicted_std_at_poses(
 
     Args:
         case: gives the nominal body, and errors that depend on the pose.
-        model: model of the parameters.
         scaling: scaling of its columns, shape (u,).
         regressors: regressors of the poses, scaled, shape (n, 6, u).
         poses: shape (n, 6) [m, rad].
@@ -92,11 +89,7 @@ def predicted_std_of(
     """Standard deviations of the physical parameters for one run of a motion, by rate, weights, noise and pose errors.
 
     Args:
-        case: gives the nominal body and the weights.
-        model: gives A.
         scaling: scaling of its columns, shape (u,).
-        motion: motion of the run.
-        noise: noise of the forces.
         payload: how many weights are mounted.
 
     Raises:
@@ -121,11 +114,7 @@ def worst_std(
     Each run has the noise and weights of what is mounted; the fewest payloads count where several are alike.
 
     Args:
-        case: gives the nominal body and the weights.
-        model: gives A.
         scaling: scaling of its columns, shape (u,).
-        motion: motion of the run.
-        payloads: numbers of weights.
 
     Raises:
         CaseError: the case has no nominal body, or fewer payloads.

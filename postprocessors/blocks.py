@@ -34,12 +34,9 @@ class ExactStopMove:
 
     Controllers know feeds, not durations: a dialect writes the feed that makes its controller's own time law, under the
     limits of the case, take as long as planned.
-
-    Args:
-        move: where from, where to, and the planned time law.
     """
 
-    move: StraightMove
+    move: StraightMove  # where from, where to, and the planned time law
 
     @property
     def feed(self) -> float:

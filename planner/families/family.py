@@ -17,25 +17,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Layout:
-    """A family's motion as functions of its unknowns.
+    """A family's motion as functions of its unknowns."""
 
-    Args:
-        states: states over which information is averaged, with their shares of the duration.
-        critical: states at which non-linear limits (struts, joints) are constrained.
-        peaks: peaks at which of these, of each kind, shape (B, S) each.
-        rows: limits of the coordinates, linear ones and those of the family.
-        lower: bound of each unknown, shape (n,).
-        upper: bound of each unknown, shape (n,).
-        standing: states besides, at which limits of poses are constrained.
-    """
-
-    states: States
-    critical: States
-    peaks: Mapping[Peak, NDArray[np.bool_]]
-    rows: tuple[Rows, ...]
-    lower: Array
-    upper: Array
-    standing: States | None = None
+    states: States  # states over which information is averaged, with their shares of the duration
+    critical: States  # states at which non-linear limits (struts, joints) are constrained
+    peaks: Mapping[Peak, NDArray[np.bool_]]  # peaks at which of these, of each kind, shape (B, S) each
+    rows: tuple[Rows, ...]  # limits of the coordinates, linear ones and those of the family
+    lower: Array  # bound of each unknown, shape (n,)
+    upper: Array  # bound of each unknown, shape (n,)
+    standing: States | None = None  # states besides, at which limits of poses are constrained
 
 
 class Family(Protocol):
@@ -74,17 +64,12 @@ class Family(Protocol):
         """Random unknowns well inside the limits, shape (n,).
 
         Args:
-            draw: the source of chance.
             worst: largest share of any limit that is used, of unknowns.
         """
         ...
 
     def like(self, table: Array) -> Array | None:
-        """Unknowns like those of another machine's motion, limits apart; None where it does not fit.
-
-        Args:
-            table: what `table` gave there.
-        """
+        """Unknowns like those of another machine's motion, limits apart; None where it does not fit."""
         ...
 
     def table(self, unknowns: Array) -> Array:

@@ -47,24 +47,15 @@ class FourierFamily:
     """All Fourier motions of one order and period.
 
     Unknowns are `q = 2 N - 1` amplitudes of each coordinate in units of the pose limits; with a run-in 2 N + 1.
-
-    Args:
-        order: N, from 1 to 7; order 1 needs a run-in.
-        period: [s].
-        repeats: number of periods.
-        middle: middle of the box of coordinates, shape (n,) [m or rad].
-        half: half of its width, shape (n,) [m or rad].
-        centred: whether x0 is the middle of the box, as in the paper; else it is free.
-        run_in: time from rest into the series and again out of it [s]; 0: the series itself begins at rest.
     """
 
-    order: int
-    period: float
-    repeats: int
-    middle: Array
-    half: Array
-    centred: bool = False
-    run_in: float = 0.0
+    order: int  # N, from 1 to 7; order 1 needs a run-in
+    period: float  # [s]
+    repeats: int  # number of periods
+    middle: Array  # middle of the box of coordinates, shape (n,) [m or rad]
+    half: Array  # half of its width, shape (n,) [m or rad]
+    centred: bool = False  # whether x0 is the middle of the box, as in the paper; else it is free
+    run_in: float = 0.0  # time from rest into the series and again out of it [s]; 0: the series itself begins at rest
 
     @classmethod
     def lasting(

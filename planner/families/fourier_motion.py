@@ -13,22 +13,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class FourierMotion:
-    """A Fourier-series motion, repeated a whole number of times.
+    """A Fourier-series motion, repeated a whole number of times."""
 
-    Args:
-        centre: x0 of (34), shape (n,) [m or rad].
-        a: sine coefficients of (34), shape (N, n) [m/s or rad/s].
-        b: cosine coefficients of (34), shape (N, n) [m/s or rad/s].
-        period: 2 pi / w [s].
-        repeats: number of periods.
-        run_in: time from rest at x0 into the series, and again out of it [s]; 0 for a series that is at rest itself.
-    """
-
-    centre: Array
-    a: Array
-    b: Array
-    period: float
-    repeats: int
+    centre: Array  # x0 of (34), shape (n,) [m or rad]
+    a: Array  # sine coefficients of (34), shape (N, n) [m/s or rad/s]
+    b: Array  # cosine coefficients of (34), shape (N, n) [m/s or rad/s]
+    period: float  # 2 pi / w [s]
+    repeats: int  # number of periods
+    # time from rest at x0 into the series, and again out of it [s]; 0 for a series that is at rest itself
     run_in: float = 0.0
 
     @property

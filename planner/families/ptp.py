@@ -87,26 +87,18 @@ _PEAKS = {
 
 @dataclass(frozen=True, slots=True)
 class PointToPointFamily:
-    """Sequences of rest-to-rest moves.
+    """Sequences of rest-to-rest moves."""
 
-    Args:
-        moves: 8 to 64.
-        duration: duration of all moves together [s].
-        cycle: cycle of the controller [s].
-        middle: middle of the box of coordinates, shape (n,) [m or rad].
-        half: half of its width, shape (n,) [m or rad].
-        limits: limits of rates, accelerations and jerks, shape (3, n); without those of jerks, for a controller that
-            knows none, shape (2, n).
-        absent: phases of constant acceleration and of constant velocity that are left out, shape (moves, 2); others
-            last at least three controller cycles. None while that is open.
-    """
-
-    moves: int
-    duration: float
-    cycle: float
-    middle: Array
-    half: Array
+    moves: int  # 8 to 64
+    duration: float  # duration of all moves together [s]
+    cycle: float  # cycle of the controller [s]
+    middle: Array  # middle of the box of coordinates, shape (n,) [m or rad]
+    half: Array  # half of its width, shape (n,) [m or rad]
+    # limits of rates, accelerations and jerks, shape (3, n); without those of jerks, for a controller that knows none,
+    # shape (2, n)
     limits: Array
+    # phases of constant acceleration and of constant velocity that are left out, shape (moves, 2); others last at least
+    # three controller cycles. None while that is open
     absent: NDArray[np.bool_] | None = None
 
     @classmethod

@@ -58,21 +58,13 @@ def _spline(knots: Array, coefficients: Array) -> "BSpline":
 
 @dataclass(frozen=True, slots=True)
 class SplineFamily:
-    """Cubic splines from rest to rest over equal intervals.
+    """Cubic splines from rest to rest over equal intervals."""
 
-    Args:
-        intervals: 20 to 150.
-        duration: duration of the excitation [s].
-        middle: middle of the box of coordinates, shape (n,) [m or rad].
-        half: half of its width, shape (n,) [m or rad].
-        slip: what positions and rates may pass their rows by between two of them, in half widths, shape (2, n).
-    """
-
-    intervals: int
-    duration: float
-    middle: Array
-    half: Array
-    slip: Array
+    intervals: int  # 20 to 150
+    duration: float  # duration of the excitation [s]
+    middle: Array  # middle of the box of coordinates, shape (n,) [m or rad]
+    half: Array  # half of its width, shape (n,) [m or rad]
+    slip: Array  # what positions and rates may pass their rows by between two of them, in half widths, shape (2, n)
 
     @classmethod
     def of(cls, case: Case, intervals: int, duration: float) -> "SplineFamily":

@@ -50,22 +50,15 @@ POSE_REACHED = 0.995  # share of a limit of poses that walks may use
 
 @dataclass(frozen=True)
 class EqualMoves:
-    """Moves that share their times.
+    """Moves that share their times."""
 
-    Args:
-        times: times of a segment with jerk, of constant acceleration, of constant velocity [s].
-        steps: largest way of each coordinate in these times, in half widths of the box, shape (n,).
-        size: number of parameters u.
-        rows: start and end in half widths, shape (2 n,), -> matrix R, shape (12, u), of which R^T R is the mean
-            H A^T A H of the move.
-        excess: the same -> by how much it exceeds limits of rates and accelerations, and the largest share of a limit
-            of poses.
-    """
-
-    times: Array
-    steps: Array
-    size: int
+    times: Array  # times of a segment with jerk, of constant acceleration, of constant velocity [s]
+    steps: Array  # largest way of each coordinate in these times, in half widths of the box, shape (n,)
+    size: int  # number of parameters u
+    # start and end in half widths, shape (2 n,), -> matrix R, shape (12, u), of which R^T R is the mean H A^T A H of
+    # the move
     rows: ca.Function
+    # the same -> by how much it exceeds limits of rates and accelerations, and the largest share of a limit of poses
     excess: ca.Function
 
     @classmethod
@@ -121,19 +114,12 @@ def _excess(case: Case, ends: list[ca.SX], times: Array) -> ca.SX:
 
 
 class Proposals(NamedTuple):
-    """Walks that are proposed.
+    """Walks that are proposed."""
 
-    Args:
-        points: waypoints in half widths, shape (P, moves + 1, n).
-        source: which of the present waypoints each was, shape (P, moves + 1).
-        new: which waypoints are at a new place, shape (P, moves + 1).
-        valid: whether no move is longer than a step, shape (P,).
-    """
-
-    points: Array
-    source: Indices
-    new: Flags
-    valid: Flags
+    points: Array  # waypoints in half widths, shape (P, moves + 1, n)
+    source: Indices  # which of the present waypoints each was, shape (P, moves + 1)
+    new: Flags  # which waypoints are at a new place, shape (P, moves + 1)
+    valid: Flags  # whether no move is longer than a step, shape (P,)
 
 
 class Walk:
@@ -304,11 +290,7 @@ def annealed_start(
     """Unknowns of an annealed walk; limits of rates and accelerations may still be exceeded a little.
 
     Args:
-        case: machine and limits.
-        model: gives A.
         scaling: reference scaling, shape (u,).
-        family: number of moves and duration.
-        draw: the source of chance.
         proposals: how many; the temperature falls geometrically meanwhile.
         watch: is told -log det F / u now and then; true ends the annealing.
         begin: a walk to improve, shape (moves + 1, n); without one it begins as a standstill anywhere.

@@ -19,19 +19,12 @@ Array = NDArray[np.float64]
 
 
 class Felt(NamedTuple):
-    """An information matrix S and its derivatives by K states: dS = share (rows^T slopes + slopes^T rows).
+    """An information matrix S and its derivatives by K states: dS = share (rows^T slopes + slopes^T rows)."""
 
-    Args:
-        information: S, shape (u, u).
-        rows: shape (K, r u).
-        slopes: slopes by the components of the state, shape (K, d, r u).
-        own: dS/d share = (rows^T own + own^T rows) / 2, shape (K, r u).
-    """
-
-    information: Array
-    rows: Array
-    slopes: Array
-    own: Array
+    information: Array  # S, shape (u, u)
+    rows: Array  # shape (K, r u)
+    slopes: Array  # slopes by the components of the state, shape (K, d, r u)
+    own: Array  # dS/d share = (rows^T own + own^T rows) / 2, shape (K, r u)
 
 
 class FieldByStates:

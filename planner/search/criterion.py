@@ -21,22 +21,15 @@ EQUAL = 1e-7  # relative difference of eigenvalues below which their quotient is
 
 
 class Local(NamedTuple):
-    """A criterion, to be minimised and of order one, near an information matrix.
+    """A criterion, to be minimised and of order one, near an information matrix."""
 
-    Args:
-        value: A: log(trace F^-1 / u); D: -log det F / u; K: log of mu_1 / mu_u; N: log of mu_1 / mu_u^2. Not a number
-            where F is not positive definite.
-        vectors: eigenvectors of F, one a column, shape (u, u).
-        first: derivatives by the eigenvalues, shape (u,).
-        second: second derivatives by the eigenvalues, shape (u, u).
-        quotients: (f_a - f_b) / (lambda_a - lambda_b), shape (u, u).
-    """
-
+    # A: log(trace F^-1 / u); D: -log det F / u; K: log of mu_1 / mu_u; N: log of mu_1 / mu_u^2. Not a number where F is
+    # not positive definite
     value: float
-    vectors: Array
-    first: Array
-    second: Array
-    quotients: Array
+    vectors: Array  # eigenvectors of F, one a column, shape (u, u)
+    first: Array  # derivatives by the eigenvalues, shape (u,)
+    second: Array  # second derivatives by the eigenvalues, shape (u, u)
+    quotients: Array  # (f_a - f_b) / (lambda_a - lambda_b), shape (u, u)
 
     @property
     def slope(self) -> Array:

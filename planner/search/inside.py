@@ -42,17 +42,11 @@ def rate(
 
 
 class Inside(NamedTuple):
-    """A motion that satisfies every limit.
+    """A motion that satisfies every limit."""
 
-    Args:
-        unknowns: unknowns of the motion.
-        report: report of its limits.
-        share: share of all ways that are left.
-    """
-
-    unknowns: Array
-    report: LimitReport
-    share: float
+    unknowns: Array  # unknowns of the motion
+    report: LimitReport  # report of its limits
+    share: float  # share of all ways that are left
 
 
 def keep_limits(case: Case, family: Family, unknowns: Array, rate: float) -> Inside:

@@ -15,19 +15,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """Where a solver ended.
+    """Where a solver ended."""
 
-    Args:
-        unknowns: shape (n,).
-        status: its last words.
-        converged: whether it says that it is done.
-        iterations: taken.
-    """
-
-    unknowns: Array
-    status: str
-    converged: bool
-    iterations: int
+    unknowns: Array  # shape (n,)
+    status: str  # its last words
+    converged: bool  # whether it says that it is done
+    iterations: int  # taken
 
 
 class Watch(Protocol):
@@ -112,11 +105,8 @@ def solve(program: NonlinearProgram, start: Array, iterations: int, watch: Watch
     """Solves a program from a start, which need not be inside its limits.
 
     Args:
-        program: program with its rows.
         start: shape (n,).
-        iterations: at most.
         watch: is told the objective of each iteration.
-        options: options of IPOPT.
     """
     n, bounds = program.unknowns, program.row_bounds
     count = len(bounds[0])

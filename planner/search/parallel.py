@@ -35,15 +35,10 @@ class News(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Who is told how the starts are getting on.
+    """Who is told how the starts are getting on."""
 
-    Args:
-        done: called with each result as it arrives.
-        news: called between the results.
-    """
-
-    done: Callable[[Start | Failed], None]
-    news: Callable[[News], None]
+    done: Callable[[Start | Failed], None]  # called with each result as it arrives
+    news: Callable[[News], None]  # called between the results
 
 
 SILENT = Listener(lambda result: None, lambda news: None)

@@ -22,27 +22,16 @@ ENDLESS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How long a round of starts goes on.
+    """How long a round of starts goes on."""
 
-    Args:
-        criterion: letter of Table 4.
-        parameters: their number u.
-        most: starts.
-        until: when to stop, on the monotonic clock [s]; None where time does not count.
-        exploring_until: when to stop exploring.
-        counts: whether the round ends when starts stop paying.
-        idle: starts in a row without a gain that end it then.
-        refined: how many of the explored motions are refined.
-    """
-
-    criterion: str
-    parameters: int
-    most: int
-    until: float | None
-    exploring_until: float | None
-    counts: bool
-    idle: int
-    refined: int
+    criterion: str  # letter of Table 4
+    parameters: int  # their number u
+    most: int  # starts
+    until: float | None  # when to stop, on the monotonic clock [s]; None where time does not count
+    exploring_until: float | None  # when to stop exploring
+    counts: bool  # whether the round ends when starts stop paying
+    idle: int  # starts in a row without a gain that end it then
+    refined: int  # how many of the explored motions are refined
 
     @classmethod
     def of(cls, request: Request, parameters: int) -> "Patience":

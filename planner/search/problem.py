@@ -26,23 +26,14 @@ SLIP_RATE = 1000.0  # [1/s] at which a motion is looked at between the constrain
 
 @dataclass(frozen=True)
 class Problem:
-    """Minimise a criterion of the mean information subject to the limits.
+    """Minimise a criterion of the mean information subject to the limits."""
 
-    Args:
-        layout: the family's motion as functions of the unknowns.
-        program: program with all rows.
-        limits: non-linear limits that can bind, one for each of the program's last rows.
-        box: limits of the coordinates.
-        middle: middle of the box, shape (n,) [m or rad].
-        half: half of its width, shape (n,) [m or rad].
-    """
-
-    layout: Layout
-    program: NonlinearProgram
-    limits: tuple[LimitGroup, ...]
-    box: Box
-    middle: Array
-    half: Array
+    layout: Layout  # the family's motion as functions of the unknowns
+    program: NonlinearProgram  # program with all rows
+    limits: tuple[LimitGroup, ...]  # non-linear limits that can bind, one for each of the program's last rows
+    box: Box  # limits of the coordinates
+    middle: Array  # middle of the box, shape (n,) [m or rad]
+    half: Array  # half of its width, shape (n,) [m or rad]
 
     def worst(self, unknowns: Array) -> float:
         """The largest share of any limit that unknowns use, at all critical states, those without rows as well."""
@@ -102,9 +93,6 @@ def build_problem(
     """Builds the program of criterion D.
 
     Args:
-        case: machine and limits.
-        model: parameters to be identified.
-        family: what the unknowns mean.
         scaling: reference scaling, shape (u,).
         margin: share of each limit that is left free.
         errors: errors of the pose, which the information counts.
@@ -150,9 +138,7 @@ def mean_information(model: Model, scaling: Array, trajectory: Trajectory, rate:
     """Time average of H A^T A H over a trajectory, shape (u, u); W = 1.
 
     Args:
-        model: gives A.
         scaling: diagonal of H, shape (u,).
-        trajectory: the whole excitation.
         rate: samples a second [1/s].
     """
     count = max(2, int(np.ceil(trajectory.duration * rate)))

@@ -29,7 +29,6 @@ def regressor_kernel(model: Model, scaling: Array) -> Kernel:
     """State -> A H of (21) and (25), row by row, shape (6 u,).
 
     Args:
-        model: gives A.
         scaling: diagonal of H, shape (u,).
     """
     n = model.coordinates
@@ -50,30 +49,20 @@ class _Point(NamedTuple):
 
 @dataclass(frozen=True)
 class NonlinearProgram:
-    """Minimise a criterion of the mean information over unknowns within bounds and rows.
+    """Minimise a criterion of the mean information over unknowns within bounds and rows."""
 
-    Args:
-        states: states over which the information is averaged, with their shares of the duration.
-        regressor: regressor of one state, see `regressor_kernel`.
-        rows: limits.
-        lower: lower limit of each unknown, shape (n,).
-        upper: upper limit of each unknown, shape (n,).
-        letter: letter of the criterion, Table 4.
-        halvings: see `planner.search.criterion`.
-        convex: whether second derivatives leave out what bends the information itself. That part is negative nearly
-            everywhere: without it Newton steps are longer, need no correction, and lead to better optima from afar; the
-            last digits take more of them.
-        errors: errors of the pose, which the information then counts; second derivatives are convex with them.
-    """
-
-    states: States
-    regressor: Kernel
-    rows: tuple[Rows, ...]
-    lower: Array
-    upper: Array
-    letter: str = "D"
-    halvings: int = 0
+    states: States  # states over which the information is averaged, with their shares of the duration
+    regressor: Kernel  # regressor of one state, see `regressor_kernel`
+    rows: tuple[Rows, ...]  # limits
+    lower: Array  # lower limit of each unknown, shape (n,)
+    upper: Array  # upper limit of each unknown, shape (n,)
+    letter: str = "D"  # letter of the criterion, Table 4
+    halvings: int = 0  # see `planner.search.criterion`
+    # whether second derivatives leave out what bends the information itself. That part is negative nearly everywhere:
+    # without it Newton steps are longer, need no correction, and lead to better optima from afar; the last digits take
+    # more of them
     convex: bool = False
+    # errors of the pose, which the information then counts; second derivatives are convex with them
     errors: FieldByStates | None = None
 
     @property

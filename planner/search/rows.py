@@ -17,15 +17,10 @@ Indices = NDArray[np.intp]
 
 
 class Blocks(NamedTuple):
-    """Symmetric matrices that add up to one over all unknowns.
+    """Symmetric matrices that add up to one over all unknowns."""
 
-    Args:
-        unknowns: unknowns of each, shape (B, m).
-        matrices: shape (B, m, m).
-    """
-
-    unknowns: Indices
-    matrices: Array
+    unknowns: Indices  # unknowns of each, shape (B, m)
+    matrices: Array  # shape (B, m, m)
 
 
 class Rows(Protocol):
@@ -65,21 +60,13 @@ class Rows(Protocol):
 
 @dataclass(frozen=True)
 class LinearRows:
-    """Rows that are linear in the unknowns: shares of limits, between -bound and bound, or equal to what is stated.
+    """Rows that are linear in the unknowns: shares of limits, between -bound and bound, or equal to what is stated."""
 
-    Args:
-        matrix: sparse, shape (L, n).
-        order: order of the derivative that each limits, 0 (pose) to 3 (jerk), shape (L,).
-        chosen: which of its rows count, shape (L,).
-        bound: bound of each, shape (L,).
-        equal: None, or what they are equal to.
-    """
-
-    matrix: "csr_array"
-    order: Indices
-    chosen: NDArray[np.bool_]
-    bound: Array
-    equal: float | None = None
+    matrix: "csr_array"  # sparse, shape (L, n)
+    order: Indices  # order of the derivative that each limits, 0 (pose) to 3 (jerk), shape (L,)
+    chosen: NDArray[np.bool_]  # which of its rows count, shape (L,)
+    bound: Array  # bound of each, shape (L,)
+    equal: float | None = None  # None, or what they are equal to
 
     @classmethod
     def equation(cls, matrix: "csr_array", value: float) -> "LinearRows":
@@ -126,17 +113,11 @@ class LinearRows:
 
 @dataclass(frozen=True)
 class BlockRows:
-    """Values of a kernel of each block's unknowns between -bound and bound.
+    """Values of a kernel of each block's unknowns between -bound and bound."""
 
-    Args:
-        index: unknowns of each block, shape (B, m).
-        kernel: m unknowns -> r values.
-        bound: bound of all of them.
-    """
-
-    index: Indices
-    kernel: Kernel
-    bound: float
+    index: Indices  # unknowns of each block, shape (B, m)
+    kernel: Kernel  # m unknowns -> r values
+    bound: float  # bound of all of them
 
     @property
     def lower(self) -> Array:
@@ -172,19 +153,12 @@ class BlockRows:
 
 @dataclass(frozen=True)
 class StateRows:
-    """Limits of states: values of a kernel between -bound and bound where they are chosen.
+    """Limits of states: values of a kernel between -bound and bound where they are chosen."""
 
-    Args:
-        states: states of the motion, S in each of B blocks.
-        kernel: state -> r values.
-        chosen: which of them are rows, shape (B, S, r).
-        bound: bound of all of them.
-    """
-
-    states: States
-    kernel: Kernel
-    chosen: NDArray[np.bool_]
-    bound: float
+    states: States  # states of the motion, S in each of B blocks
+    kernel: Kernel  # state -> r values
+    chosen: NDArray[np.bool_]  # which of them are rows, shape (B, S, r)
+    bound: float  # bound of all of them
 
     @property
     def lower(self) -> Array:

@@ -43,52 +43,30 @@ SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the o
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """What became of one start.
+    """What became of one start."""
 
-    Args:
-        seed: of the random start.
-        start_logdet: log det F at its start, reference scaling, W as identification will have it.
-        logdet: log det F of the motion within the limits, the same.
-        score: the criterion of the motion within the limits; the larger the better.
-        status: the solver's last words.
-        converged: whether the solver says that its last stage is done.
-        iterations: iterations of the solver, all stages.
-        seconds: time spent.
-        unknowns: the motion.
-        family: what the unknowns mean.
-        shrunk: share to which the motion was drawn towards the middle of the box at last.
-        begin: where a refinement goes on: the motion before that.
-        promise: the criterion there, by which it is chosen for a refinement.
-        refined: whether limits were constrained wherever they come close; else at first instants only.
-    """
-
-    seed: int
-    start_logdet: float
-    logdet: float
-    score: float
-    status: str
-    converged: bool
-    iterations: int
-    seconds: float
-    unknowns: Array
-    family: Family
-    shrunk: float
-    begin: Array
-    promise: float
-    refined: bool
+    seed: int  # of the random start
+    start_logdet: float  # log det F at its start, reference scaling, W as identification will have it
+    logdet: float  # log det F of the motion within the limits, the same
+    score: float  # the criterion of the motion within the limits; the larger the better
+    status: str  # the solver's last words
+    converged: bool  # whether the solver says that its last stage is done
+    iterations: int  # iterations of the solver, all stages
+    seconds: float  # time spent
+    unknowns: Array  # the motion
+    family: Family  # what the unknowns mean
+    shrunk: float  # share to which the motion was drawn towards the middle of the box at last
+    begin: Array  # where a refinement goes on: the motion before that
+    promise: float  # the criterion there, by which it is chosen for a refinement
+    refined: bool  # whether limits were constrained wherever they come close; else at first instants only
 
 
 @dataclass(frozen=True, slots=True)
 class Failed:
-    """A start that led nowhere.
+    """A start that led nowhere."""
 
-    Args:
-        seed: of the random start.
-        reason: why, in one line.
-    """
-
-    seed: int
-    reason: str
+    seed: int  # of the random start
+    reason: str  # why, in one line
 
 
 class Step(Enum):
@@ -101,26 +79,16 @@ class Step(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What a worker process needs to run one start.
+    """What a worker process needs to run one start."""
 
-    Args:
-        case: machine and limits.
-        model: number of the identification model.
-        family: the motions to choose from.
-        criterion: letter of Table 4.
-        seed: of the random start.
-        payload: number of the case's payloads that are mounted, for the noise.
-        step: what to do.
-        begin: where to begin, in place of a random start; the result of an exploration that is to be refined.
-    """
-
-    case: Case
-    model: int
-    family: Family
-    criterion: str
-    seed: int
-    payload: int = 0
-    step: Step = Step.EXPLORE
+    case: Case  # machine and limits
+    model: int  # number of the identification model
+    family: Family  # the motions to choose from
+    criterion: str  # letter of Table 4
+    seed: int  # of the random start
+    payload: int = 0  # number of the case's payloads that are mounted, for the noise
+    step: Step = Step.EXPLORE  # what to do
+    # where to begin, in place of a random start; the result of an exploration that is to be refined
     begin: Array | None = None
 
     @property
@@ -130,21 +98,13 @@ class Task:
 
 
 class _Stage(NamedTuple):
-    """One run of the solver.
+    """One run of the solver."""
 
-    Args:
-        letter: letter of the criterion.
-        halvings: see `planner.search.criterion`.
-        convex: see `planner.search.program.Program`.
-        iterations: at most.
-        options: options of the solver.
-    """
-
-    letter: str
-    halvings: int
-    convex: bool
-    iterations: int
-    options: dict[str, object]
+    letter: str  # letter of the criterion
+    halvings: int  # see `planner.search.criterion`
+    convex: bool  # see `planner.search.program.Program`
+    iterations: int  # at most
+    options: dict[str, object]  # options of the solver
 
 
 OTHERWISE = 60  # iterations by A, K and N, which begin from a D-optimal motion

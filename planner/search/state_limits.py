@@ -29,19 +29,12 @@ FORCES = "sensor force"
 
 
 class LimitGroup(NamedTuple):
-    """Limits of one kind.
+    """Limits of one kind."""
 
-    Args:
-        name: name of the kind.
-        peak: where they are used most.
-        kernel: state -> shares of the limits.
-        most: largest share in the motion box; infinity where that was not asked for.
-    """
-
-    name: str
-    peak: Peak
-    kernel: Kernel
-    most: float = np.inf
+    name: str  # name of the kind
+    peak: Peak  # where they are used most
+    kernel: Kernel  # state -> shares of the limits
+    most: float = np.inf  # largest share in the motion box; infinity where that was not asked for
 
 
 def state_limits(case: Case, loads: tuple[int, ...] = ()) -> tuple[LimitGroup, ...]:
@@ -82,7 +75,6 @@ def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
     """Shares of the limits of poses that a standstill uses, by kind, shapes (n, limits of the kind).
 
     Args:
-        case: case with machine and limits.
         poses: coordinates, shape (n, k) [m or rad].
     """
     states = np.hstack([poses, np.zeros((len(poses), state_size(poses.shape[1]) - poses.shape[1]))])

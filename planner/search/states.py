@@ -128,17 +128,11 @@ class States(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class LinearStates:
-    """States that are linear in the unknowns (Fourier series, splines).
+    """States that are linear in the unknowns (Fourier series, splines)."""
 
-    Args:
-        index: shape (B, m).
-        offset: shape (B, S, d).
-        slope: shape (B, S, d, m).
-    """
-
-    index: Indices
-    offset: Array
-    slope: Array
+    index: Indices  # shape (B, m)
+    offset: Array  # shape (B, S, d)
+    slope: Array  # shape (B, S, d, m)
 
     def at(self, unknowns: Array) -> Array:
         """States, shape (B, S, d)."""
@@ -186,17 +180,11 @@ def linear_states(
 
 @dataclass(frozen=True, slots=True)
 class KernelStates:
-    """States that a kernel makes of each block's unknowns (moves).
+    """States that a kernel makes of each block's unknowns (moves)."""
 
-    Args:
-        index: shape (B, m).
-        kernel: m unknowns -> S states of d numbers, one after the other.
-        size: d.
-    """
-
-    index: Indices
-    kernel: Kernel
-    size: int
+    index: Indices  # shape (B, m)
+    kernel: Kernel  # m unknowns -> S states of d numbers, one after the other
+    size: int  # d
 
     def at(self, unknowns: Array) -> Array:
         """States, shape (B, S, d)."""

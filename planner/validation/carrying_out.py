@@ -48,19 +48,12 @@ Count = Callable[[str, int], None]
 
 @dataclass(frozen=True, slots=True)
 class ValidationSettings:
-    """How methods are carried out.
+    """How methods are carried out."""
 
-    Args:
-        on: controller: virtual or linuxcnc.
-        starts: random starts of the optimised methods.
-        seed: of the starts and of the sensors' noise.
-        plans: folder of an earlier validation whose plans are taken; None: plan anew.
-    """
-
-    on: str = "virtual"
-    starts: int = 2
-    seed: int = 0
-    plans: Path | None = None
+    on: str = "virtual"  # controller: virtual or linuxcnc
+    starts: int = 2  # random starts of the optimised methods
+    seed: int = 0  # of the starts and of the sensors' noise
+    plans: Path | None = None  # folder of an earlier validation whose plans are taken; None: plan anew
 
 
 USUAL = ValidationSettings()
@@ -74,8 +67,6 @@ def unfinished(output: Path, case: Case, settings: ValidationSettings, overwrite
 
     Args:
         output: folder of the validation; its neighbour of the same name with `.unfinished` is yielded.
-        case: loaded.
-        settings: how methods are carried out.
         overwrite: drop what belongs to another case or other settings.
 
     Raises:
@@ -120,19 +111,12 @@ def _worth_keeping(folder: Path) -> bool:
 
 
 class CarriedOut(NamedTuple):
-    """What became of the methods.
+    """What became of the methods."""
 
-    Args:
-        steps: steps of those that could be carried out.
-        remedies: the same recordings with the structural mode, where that was the cause of an error.
-        executed: controller of each method, and what to know about its run.
-        failed: why the others could not be carried out.
-    """
-
-    steps: tuple[MethodStep, ...]
-    remedies: tuple[Remedy, ...]
-    executed: Mapping[str, str]
-    failed: Mapping[str, str]
+    steps: tuple[MethodStep, ...]  # steps of those that could be carried out
+    remedies: tuple[Remedy, ...]  # the same recordings with the structural mode, where that was the cause of an error
+    executed: Mapping[str, str]  # controller of each method, and what to know about its run
+    failed: Mapping[str, str]  # why the others could not be carried out
 
 
 def carry_out(
@@ -147,11 +131,7 @@ def carry_out(
     """Plans, writes, executes and identifies methods; one that a controller cannot run is named, the others go on.
 
     Args:
-        case: machine and weights.
-        methods: their names.
         mounted: numbers of weights, from 0 on.
-        disturbances: disturbances of the simulated machine.
-        settings: how.
         folder: folder that takes plans and programs; a plan that it holds already is not made again.
         count: called with what is done now and the number of steps that this ends.
 

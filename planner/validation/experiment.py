@@ -42,29 +42,17 @@ METHODS = {
 
 @dataclass(frozen=True, slots=True)
 class Excitation:
-    """A method as a controller executed its program, without payload.
+    """A method as a controller executed its program, without payload."""
 
-    Args:
-        case: case with a simulated machine.
-        name: key of METHODS.
-        meaning: meaning in words.
-        duration: measuring time as executed [s].
-        execution: what the controller did.
-        trigger: start and end of each time the trigger was on, shape (k, 2) [s].
-        poses: poses at which the program measures standing still, shape (k, 6), empty for motions [m, rad].
-        seed: of the sensors' noise.
-        controller: controller that executed it, and what to know about the run.
-    """
-
-    case: Case
-    name: str
-    meaning: str
-    duration: float
-    execution: Execution
-    trigger: Array
-    poses: Array
-    seed: int
-    controller: str = ""
+    case: Case  # case with a simulated machine
+    name: str  # key of METHODS
+    meaning: str  # meaning in words
+    duration: float  # measuring time as executed [s]
+    execution: Execution  # what the controller did
+    trigger: Array  # start and end of each time the trigger was on, shape (k, 2) [s]
+    poses: Array  # poses at which the program measures standing still, shape (k, 6), empty for motions [m, rad]
+    seed: int  # of the sensors' noise
+    controller: str = ""  # controller that executed it, and what to know about the run
 
     def moved(self, weights: int, disturbances: Disturbances | None) -> Moved:
         """What the machine did with some weights mounted; its drives ripple anew in each run."""
@@ -76,8 +64,6 @@ class Excitation:
         """The run with some weights mounted, averaged where it stands, and what its forces consist of.
 
         Args:
-            weights: so many.
-            disturbances: disturbances of the machine.
             run: what the machine did, where it is known.
         """
         around = Circumstances(_weights(self.case, weights), disturbances)
@@ -106,9 +92,7 @@ def steps(excitation: Excitation, mounted: Sequence[int], disturbances: Disturba
     A set of poses is travelled through once: its standstills do not tell one way there from another.
 
     Args:
-        excitation: the method.
         mounted: numbers of weights, ascending from 0.
-        disturbances: disturbances of the machine.
     """
     case = excitation.case
     once = excitation.moved(0, disturbances) if len(excitation.poses) else None
@@ -140,8 +124,6 @@ def recorded_steps(case: Case, folder: Path, read: Callable[[Path], Recording]) 
     """Recordings of a machine: in `folder` the runs 0, 1, .. with so many weights, as folders or files.
 
     Args:
-        case: case with payloads.
-        folder: folder of one method.
         read: reads a run, averaged where it stands.
 
     Raises:
@@ -236,10 +218,7 @@ def true_deviations(
     (28) has it.
 
     Args:
-        case: case with a simulated machine.
-        answer: answer of the estimate to forces.
         estimate: estimate by least squares.
-        disturbances: disturbances of the machine.
         load: mass of the weights on it [kg].
     """
     model = identification_model(case, estimate.model, estimate.terms)

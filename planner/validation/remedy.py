@@ -10,17 +10,11 @@ from planner.validation.step import BODY, MODE, SUSPICIOUS, Identified, MethodSt
 
 
 class Remedy(NamedTuple):
-    """A step whose errors are the mode's, identified with the mode.
+    """A step whose errors are the mode's, identified with the mode."""
 
-    Args:
-        step: as it was.
-        names: names of the parameters that were off for the mode.
-        estimate: estimate with the mode.
-    """
-
-    step: MethodStep
-    names: tuple[str, ...]
-    estimate: Identified
+    step: MethodStep  # as it was
+    names: tuple[str, ...]  # names of the parameters that were off for the mode
+    estimate: Identified  # estimate with the mode
 
     def error(self, name: str) -> float:
         """That is left, in reported standard deviations."""
@@ -52,13 +46,7 @@ REMEDY_COLUMNS = ("method", "load", "parameter", "error in std", "with the mode"
 
 
 def remedy_of(excitation: Excitation, step: MethodStep, disturbances: Disturbances) -> Remedy | None:
-    """Identifies a step with the mode; None where the mode causes none of its errors.
-
-    Args:
-        excitation: the method of the step.
-        step: as it was.
-        disturbances: disturbances of its recording.
-    """
+    """Identifies a step with the mode; None where the mode causes none of its errors."""
     names = tuple(
         n for n in BODY
         if step.budget is not None and abs(step.error(n) or 0.0) > SUSPICIOUS and step.budget.cause(n) == MODE

@@ -23,21 +23,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class LinearAnswer:
-    """What parameters become of forces.
+    """What parameters become of forces."""
 
-    Args:
-        forces: as evaluated, shape (n, 6) [N].
-        matrices: A_j of the parameters alone, shape (n, 6, u).
-        answer: u = sum over j of answer_j f_j, what is estimated beside u included, shape (u, n, 6).
-        poses: poses of the evaluated samples, shape (n, 6) [m, rad].
-        run: a moving run with its filter; None where it stands.
-    """
-
-    forces: Array
-    matrices: Array
-    answer: Array
-    poses: Array
-    run: Run | None
+    forces: Array  # as evaluated, shape (n, 6) [N]
+    matrices: Array  # A_j of the parameters alone, shape (n, 6, u)
+    answer: Array  # u = sum over j of answer_j f_j, what is estimated beside u included, shape (u, n, 6)
+    poses: Array  # poses of the evaluated samples, shape (n, 6) [m, rad]
+    run: Run | None  # a moving run with its filter; None where it stands
 
     def seen(self, added: Array) -> Array:
         """Forces of all samples of the recording as the evaluation sees them, shape (n, 6) [N]."""
@@ -56,9 +48,7 @@ def linear_answer(case: Case, recording: Recording, estimate: Estimate) -> Linea
     """The answer of an estimate by least squares, at its delay.
 
     Args:
-        case: case of the recording.
         recording: recording that was identified, averaged where it stands.
-        estimate: estimate of it.
     """
     model = identification_model(case, estimate.model, estimate.terms)
     struts, run, forces = recording.struts, None, recording.forces
@@ -90,15 +80,10 @@ CAUSES = (MODE, POSE, NOISE, RIPPLE, LEFT_OUT)
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """Errors of an estimate, and what they consist of.
+    """Errors of an estimate, and what they consist of."""
 
-    Args:
-        errors: estimate less truth, by parameter [SI].
-        parts: parts of each parameter, by cause; they add up to its error [SI].
-    """
-
-    errors: Mapping[str, float]
-    parts: Mapping[str, Mapping[str, float]]
+    errors: Mapping[str, float]  # estimate less truth, by parameter [SI]
+    parts: Mapping[str, Mapping[str, float]]  # parts of each parameter, by cause; they add up to its error [SI]
 
     def cause(self, name: str) -> str:
         """The disturbance without which the error of a parameter would be smallest."""
@@ -119,8 +104,6 @@ def error_budget(
     the evaluation sees in another way than the sensors felt it. Ripple that the mode amplifies counts as the mode's.
 
     Args:
-        case: case of the recording.
-        answer: answer of the estimate to forces.
         recording: recording that was identified, averaged where it stands.
         parts: what its true forces consist of, at the same rows.
         estimate: estimate by least squares.
@@ -150,25 +133,15 @@ SHOWN = (*COMPARED, "f_q0_3", "k0", "k1")
 
 @dataclass(frozen=True, slots=True)
 class Identified:
-    """What a validation needs of an estimate.
+    """What a validation needs of an estimate."""
 
-    Args:
-        model: number in Table 2.
-        samples: used.
-        unknowns: parameters of the model.
-        s0_N: rms residual of the recorded forces [N].
-        physical: parameters by name.
-        warnings: sentences.
-        mode: frequency of the structural mode that was estimated [Hz]; None where none was.
-    """
-
-    model: int
-    samples: int
-    unknowns: int
-    s0_N: float
-    physical: Mapping[str, Value]
-    warnings: tuple[str, ...] = ()
-    mode: float | None = None
+    model: int  # number in Table 2
+    samples: int  # used
+    unknowns: int  # parameters of the model
+    s0_N: float  # rms residual of the recorded forces [N]
+    physical: Mapping[str, Value]  # parameters by name
+    warnings: tuple[str, ...] = ()  # sentences
+    mode: float | None = None  # frequency of the structural mode that was estimated [Hz]; None where none was
 
     @classmethod
     def of(cls, estimate: Estimate) -> "Identified":
@@ -187,31 +160,19 @@ class Identified:
 
 @dataclass(frozen=True, slots=True)
 class MethodStep:
-    """What a method says with some of the weights mounted.
+    """What a method says with some of the weights mounted."""
 
-    Args:
-        method: its name.
-        weights: so many.
-        load: their mass [kg].
-        duration: measuring time [s].
-        estimate: the identification.
-        theory: values by the identification without payload plus the weights, by name [SI].
-        truth: truth of a simulated machine, by name [SI]; empty for recordings.
-        budget: what a simulated machine's errors consist of; None for recordings.
-        scatter: standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown.
-        columns: columns of Table 3: the same recording identified with other models, by number, for the methods in
-            `TABLE_3`.
-    """
-
-    method: str
-    weights: int
-    load: float
-    duration: float | None
-    estimate: Identified
-    theory: Mapping[str, float]
-    truth: Mapping[str, float]
-    budget: Budget | None = None
+    method: str  # its name
+    weights: int  # so many
+    load: float  # their mass [kg]
+    duration: float | None  # measuring time [s]
+    estimate: Identified  # the identification
+    theory: Mapping[str, float]  # values by the identification without payload plus the weights, by name [SI]
+    truth: Mapping[str, float]  # truth of a simulated machine, by name [SI]; empty for recordings
+    budget: Budget | None = None  # what a simulated machine's errors consist of; None for recordings
+    # standard deviations over machines whose pose errors differ, by name [SI]; empty where unknown
     scatter: Mapping[str, float] = field(default_factory=dict)
+    # columns of Table 3: the same recording identified with other models, by number, for the methods in `TABLE_3`
     columns: Mapping[int, Identified] = field(default_factory=dict)
 
     @property

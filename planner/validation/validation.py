@@ -24,32 +24,20 @@ from planner.validation.verdict import Claim, findings, to_json
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Validation:
-    """What known weights say of each method.
+    """What known weights say of each method."""
 
-    Args:
-        case: machine and weights.
-        machine: machine that was identified, in words.
-        steps: a method with some weights mounted, each.
-        findings: what follows from them.
-        failed: methods that could not be carried out, and why.
-        executed: controller of each method that was simulated.
-        remedies: the same recordings with the structural mode estimated, where that was the cause of an error.
-        controller: controller that ran the programs; None for recordings of a machine.
-        disturbances: disturbances of the simulated machine; None for recordings of a machine and for an ideal
-            structure.
-        made: files of plans and programs by their place in the folder.
-    """
-
-    case: Case
-    machine: str
-    steps: tuple[MethodStep, ...]
-    findings: tuple[Claim, ...]
-    failed: Mapping[str, str]
-    executed: Mapping[str, str]
+    case: Case  # machine and weights
+    machine: str  # machine that was identified, in words
+    steps: tuple[MethodStep, ...]  # a method with some weights mounted, each
+    findings: tuple[Claim, ...]  # what follows from them
+    failed: Mapping[str, str]  # methods that could not be carried out, and why
+    executed: Mapping[str, str]  # controller of each method that was simulated
+    # the same recordings with the structural mode estimated, where that was the cause of an error
     remedies: tuple[Remedy, ...]
-    controller: str | None
+    controller: str | None  # controller that ran the programs; None for recordings of a machine
+    # disturbances of the simulated machine; None for recordings of a machine and for an ideal structure
     disturbances: Disturbances | None
-    made: Mapping[str, bytes]
+    made: Mapping[str, bytes]  # files of plans and programs by their place in the folder
 
     @property
     def columns(self) -> dict[int, Identified]:
@@ -157,7 +145,6 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
     """The payload experiment from a real machine's recordings.
 
     Args:
-        case: case with payloads.
         recordings: folder with one folder a method, of the runs 0, 1, .. named after the weights mounted.
         methods: names of folders; None for all.
 

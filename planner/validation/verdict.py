@@ -15,17 +15,11 @@ WITHOUT_K5 = (6, 7)  # models of motions that have no orientation-dependent erro
 
 
 class Claim(NamedTuple):
-    """A claim and its answer.
+    """A claim and its answer."""
 
-    Args:
-        claim: as a statement.
-        holds: whether the figures bear it out.
-        figures: figures in words.
-    """
-
-    claim: str
-    holds: bool
-    figures: str
+    claim: str  # as a statement
+    holds: bool  # whether the figures bear it out
+    figures: str  # figures in words
 
     def sentence(self) -> str:
         """In one line."""
@@ -37,7 +31,6 @@ def findings(case: Case, steps: Sequence[MethodStep], columns: Mapping[int, Iden
 
     Args:
         case: case with the truth, where the machine is simulated.
-        steps: steps of all methods.
         columns: runs without payload by several models.
     """
     bare = {s.method: s for s in steps if s.weights == 0}
