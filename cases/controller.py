@@ -258,10 +258,6 @@ class Controller(Part):
     """Stood still before the trigger goes on and after it went off."""
     cycle_ms: Positive = 1.0
     """The controller's interpolation cycle. Phases of planned moves last three of them or more."""
-    virtual_look_ahead: Literal["exact", "block_limited"] = "exact"
-    """How the virtual controller follows timed paths: as written, or without look-ahead, so that it could come to rest
-    at the end of each block, and with corners rounded as far as the program's controller may (LinuxCNC on paths that
-    turn, under the limits of `[limits.motion]`)."""
     plan_for: Literal["linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2"] | None = None
     """The controller whose time law point-to-point plans are made for (`hexcite plan --for`). Without it all limits of
     `[limits.motion]` count, those of jerk too."""

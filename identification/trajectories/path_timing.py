@@ -7,7 +7,6 @@ smooth at its ends. Where the limits allow, the pace stays the planned one or, i
 There is no jerk limit in this method: accelerations step where the pace changes from one extreme to the other.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -84,9 +83,7 @@ class RetimedMotion:
         )
 
 
-def retime(
-    path: Trajectory, case: Case, fastest: bool = False, slowed: Callable[[Array], Array] | None = None
-) -> RetimedMotion:
+def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion:
     """The motion along a path that keeps the limits of rates and accelerations of coordinates and struts.
 
     Args:
@@ -94,7 +91,6 @@ def retime(
         case: gives the limits.
         fastest: as fast as the limits allow, up to `FASTEST` times the planned pace; otherwise never faster than
             planned.
-        slowed: largest share of the planned pace at planned times, shapes (n,) -> (n,); by default 1 everywhere.
 
     Raises:
         UntimedPath: the path does not begin and end at rest, is not finite, or no pace keeps the limits.
@@ -111,8 +107,6 @@ def retime(
     steps = max(FEWEST_STEPS, int(np.ceil(path.duration * STEPS_PER_SECOND)))
     shares = np.linspace(0.0, 1.0, steps + 1)
     paces_allowed = np.full(len(shares), FASTEST if fastest else 1.0)
-    if slowed is not None:
-        paces_allowed = np.minimum(paces_allowed, slowed(shares * path.duration))
     constraint, geometry = _constraint(path, case, shares, paces_allowed)
     solver = TOPPRA([constraint], geometry, gridpoints=shares, solver_wrapper="seidel")
     planned = 1.0 / path.duration

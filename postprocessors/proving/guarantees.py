@@ -51,7 +51,6 @@ class Guarantees:
     arc_law: ArcLaw
     jerk_time: float  # within this time its accelerations step where its law has no jerk limit; 0 where it has one [s]
     # how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them
-    rounding: tuple[float, float] = (0.0, 0.0)
     block_key: str = "controller.block_ms"  # setting that the length of timed blocks comes from
 
 

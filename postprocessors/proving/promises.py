@@ -56,7 +56,6 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_seven_segments,
         arc_law=_seven_segment_arc,
         jerk_time=0.0,
-        rounding=(settings.contour_tolerance_mm * MM, settings.orientation_tolerance_deg * DEG),
         block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
     )
 
@@ -71,7 +70,6 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
     settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
     smooth = settings.slope == "TRAPEZ"
-    tolerance = (settings.path_deviation_mm * MM, settings.track_deviation_deg * DEG)
     return Guarantees(
         controller="TwinCAT",
         shortest_block=settings.shortest_block,
@@ -82,7 +80,6 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_seven_segments if smooth else _trapezoid,
         arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
         jerk_time=0.0 if smooth else settings.shortest_block,
-        rounding=(0.0, 0.0) if settings.path == "akima" else tolerance,
     )
 
 

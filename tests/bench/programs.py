@@ -7,10 +7,8 @@ from pathlib import Path
 from cases.loading import load_case
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import predicted_stretch, triggered_paths
-from postprocessors.execute.virtual import run_virtual
 from postprocessors.program_file import read_program
 from tests.bench.long_programs import long_programs
-from tests.postprocessors.changed_case import changed
 
 Command = Callable[..., tuple[float, str]]  # words of a command -> seconds, what it printed
 ACCEPT = ("--accept", "acceleration,jerk,strut-acceleration,strut-velocity,sensor-force")
@@ -88,9 +86,6 @@ def dense(folder: Path, command: Command) -> list[list[str]]:
         measured = float(log.trigger.sum()) * log.period / 12.0
         text = f"{measured:.2f} times, predicted {expected.factor:.2f}"
         rows.append(["LinuxCNC's stretch under the case's limits", text, "within 10 %"])
-        without = changed(case, controller__virtual_look_ahead="block_limited")
-        virtual = run_virtual(read.reading, without, read.guarantees).excitation / 12.0
-        rows.append(["  virtual controller without look-ahead (toppra)", f"{virtual:.2f} times", "within 5 %"])
     return rows
 
 

@@ -1,6 +1,10 @@
 """How much LinuxCNC will stretch a timed path, told before it runs, and what keeps its time.
 
-It plans a turning path block by block, without look-ahead; see `block_limited`.
+It plans a turning path block by block, without look-ahead (tp.c), measured on 2.9. Each block is a trapezoid at half
+the acceleration limit along it, so that no block of length L is faster than sqrt(a L / 2). While one slows down the
+next speeds up, for as long as each has room, and only below the speed at which the corner between them is cut by the
+tolerance of G64; the slowing down above that speed is time lost. Corners are rounded by parabolas. Durations agree
+with LinuxCNC within 1 % for blocks of 10 to 210 ms.
 """
 
 import math
@@ -13,7 +17,6 @@ from cases.schema import Case
 from identification.motion import TimedPoints
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
-from postprocessors.execute.virtual import block_durations, largest_cut
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Move, Reading, Timing
@@ -46,7 +49,6 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_Line(headroom),
         arc_law=_Arc(headroom),
         jerk_time=SERVO_PERIOD,
-        rounding=(math.inf, math.inf),  # whatever G64 P says, measured: blocks blend over their halves
     )
 
 
@@ -180,3 +182,41 @@ def _about(longer: tuple[float, float] | None) -> str:
         f", or blocks of {1e3 * longer[0]:.0f} ms (controller.block_ms), which leave the path by "
         f"{1e3 * longer[1]:.1f} mm"
     )
+
+
+ROUNDED = 1 / 8  # of the change of velocity times the block: how far from its corner a parabola passes
+TOLERANCE = 1e-3  # [m] G64 P1, as programs of ours have it
+NOTHING = 1e-9  # [m, rad] of a block's way
+
+
+def block_durations(times: Array, poses: Array, acceleration: Array) -> Array:
+    """How long straight blocks between poses take, from rest to rest, shape (k - 1,) [s].
+
+    Args:
+        times: times at which the poses are wanted, shape (k,) [s].
+        poses: shape (k, 6) [m, rad].
+        acceleration: limits of the coordinates, shape (6,).
+    """
+    steps, ways = np.diff(times), np.diff(poses, axis=0)
+    linear, turning = (np.linalg.norm(ways[:, axes], axis=1) for axes in (slice(0, 3), slice(3, 6)))
+    length = np.where(linear > NOTHING, linear, turning)
+    standing = length <= NOTHING
+    ways, length = np.where(standing[:, None], 1.0, ways), np.where(standing, 1.0, length)
+    slope = 0.5 / (np.abs(ways) / length[:, None] / acceleration).max(axis=1)
+    speed = np.minimum(length / steps, np.sqrt(slope * length))
+    alone, ramp = length / speed, speed / slope
+    room = np.minimum(alone[:-1], alone[1:])
+    together = np.minimum(ramp[:-1], np.minimum(np.maximum(ramp[:-1], ramp[1:]), room))
+    direction = ways[:, :3] / np.where(linear > NOTHING, linear, np.inf)[:, None]
+    bend = np.sqrt(np.maximum(0.0, 1.0 - np.sum(direction[:-1] * direction[1:], axis=1)) / 2)
+    bend = np.where(np.minimum(linear[:-1], linear[1:]) > NOTHING, bend, 0.0)
+    corner = 2.0 * np.sqrt(np.divide(TOLERANCE, slope[:-1] * bend, out=np.full(len(bend), np.inf), where=bend > 0.0))
+    together = np.where(standing[:-1] | standing[1:], 0.0, np.minimum(together, corner))
+    return np.where(standing, steps, alone + ramp - np.append(together, 0.0))
+
+
+def largest_cut(times: Array, poses: Array) -> float:
+    """How far the origin passes from the corners between blocks, at most [m]; shapes (k,) [s] and (k, 6) [m, rad]."""
+    steps = np.diff(times)
+    turns = np.diff(np.diff(poses[:, :3], axis=0) / steps[:, None], axis=0)
+    return float(np.max(ROUNDED * np.linalg.norm(turns, axis=1) * np.minimum(steps[:-1], steps[1:]), initial=0.0))

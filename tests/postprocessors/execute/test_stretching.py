@@ -6,24 +6,20 @@ import numpy as np
 import pytest
 
 from cases.schema import Case
-from identification.hexapod import Hexapod
 from identification.motion import TimedPoints
-from identification.trajectories.executed import DriveExecution, path_error
 from postprocessors.dialects import dialect
-from postprocessors.execute.executed_run import windows
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import (
     CUT,
     NOTICEABLE,
+    block_durations,
+    largest_cut,
     linuxcnc_forecast,
     longer_blocks,
     predicted_stretch,
     sufficient_headroom,
     triggered_paths,
 )
-from postprocessors.execute.virtual import block_durations, largest_cut, run_virtual
-from postprocessors.program_file import read_program
-from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import small_excitation, timed, typed
@@ -115,16 +111,6 @@ def test_linuxcnc_stretches_a_dense_path_as_predicted(tmp_path: Path, hexapod_ca
     log = run_linuxcnc(program, hexapod_case, headroom=1.0)
     assert expected.factor > 1.5
     assert log.trigger.sum() * log.period == pytest.approx(expected.expected, rel=0.03)
-    without = changed(hexapod_case, controller__virtual_look_ahead="block_limited")
-    read = read_program(program, without)
-    virtual = run_virtual(read.reading, without, read.guarantees)
-    assert log.trigger.sum() * log.period == pytest.approx(virtual.excitation, rel=0.05)
-    (path,) = (s.points for s in stretches(read.reading) if isinstance(s, Timed))
-    real = DriveExecution.of_log(Hexapod.of(without), log.period, log.drives)
-    window = windows(log.trigger, log.period)
-    assert path_error(path, virtual.execution, virtual.trigger) == pytest.approx(
-        path_error(path, real, window), rel=0.25
-    )
 
 
 @pytest.mark.slow

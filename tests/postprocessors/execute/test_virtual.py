@@ -12,8 +12,8 @@ from identification.motion import Trajectory, sample
 from identification.simulate import simulate_recording
 from identification.trajectories.executed import path_error
 from postprocessors.execute.executed_run import ExecutedRun, windows
-from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees, predicted_stretch, triggered_paths
-from postprocessors.execute.virtual import REST, commanded, rounded, run_virtual
+from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
+from postprocessors.execute.virtual import REST, commanded, run_virtual
 from postprocessors.proving.stretches import Timed
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.changed_case import changed
@@ -158,25 +158,6 @@ def shares(motion: Trajectory, case: Case) -> dict[str, float]:
     return {name: report[name]["ratio"] for name in PACED}
 
 
-def without_look_ahead(case: Case) -> Case:
-    return changed(case, controller__virtual_look_ahead="block_limited")
-
-
-def test_without_look_ahead_a_dense_path_takes_as_long_as_is_predicted_of_linuxcnc(hexapod_case: Case):
-    """The same path but for its corners, later, and inside the limits; the more so the shorter the blocks are."""
-    slow = without_look_ahead(hexapod_case)
-    text = small_excitation(hexapod_case)
-    late, exact = run(text, slow), run(text, hexapod_case)
-    expected = predicted_stretch(triggered_paths(read_linuxcnc(text, "p.ngc")), slow, 1.0).factor
-    assert late.excitation / exact.excitation == pytest.approx(expected, rel=0.02)
-    assert expected > 1.5
-    assert "without look-ahead" in late.controller
-    assert max(shares(motion_of(text, slow), slow).values()) <= 1.0 + 1e-6
-    (path,) = (s.points for s in parts(text, slow) if isinstance(s, Timed))
-    corners = np.linalg.norm(np.diff(path.poses[:, :3], n=2, axis=0), axis=1).max() / 8
-    assert 0.5 * corners < path_error(path, late.execution, late.trigger) <= 1.01 * corners
-
-
 def test_a_path_that_asks_too_much_is_followed_later_inside_the_limits(hexapod_case: Case):
     """Exactly in its place; what is proven never comes here."""
     body = timed(there_and_back(count=40, size=200.0, seconds=0.02))
@@ -187,14 +168,3 @@ def test_a_path_that_asks_too_much_is_followed_later_inside_the_limits(hexapod_c
     assert executed.excitation > 1.05 * path.duration
     assert max(shares(motion_of(text, hexapod_case), hexapod_case).values()) <= 1.0 + 1e-6
     assert path_error(path, executed.execution, executed.trigger) < 5e-5  # half of what it passes in 0.1 ms
-
-
-@pytest.mark.parametrize("tolerance", [(0.0, 0.0), (2e-5, 1e-5), (np.inf, np.inf)])
-def test_corners_are_rounded_within_the_controllers_tolerance(tolerance: tuple[float, float], hexapod_case: Case):
-    (path,) = (s.points for s in parts(small_excitation(hexapod_case), hexapod_case) if isinstance(s, Timed))
-    off = np.abs(rounded(path, tolerance).at(path.times).pose - path.poses)
-    cut = np.abs(np.diff(path.poses, n=2, axis=0)) / 8  # even blocks
-    for axes, allowed in ((slice(0, 3), tolerance[0]), (slice(3, 6), tolerance[1])):
-        far = np.linalg.norm(off[:, axes], axis=1)
-        assert far.max() == pytest.approx(min(allowed, np.linalg.norm(cut[:, axes], axis=1).max()), abs=1e-9)
-    assert np.abs(off[[0, -1]]).max() < 1e-12
