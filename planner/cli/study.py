@@ -15,7 +15,6 @@ def study(
         str | None, typer.Option(help="Running Dask scheduler, tcp://host:port; by default this computer's cores.")
     ] = None,
     workers: Annotated[int | None, typer.Option(help="Processes on this computer; by default one a core.")] = None,
-    retry: Annotated[bool, typer.Option("--retry", help="Try cells again that failed.")] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Study folder; continued if it is there.")
     ] = None,
@@ -25,13 +24,13 @@ def study(
 
     It can be stopped at any time: the same command goes on.
     """
-    answer = run(case, spec, scheduler, workers, retry, output, quiet=json)
+    answer = run(case, spec, scheduler, workers, output, quiet=json)
     if json:
         print_json(answer)
 
 
 def run(
-    case: str, spec: str, scheduler: str | None, workers: int | None, retry: bool, output: Path | None, quiet: bool
+    case: str, spec: str, scheduler: str | None, workers: int | None, output: Path | None, quiet: bool
 ) -> dict[str, Any]:
     """Runs what is missing, writes the page, prints unless `quiet`; returns the JSON answer."""
     import os
@@ -59,7 +58,7 @@ def run(
     folder = output if output is not None else Path(f"{loaded.name}-{wanted.name}-study")
     cells = cells_of(wanted, loaded)
     check_study(folder, about_study(wanted, loaded, len(cells)))
-    left = len(missing(cells, wanted, folder, retry))
+    left = len(missing(cells, wanted, folder))
     began, busy = time.perf_counter(), 0.0
     threads = workers or os.cpu_count() or 1
     computed = 0
@@ -77,7 +76,7 @@ def run(
                     busy += end.seconds
                     count("" if end.reason is None else "(the last one failed)")
 
-                computed = run_study(client, wanted, loaded, folder, done, retry)
+                computed = run_study(client, wanted, loaded, folder, done)
         except Interrupted:
             raise Interrupted(f"what is done is kept in {folder}, the same command goes on") from None
     seconds = time.perf_counter() - began

@@ -142,11 +142,8 @@ def cells_of(spec: Spec, case: Case) -> list[Cell]:
     return found
 
 
-def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) -> list[tuple[Cell, tuple[int, ...]]]:
-    """Cells with rows that are not in the folder yet, and the noise seeds of these rows.
-
-    Args:
-        retry: whether cells that failed count as missing.
+def missing(cells: list[Cell], spec: Spec, folder: Path) -> list[tuple[Cell, tuple[int, ...]]]:
+    """Cells with rows that are not in the folder yet, and the noise seeds of these rows; what failed is not missing.
 
     Raises:
         FileProblem: a file of the study is damaged.
@@ -165,7 +162,7 @@ def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) ->
     for cell in cells:
         have = there.get(cell.key, set())
         lacking = tuple(seed for seed in wanted if seed not in have)
-        if (retry and cell.key in failed) or (cell.key not in failed and (PLANNED not in have or lacking)):
+        if cell.key not in failed and (PLANNED not in have or lacking):
             found.append((cell, lacking))
     return found
 
@@ -185,30 +182,15 @@ def about_study(spec: Spec, case: Case, cells: int) -> dict[str, Any]:
     }
 
 
-def run_study(
-    client: "Client",
-    spec: Spec,
-    case: Case,
-    folder: Path,
-    done: Callable[[TaskEnd], None],
-    retry: bool = False,
-) -> int:
-    """Computes the rows that a study folder lacks, and keeps each as it arrives.
-
-    Args:
-        folder: folder of the study; continued where it holds rows.
-        done: told of each cell.
-        retry: whether to try cells again that failed.
-
-    Returns:
-        How many cells were computed.
+def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Callable[[TaskEnd], None]) -> int:
+    """Computes the rows that a study folder lacks, keeps each as it arrives, tells of each cell, and counts them.
 
     Raises:
         HexciteError: the folder is another study's, or the cluster is gone; what is done is kept.
     """
     cells = cells_of(spec, case)
     open_study(folder, about_study(spec, case, len(cells)))
-    open_cells = {cell.key: (cell, seeds) for cell, seeds in missing(cells, spec, folder, retry)}
+    open_cells = {cell.key: (cell, seeds) for cell, seeds in missing(cells, spec, folder)}
     disturbed = spec.execute is not None and spec.execute.disturbed
     tasks = ((key, Job(case, request_of(c.settings), seeds, disturbed)) for key, (c, seeds) in open_cells.items())
     for end in run_tasks(client, work, tasks, spec.cells.time_limit_s):

@@ -87,15 +87,11 @@ def test_more_seeds_of_the_noise_are_added_to_the_same_cells(
     assert sorted(table["noise_seed"].to_pylist()) == [PLANNED, 0, 1, 2, 3, 4]
 
 
-def test_a_failed_cell_is_a_row_with_its_reason_and_is_tried_again_on_request_only(
+def test_a_failed_cell_is_a_row_with_its_reason_and_is_not_tried_again(
     tmp_path: Path, hexapod_case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch)
     assert run(study(1, [2, 7]), hexapod_case, tmp_path, monkeypatch).jobs == []
-    again = Pretended()
-    monkeypatch.setattr(study_run, "run_tasks", again)
-    run_study(None, study(1, [2, 7]), hexapod_case, tmp_path, lambda outcome: None, retry=True)
-    assert [j.request.family.order for j in again.jobs] == [7]
     rows = {r["order"]: r for r in read_rows(tmp_path).to_pylist()}
     assert (rows[2]["status"], rows[7]["status"]) == (DONE, FAILED)
     assert rows[7]["reason"] == "no\troot"
