@@ -134,6 +134,7 @@ def test_a_plan_says_what_is_not_limited_and_for_whom_it_is(plan: dict[str, Any]
     assert has_steps(saved.motion)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_plan(plan: dict[str, Any], tmp_path: Path):
     again = call(*PLAN, "-o", tmp_path / "again", "--json").json()
     own, other = ({k: v for k, v in answer.items() if k in ("moves", "logdet", "limits")} for answer in (plan, again))

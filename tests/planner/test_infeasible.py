@@ -43,6 +43,7 @@ def test_scaling_back_does_not_help_where_standing_still_is_out_of_reach(hexapod
         keep_limits(case, some, np.full(some.unknowns * 6, 1e-9), 1000.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", ["jerk_m_s3", "acceleration_m_s2", "velocity_mm_s"])
 def test_limits_a_billion_times_too_narrow_end_in_one_line(
     limit: str, hexapod_case: Case, capfd: pytest.CaptureFixture

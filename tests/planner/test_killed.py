@@ -110,6 +110,7 @@ def test_workers_of_a_plan_that_is_killed_end_with_it(cache: Path, tmp_path: Pat
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_the_search_and_keeps_the_best_plan_so_far(cache: Path, tmp_path: Path):
     process = interrupted(1, tmp_path)
     out, err = process.communicate(timeout=300)

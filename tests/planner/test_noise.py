@@ -32,6 +32,7 @@ def motion(hexapod_case: Case) -> FourierMotion:
     return family.motion(keep_limits(hexapod_case, family, draw, 1000.0)[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weights", ["equal", "stated"])
 def test_vibration_spreads_the_estimates_as_predicted(weights: str, motion: FourierMotion, hexapod_case: Case) -> None:
     """Of point masses shaken by Newton's law; 500 runs know a standard deviation to 3.2 %."""

@@ -26,6 +26,7 @@ def test_more_than_half_of_the_boxes_are_not_reachable_as_a_whole():
     assert sum(share <= 0.7 for share in shares) >= len(shares) / 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_a_drawn_machine_is_a_case_whose_home_is_within_reach(seed: int, tmp_path: Path):
     hexapod = drawn(seed)

@@ -157,6 +157,7 @@ def test_a_case_that_states_none_is_rated_as_before():
     assert PoseErrors.of(without_pose_errors(erring(SIZE, LENGTH)), expected_noise(CASE, MODEL)) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["manual", *FAMILIES])
 def test_predictions_are_the_scatter_over_machines_that_err_otherwise(name: str):
     """Machines err by a smoother field over the poses; the stated one over the struts is what identify makes of it."""

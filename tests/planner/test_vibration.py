@@ -70,6 +70,7 @@ def test_softer_is_worse_and_equal_time_is_what_white_noise_counts(hexapod_case:
     assert once.over(thrice) == pytest.approx(np.sqrt(3.0), rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pose_error", [0.0, 1.45])
 @pytest.mark.parametrize("limited", few(True, False))
 def test_the_error_is_that_of_the_simulated_machine(limited: bool, pose_error: float, hexapod_case: Case):

@@ -39,6 +39,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("cache")
 def test_core_commands_run_without_what_only_posix_has(tmp_path: Path) -> None:
     script = tmp_path / "without.py"
