@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError, StandstillMismatch
 from cases.schema import Case
 from cases.units import DEG, MM, pose_words
-from identification.findings.plausibility import unmeasured
+from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
 from identification.hexapod import Hexapod
 from identification.recording import Recording
