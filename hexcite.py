@@ -15,7 +15,7 @@ page. What stands here is public, and nothing else. It is imported when it is fi
 
 from typing import TYPE_CHECKING
 
-from cases.door import door
+from cases import door
 
 if TYPE_CHECKING:
     from cases import Case as Case

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from cases.door import door
+from cases import door
 
 if TYPE_CHECKING:
     from identification.estimation.estimators import method as method

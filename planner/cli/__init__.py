@@ -23,7 +23,6 @@ from planner.cli import (
     demo,
     force,
     identify,
-    look,
     plan,
     poses,
     post,
@@ -48,7 +47,7 @@ app.command("poses")(poses.poses)
 app.command("post")(post.post)
 app.command("check")(post.check)
 app.command("run")(run.run)
-app.command("look")(look.look)
+app.command("look")(identify.look)
 app.command("identify")(identify.identify)
 app.command("force")(force.force)
 app.command("tare")(force.tare)

@@ -15,7 +15,7 @@ from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.poses.space import valid_poses
-from postprocessors.execute.ruckig_law import RuckigLaw
+from postprocessors.execute.virtual import RuckigLaw
 
 Array = NDArray[np.float64]
 

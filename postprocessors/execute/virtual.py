@@ -1,9 +1,12 @@
 """The built-in virtual controller: executes a program's text, moves that it times itself by ruckig, paths by toppra."""
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from ruckig import InputParameter, Result, Ruckig
+from ruckig import Trajectory as Planned
 
 from cases.errors import ExecutionError
 from cases.schema import Case
@@ -12,9 +15,9 @@ from identification.machines import machine_of
 from identification.motion import Joined, Standstill, TimedPoints, Trajectory
 from identification.trajectories.executed import DriveExecution
 from identification.trajectories.path_timing import UntimedPath, keeps_pace, retime
+from identification.trajectories.profile import TimeLaw
 from postprocessors.execute.executed_run import ExecutedRun
-from postprocessors.execute.ruckig_law import by_ruckig
-from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Still, Stretch, Timed, measures_at_poses, stretches
 from postprocessors.reading.words import Reading
@@ -105,3 +108,63 @@ def _trajectory(stretch: Stretch, pose: np.ndarray, limits: Box, own: Guarantees
     if isinstance(stretch, Still):
         return Standstill(pose, stretch.duration) if stretch.duration > 0.0 else None
     return predicted(replace(stretch, start=pose), limits, own)
+
+
+@dataclass(frozen=True, slots=True)
+class RuckigLaw:
+    """A way of 1 from rest to rest in segments of constant jerk."""
+
+    ends: Array  # when each segment ends, shape (7,) [s]
+    states: Array  # position, velocity, acceleration and jerk at the start of each segment, shape (4, 7)
+
+    @classmethod
+    def within(cls, velocity: float, acceleration: float, jerk: float) -> "RuckigLaw":
+        """The fastest within limits above 0; the jerk may be infinite.
+
+        Raises:
+            ExecutionError: ruckig finds none.
+        """
+        wanted = InputParameter(1)
+        wanted.current_position, wanted.target_position = [0.0], [1.0]
+        wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = [velocity], [acceleration], [jerk]
+        found = Planned(1)
+        result = Ruckig(1).calculate(wanted, found)
+        if result != Result.Working:  # offline, this is what success is called
+            raise ExecutionError(f"ruckig cannot time a move ({result}); slow it down or make it longer")
+        profile = found.profiles[0][0]
+        values = (profile.p[:7], profile.v[:7], profile.a[:7], profile.j)
+        return cls(np.cumsum(profile.t), np.array(values, dtype=float))
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return float(self.ends[-1])
+
+    @property
+    def peak_velocity(self) -> float:
+        """Largest velocity [1/s]."""
+        _, v, a, j = self.states
+        lengths = np.diff(self.ends, prepend=0.0)
+        to_the_top = np.clip(np.divide(-a, j, out=np.zeros(7), where=j != 0.0), 0.0, lengths)
+        return float(np.max(v + to_the_top * (a + to_the_top * j / 2)))
+
+    def at(self, t: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """Share of the way covered, and its derivatives, at times t, each of shape (n,)."""
+        time = np.clip(np.asarray(t, dtype=float), 0.0, self.duration)
+        k = np.minimum(np.searchsorted(self.ends, time, side="left"), 6)
+        tau = time - np.r_[0.0, self.ends][k]
+        p, v, a, j = self.states[:, k]
+        return p + tau * (v + tau * (a / 2 + tau * j / 6)), v + tau * (a + tau * j / 2), a + tau * j, j
+
+    def slowed(self, speed: float) -> "RuckigLaw":
+        """The same way at a share of the speed."""
+        return RuckigLaw(self.ends / speed, self.states * (speed ** np.arange(4.0))[:, None])
+
+
+def by_ruckig(law: Law) -> Law:
+    """A law of the same kind, with a jerk limit or without, computed by ruckig within the limits as they are given."""
+
+    def timed(velocity: float, acceleration: float, jerk: float) -> TimeLaw:
+        return RuckigLaw.within(velocity, acceleration, jerk if limits_jerk(law) else math.inf)
+
+    return timed

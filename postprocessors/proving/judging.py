@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from cases.errors import ProgramError
 from cases.schema import Case
+from identification.limited import Box
 from identification.limits import (
     PROOF_RATE,
     LimitCheck,
@@ -23,14 +24,13 @@ from identification.limits import (
     worst_case,
     worst_of,
 )
-from identification.motion import Standstill, Trajectory
+from identification.motion import Array, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.polynomial import PolynomialMotion, Tabulated
 from identification.trajectories.profile import StraightMove
 from postprocessors.proving.forces import Steady
 from postprocessors.proving.guarantees import UNTIMED, Answering, family
 from postprocessors.proving.homing import way_home
-from postprocessors.proving.joints import joint_checks
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
 
@@ -178,8 +178,6 @@ def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Answering, cl
         yield worst_case(quantity, t + clock)
 
 
-Array = NDArray[np.float64]
-
 FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0
 """Most instants in a block, and a second: a few show a polynomial of degree 5 but for some per cent."""
 
@@ -228,3 +226,48 @@ def _grid(times: Array, most: int, rate: float) -> tuple[Array, NDArray[np.int64
     starts = np.cumsum(counts) - counts
     share = (np.arange(counts.sum()) - np.repeat(starts, counts)) / np.repeat(counts, counts)
     return np.append(np.repeat(times[:-1], counts) + share * np.repeat(steps, counts), times[-1]), starts
+
+
+def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: float) -> Iterable[LimitCheck]:
+    """Accelerations and jerks that steps between pieces amount to, at rest before the first and after the last.
+
+    A step dv of a rate within a cycle c is an acceleration of dv / c and, up and down again, a jerk of 2 dv / c^2; a
+    step da of an acceleration is a jerk of da / c.
+
+    Args:
+        cycle: cycle of the controller [s].
+        clock: when the motion starts [s].
+    """
+    rest = np.zeros((1, len(limits.rate)))
+    dv, da = (
+        np.abs(np.vstack([motion.at_starts(order), rest]) - np.vstack([rest, motion.at_ends(order)]))
+        for order in (1, 2)
+    )
+    times = motion.times + clock
+    yield from _worst("acceleration", "m/s^2", "rad/s^2", dv / cycle, limits.acceleration, limits, times)
+    yield from _worst("jerk", "m/s^3", "rad/s^3", np.maximum(da / cycle, 2 * dv / cycle**2), limits.jerk, limits, times)
+
+
+def _worst(
+    name: str,
+    linear: str,
+    angular: str,
+    values: Array,
+    most: Array,
+    limits: Box,
+    times: Array,
+) -> Iterable[LimitCheck]:
+    for kind, unit, own in ((name, linear, ~limits.turns), (f"angular {name}", angular, limits.turns)):
+        if not own.any():
+            continue
+        ratio = np.where(own, np.nan_to_num(values / most, nan=np.inf), -1.0)
+        row, k = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+        yield LimitCheck(
+            f"{kind} ({limits.labels[k]}, step between blocks)",
+            float(values[row, k]),
+            float(most[k]),
+            unit,
+            float(ratio[row, k]),
+            float(times[row]),
+            Status.PROVEN,
+        )
