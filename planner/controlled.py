@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.errors import HexciteError
+from cases.scaffold import readiness
 from cases.schema import Case
 from identification.limited import Box
 from identification.limits import PROOF_RATE, LimitReport, Status
@@ -17,6 +18,7 @@ from postprocessors.proving.guarantees import family, limits_jerk
 from postprocessors.reading.words import Reading
 
 CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
+USUAL = ("linuxcnc", "sinumerik", "twincat", "urscript", "setpoints", "ros2")  # languages, the first that a case can
 
 
 class Controlled(NamedTuple):
@@ -85,10 +87,13 @@ def moves_in(box: Box, duration: float) -> float:
     return duration / float(np.max(each))
 
 
-def usual_dialect(settings: Mapping[str, Any]) -> str:
-    """The language of the controller that a plan with these settings was made for, else LinuxCNC's."""
-    made_for = settings.get("made_for")
-    return made_for if made_for in DIALECTS else "linuxcnc"
+def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None) -> str:
+    """The language of the controller that a plan with these settings was made for, else the first that the case can."""
+    made_for = (settings or {}).get("made_for")
+    if made_for in DIALECTS:
+        return str(made_for)
+    ready = {need.command for need in readiness(case) if not need.missing}
+    return next((name for name in USUAL if f"post --dialect {name}" in ready), "linuxcnc")
 
 
 def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: str, case: Case) -> tuple[str, ...]:

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
-from identification.hexapod import Hexapod
+from identification.machine import kinetic
 from identification.motion import Motion, Trajectory
 from planner.search.last_words import last_words
 
@@ -42,12 +41,12 @@ class Course:
     Args:
         s: places on the path, its own time, shape (n,) [s].
         weights: weights of the integral over s, shape (n,) [s].
-        first: derivatives of the six coordinates and the six strut lengths with respect to s, shape (n, 12).
-        second: shape (n, 12).
-        third: third derivatives of the six coordinates, shape (n, 6).
-        velocity: limits, shape (12,).
-        acceleration: shape (12,).
-        jerk: shape (6,).
+        first: derivatives of the c coordinates and of the lengths of k struts with respect to s, shape (n, c + k).
+        second: shape (n, c + k).
+        third: third derivatives of the coordinates, shape (n, c).
+        velocity: limits, shape (c + k,).
+        acceleration: shape (c + k,).
+        jerk: shape (c,).
     """
 
     s: Array
@@ -71,20 +70,19 @@ class Course:
         Raises:
             CaseError: the case has no machine or no limits.
         """
-        limits = case.need_machine("re-timing")[2].motion
+        limits = case.need_motion("re-timing")[1]
         knots = _knots(path.duration)
         s = (knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(POINTS) + 0.5) / POINTS).ravel()
         motion = path.at(s)
-        _, along, again = over_samples(Hexapod.of(case).strut_motion, motion.pose, motion.rates, motion.accelerations)
-        six = np.ones(6)
+        struts = kinetic(case, motion.pose, motion.rates, motion.accelerations)
         return cls(
             s,
             np.full(len(s), path.duration / len(s)),
-            np.hstack([motion.rates, along]),
-            np.hstack([motion.accelerations, again]),
+            np.hstack([motion.rates, struts.velocities]),
+            np.hstack([motion.accelerations, struts.accelerations]),
             motion.jerks,
-            np.concatenate([limits.rate, limits.strut_velocity_m_s * six]) * (1.0 - margin),
-            np.concatenate([limits.acceleration, limits.strut_acceleration_m_s2 * six]) * (1.0 - margin),
+            np.concatenate([limits.rate, struts.velocity]) * (1.0 - margin),
+            np.concatenate([limits.acceleration, struts.acceleration]) * (1.0 - margin),
             limits.jerk * (1.0 - margin),
         )
 

@@ -18,10 +18,9 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import CRITERIA, singular_values
-from identification.limited import strut_motion
-from identification.limits import PROOF_RATE, LimitReport, prove
+from identification.limits import LimitReport, prove
 from identification.model import Model, identification_model
-from identification.motion import Joined, Standstill, Trajectory, sample
+from identification.motion import Joined, Standstill, Trajectory
 from identification.reference import reference_scaling
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.online_profile import OnlineProfile, UntimedMove, online_move, online_profile
@@ -133,7 +132,9 @@ def retimed(
 def _slowed(count: int, moves: int) -> tuple[str, ...]:
     if not count:
         return ()
-    return (f"{count} of {moves} moves are slower than their coordinates allow, because of the limits of the struts",)
+    return (
+        f"{count} of {moves} moves are slower than their coordinates allow, because of struts or of joints' torques",
+    )
 
 
 def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceRating:
@@ -158,7 +159,7 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
         UntimedMove: the motion is not a sequence of moves and pauses.
         CaseError: the case has no machine, limits or controller.
     """
-    case.need_machine("re-timing")
+    case.need_motion("re-timing")
     cycle = case.need_controller("re-timing in whole controller cycles").cycle
     if not isinstance(motion, Joined):
         raise UntimedMove("it is one continuous path, no sequence of moves; use --method ipopt")
@@ -172,7 +173,7 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
             raise UntimedMove("it contains a continuous path; use --method ipopt")
         pace, move = 1.0, _timed(part, case, 1.0, cycle)
         for _ in range(SLOWINGS):
-            worst = _of_struts(move, case)
+            worst = _of_machine(move, case)
             if worst <= 1.0 - MARGIN / 2:
                 break
             pace *= (1.0 - MARGIN) / worst
@@ -186,7 +187,7 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
     """A move under a controller's own law, with its limits at a share of their pace."""
     v, a, j = pace, pace**2, pace**3
     if isinstance(part, StraightMove):
-        box, kept = case.need_machine("re-timing")[2].motion, 1.0 - MARGIN
+        box, kept = case.need_motion("re-timing")[1], 1.0 - MARGIN
         rate, acceleration, jerk = box.rate * kept * v, box.acceleration * kept * a, box.jerk * kept * j
         law = online_move(part.start, part.end, rate, acceleration, jerk, cycle).profile
         assert isinstance(law, OnlineProfile)
@@ -209,14 +210,13 @@ def _seven_segments(law: OnlineProfile) -> Profile:
     return found
 
 
-def _of_struts(move: Trajectory, case: Case) -> float:
-    """Largest share of the pace that the struts allow."""
-    machine, _, limits = case.need_machine("re-timing")
-    _, velocity, acceleration = strut_motion(sample(move, PROOF_RATE), machine)
-    return max(
-        float(np.abs(velocity).max()) / limits.motion.strut_velocity_m_s,
-        float(np.sqrt(np.abs(acceleration).max() / limits.motion.strut_acceleration_m_s2)),
-    )
+def _of_machine(move: Trajectory, case: Case) -> float:
+    """Largest share of the pace that struts, or the torques of joints, allow."""
+    shares = [0.0]
+    for check in prove(move, case, in_box=False).checks:
+        if check.name.startswith(("strut velocity", "strut acceleration", "joint torque", "joint force")):
+            shares.append(check.ratio if check.name.startswith("strut velocity") else float(np.sqrt(check.ratio)))
+    return max(shares)
 
 
 def retime(
