@@ -92,6 +92,10 @@ _ARM_CONTROLLER = (
     '# program_name = "hexcite"',
     "# trigger_output = 0 # standard digital output that is on while the excitation runs",
     "",
+    "[poses] # of standstills (hexcite poses); they are searched for in the box of [limits.motion]",
+    "settle_s = 0.5 # waited at each pose before averaging begins",
+    "average_s = 1.0",
+    "",
     f"# {_ADVICE['nominal']}",
     f"# [nominal] # {FILL_IN}",
     "# mass_kg = 0.0",
@@ -299,7 +303,7 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "demo": (*_RUN, "nominal"),
 }
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
-_OF_A_HEXAPOD = frozenset({"poses", "retime", "post --dialect sinumerik", "post --dialect twincat", "validate"})
+_OF_A_HEXAPOD = frozenset({"post --dialect sinumerik", "post --dialect twincat", "validate"})
 _OF_A_CHAIN = frozenset({"post --dialect urscript", "post --dialect ros2"})
 _NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains do not need
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}

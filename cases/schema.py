@@ -18,7 +18,7 @@ from cases.controller import Controller
 from cases.errors import CaseError
 from cases.machine import Limits, Machine, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
-from cases.poses import Poses
+from cases.poses import JointPoses, Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import MINUTE, MM, as_html, coordinate_words, pose_words
@@ -42,6 +42,13 @@ def _kind_of_limits(table: Any) -> str:
     return "<JointLimits>" if isinstance(table, JointLimits) or _has(motion, "joints") else "<Limits>"
 
 
+def _kind_of_poses(table: Any) -> str:
+    own = isinstance(table, JointPoses) and not isinstance(table, Poses)
+    return (
+        "<JointPoses>" if own or (isinstance(table, dict) and set(table) <= {*JointPoses.model_fields}) else "<Poses>"
+    )
+
+
 def _has(table: Any, key: str) -> bool:
     return isinstance(table, dict) and key in table
 
@@ -53,6 +60,9 @@ AnyMachine = Annotated[
 ]
 AnyLimits = Annotated[
     Annotated[Limits, Tag("<Limits>")] | Annotated[JointLimits, Tag("<JointLimits>")], Discriminator(_kind_of_limits)
+]
+AnyPoses = Annotated[
+    Annotated[Poses, Tag("<Poses>")] | Annotated[JointPoses, Tag("<JointPoses>")], Discriminator(_kind_of_poses)
 ]
 
 
@@ -82,7 +92,7 @@ class Case(Part):
     """What a hexapod can reach."""
     limits: AnyLimits | None = None
     """What an excitation may use."""
-    poses: Poses | None = None
+    poses: AnyPoses | None = None
     """Candidates for measuring at standstills."""
     controller: Controller | None = None
     """How the controller is set up."""
@@ -150,15 +160,18 @@ class Case(Part):
         if not isinstance(self.machine, SerialMachine):
             if isinstance(self.limits, JointLimits):
                 yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
+            if self.poses is not None and not isinstance(self.poses, Poses):
+                yield "poses.x_mm and the other ranges are missing; add the grid of candidates, as in the case hexapod"
             return
         if self.setup != "R" or self.sensor_frame.transducer is None:
             yield (
                 'machine.chain carries a force/torque sensor: write setup = "R" and [sensor_frame.transducer]; bars '
                 "with sensors are those of a hexapod"
             )
-        for name in ("workspace", "poses"):
-            if getattr(self, name) is not None:
-                yield f"{name} is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
+        if self.workspace is not None:
+            yield "workspace is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
+        if isinstance(self.poses, Poses):
+            yield "poses of a chain have settle_s and average_s alone; its candidates lie in limits.motion"
         if isinstance(self.limits, Limits):
             yield "limits.motion is that of a hexapod; of a chain it lists joints = [{ name = .., .. }, ..]"
         elif self.limits is not None:
@@ -370,7 +383,13 @@ class Case(Part):
         return self.bodies[payloads]
 
     def need_poses(self, purpose: str) -> Poses:
-        """Poses of quasi-static measurement; raises CaseError where the case has none."""
+        """Grid of poses of quasi-static measurement; raises CaseError where the case has none."""
+        if not isinstance(self.poses, Poses):
+            self.missing("poses", purpose)
+        return self.poses
+
+    def need_standing(self, purpose: str) -> JointPoses:
+        """How long poses are measured; raises CaseError where the case has none."""
         if self.poses is None:
             self.missing("poses", purpose)
         return self.poses

@@ -7,7 +7,6 @@ from typing import Any
 from cases.basis import Artefact, plan_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text, read_json
-from cases.recording_format import POSE
 from cases.schema import Case
 from identification.limits import LimitReport
 from identification.model import identification_model
@@ -43,8 +42,14 @@ def save_plan(plan: Plan, folder: Path, overwrite: bool = False) -> None:
 def write_plan(plan: Plan, folder: Path) -> None:
     """Writes the files of a plan into a folder that is there."""
     if isinstance(plan.worth, PoseWorth):
-        rows = [f"{k}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(poses_in_units(plan.poses), 1)]
-        name, table = "poses.csv", "\n".join([",".join(("pose", *POSE)), *rows]) + "\n"
+        rows = [
+            f"{k}," + ",".join(f"{v:.9g}" for v in row)
+            for k, row in enumerate(poses_in_units(plan.poses, plan.case), 1)
+        ]
+        name, table = (
+            "poses.csv",
+            "\n".join([",".join(("pose", *plan.case.need_motion("a plan")[1].columns)), *rows]) + "\n",
+        )
     else:
         name, table = "motion.csv", motion_csv(sample(plan.motion, SAMPLE_RATE), plan.case)
     (folder / "plan.json").write_text(plan_text(plan), encoding="utf-8")

@@ -14,7 +14,7 @@ from identification.motion import Joined, Measurement, Trajectory
 from identification.reference import reference_scaling
 from planner.deviations import predicted_std_at_poses, worst_std
 from planner.families.settings import FAMILIES
-from planner.noise import ExpectedNoise, expected_noise, seen_through
+from planner.noise import ExpectedNoise, expected_noise, seen_through, standing_model
 from planner.pose_errors import PoseErrors
 from planner.poses.pose_criteria import pose_regressors, total_information
 from planner.search.problem import information_of, mean_information
@@ -100,7 +100,7 @@ def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[
     poses = np.array([part.pose for part in parts if isinstance(part, Measurement)])
     yield from _unlike("count", data["count"], float(len(poses)), 0.0)
     if len(poses):
-        model = identification_model(case, _whole(data, "model"))
+        model = standing_model(case, _whole(data, "model"))
         scaling = reference_scaling(case, model)
         regressors = pose_regressors(model, poses) * scaling
         singular_values(total_information(regressors), model.names)

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.limits import LimitReport, prove, worst_of
-from identification.model import identification_model
 from identification.motion import Joined, Measurement, Trajectory
 from planner.deviations import predicted_std_at_poses
 from planner.infeasible import remedy
-from planner.noise import sensor_noise
+from planner.noise import sensor_noise, standing_model
 from planner.plans import Plan
 from planner.poses.choosing import Choice, choose, criterion_value, smallest_set
 from planner.poses.continuous import approximate_design, continuous_bound
@@ -45,8 +44,8 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
         CaseError: the case lacks machine, limits or poses.
     """
     began = perf_counter()
-    case.need_machine("a plan of poses")
-    model = identification_model(case, request.model)
+    case.need_motion("a plan of poses")
+    model = standing_model(case, request.model)
     candidates = candidates_of(request, case)
     unscaled = pose_regressors(model, candidates.poses)
     scaling = candidate_scaling(unscaled)
@@ -65,7 +64,7 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
     information = total_information(chosen)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
     noise = request.noise if request.noise is not None else _noise(case)
-    setting = case.need_poses("a plan of poses")
+    setting = case.need_standing("a plan of poses")
     worth = PoseWorth(
         settings={
             "candidates": candidates.origin,
@@ -99,7 +98,7 @@ def candidates_of(request: PoseRequest, case: Case) -> Candidates:
 
 def _ordered(case: Case, choice: Choice) -> tuple[NDArray[np.int64], float]:
     """Order of visit, and travel in the order of choice [s], both from home to home."""
-    home = case.need_machine("a plan of poses")[0].home.vector
+    home = case.need_motion("a plan of poses")[0]
     stations = np.vstack([home, choice.poses])
     times = travel_times(case, stations)
     order = shortest_order(times)
@@ -109,8 +108,8 @@ def _ordered(case: Case, choice: Choice) -> tuple[NDArray[np.int64], float]:
 
 
 def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
-    home = case.need_machine("a plan of poses")[0].home.vector
-    setting = case.need_poses("a plan of poses")
+    home = case.need_motion("a plan of poses")[0]
+    setting = case.need_standing("a plan of poses")
     parts: list[Trajectory] = []
     reports: list[LimitReport] = []
     clock, here = 0.0, home
@@ -134,5 +133,5 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
 def _noise(case: Case) -> float:
     """Of a force that is averaged, if its noise is white [N]."""
     sample = sensor_noise(case)
-    averaged = case.need_poses("predicted standard deviations").average_s * case.recording.rate_Hz
+    averaged = case.need_standing("predicted standard deviations").average_s * case.recording.rate_Hz
     return float(sample / np.sqrt(max(averaged, 1.0)))

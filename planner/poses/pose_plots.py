@@ -9,6 +9,7 @@ from cases.schema import Case
 from cases.units import MM
 from identification.model import Model
 from identification.parameters import body_parameters, physical_form
+from planner.poses.space import places
 
 Array = NDArray[np.float64]
 
@@ -17,14 +18,15 @@ SHOWN = 2000  # candidates; more make the drawing grey
 
 
 def pose_figure(case: Case, candidates: Array, poses: Array) -> Figure:
-    """Candidates and chosen poses in the workspace, from the side and from above; arrows: the platform's normal.
+    """Candidates and chosen poses in the workspace, from the side and from above; arrows: z of {P}.
 
     Args:
         case: gives home.
-        candidates: shape (n, 6) [m, rad].
-        poses: chosen, in the order of visit, shape (k, 6) [m, rad].
+        candidates: coordinates, shape (n, c) [m or rad].
+        poses: chosen, in the order of visit, shape (k, c) [m or rad].
     """
-    home = case.need_machine("a plot of poses")[0].home.vector
+    home = places(case, case.need_motion("a plot of poses")[0][None])[0]
+    candidates, poses = places(case, candidates), places(case, poses)
     figure = Figure(figsize=(12, 6), layout="constrained")
     space = figure.add_subplot(1, 2, 1, projection="3d")
     above = figure.add_subplot(1, 2, 2)
@@ -35,13 +37,14 @@ def pose_figure(case: Case, candidates: Array, poses: Array) -> Figure:
     space.quiver(*at.T, *normal.T, color="C0", linewidth=1.2)
     space.scatter(*at.T, s=12, color="C3")
     space.set_zlabel("z from home [mm]")
-    space.set_zlim(-150, 150)
+    if case.chain is None:  # the poses of a hexapod share a height
+        space.set_zlim(-150, 150)
     space.set_title(f"{len(poses)} poses chosen from {len(candidates)}")
     above.scatter(some[:, 0], some[:, 1], s=5, color="0.8", label="candidates")
     way = np.vstack([np.zeros(3), at, np.zeros(3)])
     above.plot(way[:, 0], way[:, 1], color="0.6", linewidth=0.8, label="way from home and back")
     above.quiver(at[:, 0], at[:, 1], normal[:, 0], normal[:, 1], color="C0", angles="xy", scale_units="xy",
-                 scale=0.5, width=0.004, label="tilt of the platform's normal")  # fmt: skip
+                 scale=0.5, width=0.004, label="tilt of the z axis of {P}")  # fmt: skip
     above.scatter(at[:, 0], at[:, 1], s=14, color="C3", zorder=3, label="poses")
     reach = float(np.abs(np.vstack([some, at])[:, :2]).max()) + 1.5 * ARROW
     above.set(xlim=(-reach, reach), ylim=(-reach, reach))

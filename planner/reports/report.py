@@ -127,8 +127,8 @@ def _figures_of_plan(plan: "Plan") -> "Iterator[tuple[str, Figure]]":
 def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
     """The model of a plan of poses, and what its poses determine."""
     from identification.identifiability import analyse
-    from identification.model import identification_model
+    from planner.noise import standing_model
     from planner.poses.pose_criteria import pose_regressors
 
-    model = identification_model(plan.case, plan.model)
+    model = standing_model(plan.case, plan.model)
     return model, analyse(pose_regressors(model, plan.poses), model.names)

@@ -18,7 +18,7 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.criteria import CRITERIA, singular_values
-from identification.limits import LimitReport, prove
+from identification.limits import LimitReport, mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
 from identification.reference import reference_scaling
@@ -173,7 +173,7 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
             raise UntimedMove("it contains a continuous path; use --method ipopt")
         pace, move = 1.0, _timed(part, case, 1.0, cycle)
         for _ in range(SLOWINGS):
-            worst = _of_machine(move, case)
+            worst = mechanical_pace(move, case)
             if worst <= 1.0 - MARGIN / 2:
                 break
             pace *= (1.0 - MARGIN) / worst
@@ -208,15 +208,6 @@ def _seven_segments(law: OnlineProfile) -> Profile:
     if any(np.abs(ours - its).max() > SAME * np.abs(its).max() for ours, its in pairs):
         raise UntimedMove("ruckig's time law is not one of seven segments: change the limits or the cycle slightly")
     return found
-
-
-def _of_machine(move: Trajectory, case: Case) -> float:
-    """Largest share of the pace that struts, or the torques of joints, allow."""
-    shares = [0.0]
-    for check in prove(move, case, in_box=False).checks:
-        if check.name.startswith(("strut velocity", "strut acceleration", "joint torque", "joint force")):
-            shares.append(check.ratio if check.name.startswith("strut velocity") else float(np.sqrt(check.ratio)))
-    return max(shares)
 
 
 def retime(

@@ -16,7 +16,7 @@ from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
-from identification.runs.standstills import average, find_standstills, match, stands_only
+from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.saved_result import load_result
 from planner.plan_folder import load_plan
 
@@ -121,7 +121,7 @@ def standing_of(
         StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
         RecordingError: no standstills, though there should be some.
     """
-    expected = still.poses if still.poses is not None else poses_of_record(recording.record)
+    expected = still.poses if still.poses is not None else poses_of_record(recording.record, len(case.drive_columns))
     if recording.t is None:
         if still.poses is None and not still.asked:
             return recording, None
@@ -135,14 +135,14 @@ def standing_of(
     told = {
         "count": len(standing.windows),
         "matched_to_poses": expected is not None,
-        "found_by": "trigger" if recording.trigger is not None and recording.trigger.any() else "motion",
+        "found_by": "trigger" if delimited(recording.trigger) else "motion",
         "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
     }
     return standing.averages, told
 
 
 def poses_of_plan(folder: Path, case: Case) -> Array:
-    """Poses of a plan in the order of visit, shape (n, 6) [m, rad].
+    """Poses of a plan in the order of visit, shape (n, k) [m or rad].
 
     Args:
         folder: folder of the plan.
@@ -158,11 +158,12 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
     return plan.poses
 
 
-def poses_of_record(record: Mapping[str, Any]) -> Array | None:
-    """Poses that a program measured, shape (n, 6); None where it measured a motion, or unknown.
+def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
+    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
 
     Args:
         record: what `recording.json` says.
+        coordinates: number of coordinates of the machine.
 
     Raises:
         FileProblem: the entry is damaged.
@@ -174,6 +175,6 @@ def poses_of_record(record: Mapping[str, Any]) -> Array | None:
         poses = np.array(entry, dtype=float)
     except (TypeError, ValueError) as error:
         raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
-    if poses.ndim != 2 or poses.shape[1] != 6 or not np.isfinite(poses).all():
-        raise FileProblem("recording.json: poses_m_rad: are not poses of six numbers; run the program again")
+    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
+        raise FileProblem(f"recording.json: poses_m_rad: are not poses of {coordinates} numbers; run the program again")
     return poses

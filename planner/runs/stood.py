@@ -14,7 +14,7 @@ from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Stretch, Timed, Untimed
 
-STANDS = 1e-4  # [m] that a strut may move while the trigger is on: it settles for some cycles
+STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it settles for some cycles
 
 
 class Stood(NamedTuple):
@@ -31,14 +31,14 @@ class Stood(NamedTuple):
 
 def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:
     """The whole way of a program that measures standing still, from home on, as its controller is expected to go it."""
-    machine, _, limits = case.need_machine("a run")
-    here, way = machine.home.vector, list[Trajectory]()
+    home, limits = case.need_motion("a run")
+    here, way = home, list[Trajectory]()
     for part in parts:
         motion: Trajectory | None
         if isinstance(part, Timed):
             motion = part.points
         elif isinstance(part, Untimed):
-            motion = predicted(part, limits.motion, guarantees)
+            motion = predicted(part, limits, guarantees)
         else:
             motion = Standstill(here, part.duration) if part.duration > 0.0 else None
         if motion is not None:
@@ -48,7 +48,7 @@ def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Tr
 
 
 def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
-    """How long it took from home to home, and how far the machine stood from the program's poses, shape (n, 6).
+    """How long it took from home to home, and how far the machine stood from the program's poses, shape (n, k).
 
     Raises:
         ExecutionError: the trigger did not come on once at each pose, or the machine moved while it was on.
@@ -64,11 +64,11 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
         if (way := float(np.ptp(within, axis=0).max())) > STANDS:
             raise ExecutionError(
                 program,
-                f"at pose {k} a strut moved by {way * 1e3:.3g} mm while the trigger was on, on {run.controller}",
+                f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}",
                 "run again",
             )
     there = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
-    off = float(np.linalg.norm(there[:, :3] - poses[:, :3], axis=1).max())
+    off = float(np.linalg.norm(there[:, :3] - run.execution.machine.positions(poses), axis=1).max())
     return Stood(float(t[moving[-1] + 1] - t[moving[0]]), off)

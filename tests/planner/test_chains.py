@@ -203,7 +203,6 @@ def test_the_demo_of_the_robot_is_right_within_its_deviations(tmp_path: Path):
 @pytest.mark.parametrize(
     "command",
     [
-        "poses ur10_wrist",
         "plan ur10_wrist --family manual",
         "validate ur10_wrist --undisturbed",
         "case show ur10_wrist",
