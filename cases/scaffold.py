@@ -335,6 +335,8 @@ def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
     """Keys that a command misses, or the machine that it is for."""
     if case.chain is not None and command in _OF_A_HEXAPOD:
         yield "a hexapod (the machine is a chain)"
+    elif case.sensor_frame.struts is not None and command == "validate":
+        yield "sensors in the platform (they sit in the struts)"
     elif case.hexapod is not None and command in _OF_A_CHAIN:
         yield "a chain of joints (the machine is a hexapod)"
     elif case.chain is not None and command == "post --dialect linuxcnc" and not set(case.chain.names) <= set("XYZABC"):

@@ -285,6 +285,13 @@ class Case(Part):
         """Columns of recorded drives: struts of a hexapod, joints of a chain."""
         return STRUTS if self.chain is None else self.chain.columns
 
+    @property
+    def drive_words(self) -> tuple[str, str]:
+        """What moves the sensors, and a thousandth of its unit."""
+        if self.chain is None:
+            return "struts", "mm"
+        return "joints", "mrad" if self.chain.units.min() > MM else "mrad or mm"
+
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
         """Chain and limits of motion.
 

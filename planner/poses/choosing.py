@@ -10,7 +10,7 @@ from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.model import Model
 from planner.poses.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
-from planner.poses.pose_request import PoseMethod, PoseRequest
+from planner.poses.pose_request import METHODS, PoseMethod, PoseRequest
 from planner.poses.refinement import refine
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change
 
@@ -56,8 +56,8 @@ def choose(
     """
     count = request.wanted(len(candidates), regressors.shape[2])
     criterion = POSE_CRITERIA[request.criterion]
-    if request.method == PoseMethod.ALL:
-        return Choice(candidates, "every candidate")
+    if request.method in (PoseMethod.ALL, PoseMethod.GIVEN):
+        return Choice(candidates, METHODS[PoseMethod(request.method)])
     if request.method == PoseMethod.BACKWARD_CHANGE:
         if len(candidates) > MOST_EXHAUSTIVE:
             raise HexciteError(

@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.errors import InfeasiblePlan
+from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limits import LimitReport, prove, worst_of
 from identification.motion import Joined, Measurement, Trajectory
@@ -17,8 +17,8 @@ from planner.plans import Plan
 from planner.poses.choosing import Choice, choose, criterion_value, smallest_set
 from planner.poses.continuous import approximate_design, continuous_bound
 from planner.poses.pose_criteria import candidate_scaling, pose_regressors, require_full_rank, total_information
-from planner.poses.pose_request import PoseRequest
-from planner.poses.space import Candidates, grid_candidates, sampled_candidates
+from planner.poses.pose_request import PoseMethod, PoseRequest
+from planner.poses.space import Candidates, grid_candidates, sampled_candidates, space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.worth import PoseWorth
 
@@ -29,12 +29,15 @@ PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take a
 SEEDS = 2000  # poses from which the design over the space starts
 
 
-def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] = lambda _: None) -> Plan:
+def poses_planned(
+    request: PoseRequest, case: Case, done: Callable[[int], None] = lambda _: None, given: Array | None = None
+) -> Plan:
     """Chooses poses, orders, times and proves them.
 
     Args:
         request: what to plan.
         case: machine, limits and poses.
+        given: poses of one's own, for the method of this name, shape (n, k) [m or rad].
         done: called with the number of poses after each step of the choice.
 
     Raises:
@@ -46,7 +49,7 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
     began = perf_counter()
     case.need_motion("a plan of poses")
     model = standing_model(case, request.model)
-    candidates = candidates_of(request, case)
+    candidates = candidates_of(request, case, given)
     unscaled = pose_regressors(model, candidates.poses)
     scaling = candidate_scaling(unscaled)
     regressors = unscaled * scaling
@@ -89,8 +92,26 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
     return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth)
 
 
-def candidates_of(request: PoseRequest, case: Case) -> Candidates:
-    """The poses to choose from."""
+def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) -> Candidates:
+    """The poses to choose from.
+
+    Args:
+        request: what to plan.
+        case: machine, limits and poses.
+        given: poses of one's own, of the method of this name, shape (n, k) [m or rad].
+
+    Raises:
+        HexciteError: that method without poses.
+        InfeasiblePlan: the machine cannot stand at one of them.
+    """
+    if request.method == PoseMethod.GIVEN:
+        if given is None:
+            raise HexciteError("method given needs poses: name a CSV file of them with --at")
+        for number, valid in enumerate(space_of(case).valid(given), 1):
+            if not valid:
+                where = case.words(given[number - 1])
+                raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({where}); take another one")
+        return Candidates(given, len(given), "poses of one's own")
     if request.candidates is None:
         return grid_candidates(case)
     return sampled_candidates(case, request.candidates, request.seed)

@@ -70,7 +70,7 @@ def _places(plan: Plan) -> Plot:
     assert isinstance(plan.request, PoseRequest)
     figure = Chart()
     for poses, name, size, colour in (
-        (candidates_of(plan.request, plan.case).poses, "candidates", 5, GREY),
+        (candidates_of(plan.request, plan.case, plan.poses).poses, "candidates", 5, GREY),
         (plan.poses, "chosen", 10, COLOURS[1]),
     ):
         at = places(plan.case, poses)

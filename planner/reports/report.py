@@ -117,7 +117,7 @@ def _figures_of_plan(plan: "Plan") -> "Iterator[tuple[str, Figure]]":
 
     if isinstance(plan.request, PoseRequest) and isinstance(plan.worth, PoseWorth):
         model, found = _of_poses(plan)
-        yield "poses", pose_figure(plan.case, candidates_of(plan.request, plan.case).poses, plan.poses)
+        yield "poses", pose_figure(plan.case, candidates_of(plan.request, plan.case, plan.poses).poses, plan.poses)
         yield "densities", density_figure(plan.case, model, plan.predicted_std, dict(plan.worth.std_of_all))
         yield "identifiability", identifiability_figure(found)
     else:

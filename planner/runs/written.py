@@ -79,7 +79,10 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
     """The dialect of a name; without one that of a file's suffix, else of the controller that a plan was made for."""
     if dialect is not None:
         return dialect_named(dialect)
-    return dialect_named(usual_dialect(plan.case, plan.worth.settings)) if file is None else dialect_of_file(str(file))
+    if file is not None:
+        return dialect_of_file(str(file))
+    path = isinstance(plan.request, Request) and not isinstance(plan.request.family, PointToPoint)
+    return dialect_named(usual_dialect(plan.case, plan.worth.settings, path))
 
 
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)

@@ -1,6 +1,5 @@
 """Chains of five, six and seven joints, one on a rail: planned, written, run and identified as hexapods are."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +29,7 @@ from planner.runs.running import execute
 from planner.runs.written import write
 from planner.search.parallel import SILENT, run_here
 from tests.chains import chain_case
-from tests.planner.command_line import refused
+from tests.planner.command_line import call, refused
 
 PLANS: dict[int, FamilySettings] = {5: Fourier(order=3), 6: PointToPoint(moves=8), 7: Spline(knots=40)}
 
@@ -200,19 +199,6 @@ def test_the_demo_of_the_robot_is_right_within_its_deviations(tmp_path: Path):
     assert (tmp_path / "demo" / "excitation.script").is_file()
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "plan ur10_wrist --family manual",
-        "validate ur10_wrist --undisturbed",
-        "case show ur10_wrist",
-    ],
-)
-def test_what_a_chain_cannot_do_yet_is_refused_in_one_line_that_names_it(command: str):
-    line = refused(*command.split())
-    assert re.search(r"machine\.chain: .* for hexapods only", line)
-
-
 def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):
     case = load_case("ur10_wrist")
     rigid = identification_model(case, 6)
@@ -231,3 +217,16 @@ def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):
     assert result.estimate.model == 0
     assert result["m"].value == pytest.approx(2.61, abs=1e-6)
     assert result["f_q0_5"].value == pytest.approx(-0.22, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["ur10_wrist", "five_axis_table"])
+def test_a_chain_is_drawn_with_its_joints(name: str, tmp_path: Path):
+    assert call("case", "show", name, "-o", tmp_path / "chain.svg").code == 0
+    text = (tmp_path / "chain.svg").read_text(encoding="utf-8")
+    for joint in load_case(name).chain.names:
+        assert f"<!-- {joint} -->" in text
+
+
+@pytest.mark.parametrize("command", ["validate ur10_wrist", "validate strut_sensors"])
+def test_a_validation_says_in_one_line_which_machines_it_is_for(command: str):
+    assert "platform" in refused(*command.split())

@@ -18,7 +18,7 @@ from planner.runs.identifying import identify
 from planner.runs.running import execute
 from planner.runs.written import write
 from tests.chains import chain_case
-from tests.planner.command_line import refused
+from tests.planner.command_line import call, refused
 
 COUNT = 10
 
@@ -102,3 +102,20 @@ def test_a_case_that_does_not_say_how_long_to_stand_is_asked_for_it(tmp_path: Pa
     file = tmp_path / "case.toml"
     file.write_text(text[:begin] + text[text.index("[sensor_frame") :], encoding="utf-8")
     assert "poses" in refused("poses", file)
+
+
+def test_poses_chosen_by_hand_are_worth_less_than_chosen_ones_and_are_compared_with_them(tmp_path: Path):
+    case = load_case("ur10_wrist")
+    offsets = [(0, 0), (45, 0), (-45, 0), (0, 45), (0, -45), (45, 45), (45, -45), (-45, 45), (-45, -45), (20, 20)]
+    rows = np.rad2deg(case.chain.home) + [[0, 0, 0, a, b, 0] for a, b in offsets]
+    file = tmp_path / "hand.csv"
+    file.write_text("\n".join([",".join(case.limits.motion.columns), *(",".join(map(str, row)) for row in rows)]))
+    by_hand = call("poses", "ur10_wrist", "--at", file, "-o", tmp_path / "hand", "--json").json()
+    chosen = call("poses", "ur10_wrist", "--count", len(rows), "-o", tmp_path / "chosen", "--json").json()
+    assert by_hand["count"] == len(rows)
+    assert by_hand["efficiency_space"] < 0.85 < chosen["efficiency_space"]
+    both = call("compare", tmp_path / "hand", tmp_path / "chosen", "-o", tmp_path / "both", "--json").json()
+    assert len(both["rows"]) == 2
+    rows[3, 1] += 90.0
+    file.write_text("\n".join([",".join(case.limits.motion.columns), *(",".join(map(str, row)) for row in rows)]))
+    assert "pose 4" in refused("poses", "ur10_wrist", "--at", file, "-o", tmp_path / "no")
