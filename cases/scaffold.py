@@ -303,7 +303,8 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "demo": (*_RUN, "nominal"),
 }
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
-_OF_A_HEXAPOD = frozenset({"post --dialect sinumerik", "post --dialect twincat", "validate"})
+_OF_A_HEXAPOD = frozenset({"validate"})
+_IN_AXES = frozenset({"post --dialect linuxcnc", "post --dialect sinumerik", "post --dialect twincat"})
 _OF_A_CHAIN = frozenset({"post --dialect urscript", "post --dialect ros2"})
 _NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains do not need
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
@@ -339,7 +340,7 @@ def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
         yield "sensors in the platform (they sit in the struts)"
     elif case.hexapod is not None and command in _OF_A_CHAIN:
         yield "a chain of joints (the machine is a hexapod)"
-    elif case.chain is not None and command == "post --dialect linuxcnc" and not set(case.chain.names) <= set("XYZABC"):
+    elif case.chain is not None and command in _IN_AXES and not set(case.chain.names) <= set("XYZABC"):
         yield "joints that are named as axes, X, Y, Z, A, B, C"
     else:
         yield from _missing(case, tuple(key for key in keys if case.chain is None or key not in _NOT_OF_A_CHAIN))

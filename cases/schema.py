@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, NoReturn
 from pydantic import Discriminator, Field, PrivateAttr, Tag, field_validator, model_validator
 
 from cases.chain import Chain, JointLimits, JointMotionLimits, SerialMachine, joint_problems
-from cases.controller import Controller
+from cases.controller import Controller, Sinumerik, TwinCat
 from cases.errors import CaseError
 from cases.machine import Limits, Machine, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
@@ -43,10 +43,9 @@ def _kind_of_limits(table: Any) -> str:
 
 
 def _kind_of_poses(table: Any) -> str:
-    own = isinstance(table, JointPoses) and not isinstance(table, Poses)
-    return (
-        "<JointPoses>" if own or (isinstance(table, dict) and set(table) <= {*JointPoses.model_fields}) else "<Poses>"
-    )
+    more = set(Poses.model_fields) - set(JointPoses.model_fields)
+    own = not more & set(table) if isinstance(table, dict) else not isinstance(table, Poses)
+    return "<JointPoses>" if own else "<Poses>"
 
 
 def _has(table: Any, key: str) -> bool:
@@ -157,6 +156,16 @@ class Case(Part):
             yield "sensors.range_N is a limit that plans do not hold yet where sensors sit in struts; remove it"
         if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:
             yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
+        for name, full in (("sinumerik", Sinumerik), ("twincat", TwinCat)):
+            settings = getattr(self.controller, name, None)
+            if settings is not None and isinstance(settings, full) == (self.chain is not None):
+                key = "transformation" if name == "sinumerik" else "kinematic_id"
+                yield (
+                    f"controller.{name}.{key} is of a hexapod: a chain's programs move its own axes; remove it and the "
+                    "keys of paths"
+                    if self.chain is not None
+                    else f"controller.{name}.{key} is missing; a hexapod's programs need it, see cases/hexapod"
+                )
         if not isinstance(self.machine, SerialMachine):
             if isinstance(self.limits, JointLimits):
                 yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
@@ -195,7 +204,7 @@ class Case(Part):
             settings = getattr(self.controller, name)
             for key in ("strut_velocity_m_s", "strut_acceleration_m_s2"):
                 limit = getattr(self.limits.motion, key)
-                if settings is not None and settings.ptp is not None and getattr(settings.ptp, key) > limit:
+                if getattr(settings, "ptp", None) is not None and getattr(settings.ptp, key) > limit:
                     yield (
                         f"controller.{name}.ptp.{key} = {getattr(settings.ptp, key):g} is above limits.motion.{key} = "
                         f"{limit:g}; set the drives, and this value, to the limit or below"

@@ -93,7 +93,7 @@ def frames_at(chain: Chain, q: Array) -> tuple[Array, ...]:
 def body_clearances(motion: Motion, chain: Chain) -> Iterable[Quantity]:
     """Distances of the chain's bodies from boxes and from each other; see `clearances`."""
     if chain.tool or any(joint.bodies for joint in chain.joints):
-        yield from clearances(chain, [frame[0] for frame in _frames(motion, chain)])
+        yield from clearances(chain, list(_frames(motion, chain)), motion.t)
 
 
 def _mechanics(frame: _Frames, body: RigidBody, pull: Array) -> Array:

@@ -2,14 +2,16 @@
 
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import floor, log10
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.machine import MotionLimits
 from cases.units import DEG, MINUTE, MM
+from identification.limited import Box
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import Profile, StraightMove, TimeLaw, limits_along
 from postprocessors.program import Arc, Array, PointToPoint
@@ -35,7 +37,7 @@ def number(value: float, decimals: int) -> str:
 POSE_TURNS = (False, False, False, True, True, True)
 
 
-def coordinates(pose: Array, turns: Iterable[bool] = POSE_TURNS) -> list[str]:
+def coordinates(pose: Array, turns: Sequence[bool] | NDArray[np.bool_] = POSE_TURNS) -> list[str]:
     """Coordinates [m, rad] in mm and degrees; those of a pose, or whatever `turns` says are angles."""
     return [
         number(v / DEG, ANGLE_DECIMALS) if angle else number(v / MM, LENGTH_DECIMALS)
@@ -80,10 +82,12 @@ def comments(text: str) -> list[str]:
     return [f"; {line}" for line in comment_lines(text.replace('"', "?"))]
 
 
-def as_written(move: StraightMove) -> StraightMove:
+def as_written(move: StraightMove, turns: Sequence[bool] | NDArray[np.bool_] = POSE_TURNS) -> StraightMove:
     """The move between its ends as their words say them; itself where that is not a move any more."""
-    units = np.repeat([MM, DEG], 3)
-    start, end = (np.array([float(word) for word in coordinates(pose)]) * units for pose in (move.start, move.end))
+    units = np.where(turns, DEG, MM)
+    start, end = (
+        np.array([float(word) for word in coordinates(pose, turns)]) * units for pose in (move.start, move.end)
+    )
     return replace(move, start=start, end=end) if np.any(start != end) else move
 
 
@@ -94,7 +98,7 @@ INSTANTS = 129  # at which such a move is compared with the limits
 UNDER = 1e-3  # what it stays below them: the proof looks at other instants
 
 
-def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarantees, linear: bool = True) -> float:
+def feed_of(block: PointToPoint | Arc, limits: Box, guarantees: Guarantees, linear: bool = True) -> float:
     """Feed of a move along X, Y, Z [m/s], or along the angles [rad/s].
 
     The largest that the move can reach where even that takes longer than planned.
@@ -124,10 +128,10 @@ def feed_of(block: PointToPoint | Arc, limits: MotionLimits, guarantees: Guarant
         low, high = (middle, high) if duration(middle) > move.duration else (low, middle)
     if isinstance(block, Arc):
         return high * block.move.length
-    return high * float(np.linalg.norm(way[:3] if linear else way[3:]))
+    return high * float(np.linalg.norm(way[limits.turns != linear]))
 
 
-def written_feed(block: PointToPoint, limits: MotionLimits, guarantees: Guarantees) -> tuple[bool, str]:
+def written_feed(block: PointToPoint, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
     """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it.
 
     Args:
@@ -135,8 +139,9 @@ def written_feed(block: PointToPoint, limits: MotionLimits, guarantees: Guarante
         limits: limits that the controller is set up with.
         guarantees: give its time law.
     """
-    written = as_written(block.move)
-    linear = bool(np.any(np.round((written.end - written.start)[:3] / MM, LENGTH_DECIMALS) != 0.0))
+    written = as_written(block.move, limits.turns)
+    way = (written.end - written.start)[~limits.turns]
+    linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
     return linear, feed(feed_of(PointToPoint(written), limits, guarantees, linear), linear)
 
 
