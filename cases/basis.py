@@ -90,17 +90,11 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 class Artefact(NamedTuple):
-    """What an artefact says of its case.
+    """What an artefact says of its case."""
 
-    Args:
-        file: file that says it.
-        about: its entries.
-        again: what to do where the case has changed.
-    """
-
-    file: Path
-    about: Mapping[str, Any]
-    again: str
+    file: Path  # file that says it
+    about: Mapping[str, Any]  # its entries
+    again: str  # what to do where the case has changed
 
     def case(self, override: str | None = None) -> Case:
         """The case that the artefact names, or the one that is named instead.
@@ -143,8 +137,6 @@ class Artefact(NamedTuple):
 
         Args:
             now: values of the case today, by dotted key.
-            case: the case.
-            stale: go on although the case has changed.
 
         Raises:
             FileProblem: the case has changed, and `stale` is not set.

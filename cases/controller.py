@@ -24,23 +24,6 @@ Promises = Annotated[tuple[Kept, ...], AfterValidator(_once)]
 """Families of limits; each covers translations and rotations. An empty list promises nothing."""
 
 
-class PointToPointDrives(Part):
-    """What each strut does at most in a point-to-point move; the same for all six.
-
-    These are machine data of the axes, on SINUMERIK those of the dynamic mode in which the program runs.
-    """
-
-    strut_velocity_m_s: Positive
-    """Largest velocity of a drive in such moves."""
-    strut_acceleration_m_s2: Positive
-    """Largest acceleration of a drive in such moves."""
-    strut_jerk_m_s3: Positive
-    """Largest jerk of a drive in such moves."""
-    feed: Literal["time", "rapid"]
-    """What moves them: G1 with the block's time (G93), if the control takes F for a time there too, which no manual
-    states: try it with `--speed 0.1`; or G0, as fast as the drives can, which cannot be slowed."""
-
-
 class UrScript(Part):
     """Settings of programs for robots of Universal Robots."""
 
@@ -175,8 +158,6 @@ class Sinumerik(SinumerikAxes):
     """CTOL of the compressor."""
     orientation_tolerance_deg: Positive
     """OTOL of the compressor."""
-    ptp: PointToPointDrives | None = None
-    """Drives in moves under `PTP`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
 
     @model_validator(mode="after")
     def _polynomials_at_all(self) -> "Sinumerik":
@@ -261,8 +242,6 @@ class TwinCat(TwinCatAxes):
     """PATH_DEV of `#HSC` and `#CONTOUR MODE`."""
     track_deviation_deg: Positive
     """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
-    ptp: PointToPointDrives | None = None
-    """Drives in moves under `#PTP ON`, which only `hexcite post --ptp-struts` writes; without it they are refused."""
 
 
 def _kind(name: str, full: type[Part], axes: type[Part]) -> Callable[[Any], str]:

@@ -117,7 +117,6 @@ def output_place(named: Path | None, usual: Path, overwrite: bool) -> Path:
 
     Args:
         named: with -o; None where nothing was named.
-        usual: the command's own name for its output.
         overwrite: whether the usual place may be replaced.
     """
     if named is not None:
@@ -163,7 +162,6 @@ def check_folder(path: Path, kind: FolderKind, inputs: Iterable[Path] = (), over
 
     Args:
         path: the folder that will be written.
-        kind: what will be in it.
         inputs: what the work reads; none of it may be in the folder that is replaced.
         overwrite: whether a folder of the same kind that stands there may be replaced.
 
@@ -213,8 +211,6 @@ def atomic_folder(path: Path, kind: FolderKind, overwrite: bool = False) -> Iter
     in the meantime stays, and the new folder appears under a free name beside it.
 
     Args:
-        path: the folder.
-        kind: what it will hold.
         overwrite: whether a folder of the same kind that stands there is replaced.
 
     Raises:
@@ -290,7 +286,6 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
     """Reads a JSON object.
 
     Args:
-        path: the file.
         made_by: the command that writes such files, for the message.
 
     Raises:

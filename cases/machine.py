@@ -96,7 +96,7 @@ def _turn(axis: int, angle: float) -> Array:
     return turn
 
 
-class Machine(Part):
+class HexapodMachine(Part):
     """A hexapod: strut k joins base joint k to platform joint k."""
 
     base: Joints
@@ -107,7 +107,7 @@ class Machine(Part):
     """Pose in which programs begin and end."""
 
     @model_validator(mode="after")
-    def _stands_firmly(self) -> "Machine":
+    def _stands_firmly(self) -> "HexapodMachine":
         roll, pitch, yaw = self.home.vector[3:]
         x, y, z = (_turn(axis, angle) for axis, angle in enumerate((roll, pitch, yaw)))
         arms = self.platform.points @ (z @ y @ x).T

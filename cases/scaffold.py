@@ -109,8 +109,6 @@ def new_case(name: str, like: str, folder: Path) -> Path:
     """Writes `folder/case.toml`, the built-in case `like` under another name, to be filled in.
 
     Args:
-        name: name of the new case.
-        like: name of a built-in case.
         folder: folder to make; it must not hold a case yet.
 
     Returns:
@@ -144,6 +142,9 @@ def new_case(name: str, like: str, folder: Path) -> Path:
         line = re.sub(r'^title = ".*"', 'title = "what it is, in a line"', line)
         line = re.sub(r'^source = ".*"', 'source = "where these values come from"', line)
         lines.append(line)
+        if line == "[controller]":
+            lines += textwrap.wrap(told["plan_for"], _WIDTH, initial_indent="# ", subsequent_indent="# ")
+            lines.append('# plan_for = "linuxcnc"')
     write_text(file, "\n".join(lines).replace("\n\n\n", "\n\n") + "\n")
     return file
 
@@ -152,7 +153,6 @@ def new_arm(name: str, urdf: Path, flange: str | None, folder: Path) -> Path:
     """Writes `folder/case.toml` with the chain of a URDF file; keys that no URDF has are there as comments.
 
     Args:
-        name: name of the new case.
         urdf: file that describes the robot.
         flange: link that carries the sensor.
         folder: folder to make; it must not hold a case yet.
@@ -311,15 +311,10 @@ _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
 
 
 class Readiness(NamedTuple):
-    """Whether a case has what a command needs.
+    """Whether a case has what a command needs."""
 
-    Args:
-        command: as it is typed.
-        missing: tables and keys that the case lacks, or why the command is not for it.
-    """
-
-    command: str
-    missing: tuple[str, ...]
+    command: str  # as it is typed
+    missing: tuple[str, ...]  # tables and keys that the case lacks, or why the command is not for it
 
 
 def readiness(case: Case) -> tuple[Readiness, ...]:

@@ -16,7 +16,7 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, field_validator, mo
 from cases.chain import Chain, JointLimits, JointMotionLimits, SerialMachine, joint_problems
 from cases.controller import Controller, Sinumerik, TwinCat
 from cases.errors import CaseError
-from cases.machine import Limits, Machine, MotionLimits, Workspace
+from cases.machine import HexapodMachine, Limits, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
 from cases.poses import JointPoses, Poses
 from cases.recording_format import STRUTS, RecordingFormat
@@ -34,7 +34,7 @@ def fingerprint(content: object) -> str:
 
 
 def _kind_of_machine(table: Any) -> str:
-    return "<SerialMachine>" if isinstance(table, SerialMachine) or _has(table, "chain") else "<Machine>"
+    return "<SerialMachine>" if isinstance(table, SerialMachine) or _has(table, "chain") else "<HexapodMachine>"
 
 
 def _kind_of_limits(table: Any) -> str:
@@ -54,7 +54,7 @@ def _has(table: Any, key: str) -> bool:
 
 # Tags in angle brackets name the class that a table was read as; messages leave them out.
 AnyMachine = Annotated[
-    Annotated[Machine, Tag("<Machine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
+    Annotated[HexapodMachine, Tag("<HexapodMachine>")] | Annotated[SerialMachine, Tag("<SerialMachine>")],
     Discriminator(_kind_of_machine),
 ]
 AnyLimits = Annotated[
@@ -129,7 +129,7 @@ class Case(Part):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Case":
-        rules = (self._kind, self._feed, self._drives, self._noise, self._pose_error, self._box)
+        rules = (self._kind, self._feed, self._noise, self._pose_error, self._box)
         problems = [problem for rule in rules for problem in rule()]
         if problems:
             raise ValueError(ALSO.join(problems))
@@ -196,19 +196,6 @@ class Case(Part):
                     f"controller.safe_feed_mm_min = {self.controller.safe_feed_mm_min:g} is faster than "
                     f"limits.motion.velocity_mm_s allows ({fastest / MM * MINUTE:g} mm/min); choose a smaller one"
                 )
-
-    def _drives(self) -> Iterator[str]:
-        if self.controller is None or not isinstance(self.limits, Limits):
-            return
-        for name in ("sinumerik", "twincat"):
-            settings = getattr(self.controller, name)
-            for key in ("strut_velocity_m_s", "strut_acceleration_m_s2"):
-                limit = getattr(self.limits.motion, key)
-                if getattr(settings, "ptp", None) is not None and getattr(settings.ptp, key) > limit:
-                    yield (
-                        f"controller.{name}.ptp.{key} = {getattr(settings.ptp, key):g} is above limits.motion.{key} = "
-                        f"{limit:g}; set the drives, and this value, to the limit or below"
-                    )
 
     def _noise(self) -> Iterator[str]:
         force, moment = self.sensors.force_noise_N, self.sensors.moment_noise_Nm
@@ -280,9 +267,9 @@ class Case(Part):
         raise CaseError(f"case {self.name}", part, f"is missing; {purpose} needs it: add the table to the case file")
 
     @property
-    def hexapod(self) -> Machine | None:
+    def hexapod(self) -> HexapodMachine | None:
         """The hexapod, where the machine is one."""
-        return self.machine if isinstance(self.machine, Machine) else None
+        return self.machine if isinstance(self.machine, HexapodMachine) else None
 
     @property
     def chain(self) -> Chain | None:
@@ -343,7 +330,7 @@ class Case(Part):
         freed = self.limits.model_copy(update={"motion": self.limits.motion.without_jerk()})
         return self.model_copy(update={"limits": freed})
 
-    def need_machine(self, purpose: str) -> tuple[Machine, Workspace, Limits]:
+    def need_machine(self, purpose: str) -> tuple[HexapodMachine, Workspace, Limits]:
         """Hexapod, workspace and limits.
 
         Args:

@@ -53,46 +53,29 @@ class Transform:
 
 @dataclass(frozen=True)
 class UrdfJoint:
-    """A joint on the way to the flange, fixed ones before it included.
+    """A joint on the way to the flange, fixed ones before it included."""
 
-    Args:
-        name: name of the joint.
-        kind: revolute, continuous or prismatic.
-        place: its frame in the moved frame of the joint before it.
-        axis: unit vector in its frame, shape (3,).
-        position: lower and upper end [rad or m]; None of a continuous joint.
-        velocity: largest speed [rad/s or m/s]; None of a continuous joint for which the file states none.
-        effort: largest torque or force [N m or N]; None where the file states 0 or, of a continuous joint, none.
-        link: what it moves up to the next joint, in its moved frame; None where the file states no inertia.
-    """
-
-    name: str
-    kind: str
-    place: Transform
-    axis: Array
-    position: tuple[float, float] | None
-    velocity: float | None
+    name: str  # name of the joint
+    kind: str  # revolute, continuous or prismatic
+    place: Transform  # its frame in the moved frame of the joint before it
+    axis: Array  # unit vector in its frame, shape (3,)
+    position: tuple[float, float] | None  # lower and upper end [rad or m]; None of a continuous joint
+    velocity: float | None  # largest speed [rad/s or m/s]; None of a continuous joint for which the file states none
+    # largest torque or force [N m or N]; None where the file states 0 or, of a continuous joint, none
     effort: float | None
+    # what it moves up to the next joint, in its moved frame; None where the file states no inertia
     link: RigidBody | None
 
 
 @dataclass(frozen=True)
 class UrdfChain:
-    """The way from the root to the flange.
+    """The way from the root to the flange."""
 
-    Args:
-        robot: name of the robot.
-        base: name of the root link, the frame {B}.
-        flange: name of the link that carries the sensor.
-        joints: joints that move, from the root to the flange.
-        mount: the flange in the last joint's moved frame.
-    """
-
-    robot: str
-    base: str
-    flange: str
-    joints: tuple[UrdfJoint, ...]
-    mount: Transform
+    robot: str  # name of the robot
+    base: str  # name of the root link, the frame {B}
+    flange: str  # name of the link that carries the sensor
+    joints: tuple[UrdfJoint, ...]  # joints that move, from the root to the flange
+    mount: Transform  # the flange in the last joint's moved frame
 
 
 def read_urdf(file: Path, flange: str | None) -> UrdfChain:

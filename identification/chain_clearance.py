@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.chain import Chain
 from cases.machine import Tool
 from cases.units import MM
-from identification.machine import Share
+from identification.machines import Share
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,6 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[Pla
         q: positions of the joints, shape (n,).
         middle: of the motion box, shape (n,) [rad or m].
         frames: moved frame of each joint.
-        sensor: {P}.
     """
     still = Placed(0, ca.SX(3, 1), ca.SX.eye(3))
     places = [(still, chain.base), *((f, j.bodies) for f, j in zip(frames, chain.joints, strict=True))]

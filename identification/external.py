@@ -13,8 +13,8 @@ from cases.schema import Case
 from identification.finding import Severity, sentences
 from identification.findings.plausibility import Scan, unmeasured
 from identification.model import Model
+from identification.parameters import OFFSETS
 from identification.recording import Recording
-from identification.regressor_blocks import OFFSETS
 from identification.runs.preparation import moving_run, standstills
 from identification.saved_result import SavedResult
 
@@ -22,19 +22,12 @@ Array = NDArray[np.float64]
 
 
 class ExternalForce(NamedTuple):
-    """External force and moment on the platform, about the origin of {P} and along its axes.
+    """External force and moment on the platform, about the origin of {P} and along its axes."""
 
-    Args:
-        t: time, shape (n,) [s]; numbers of the standstills where there is no clock.
-        wrench: shape (n, 6) [N, N m].
-        residuals: residuals of the sensors, measured less expected, shape (n, 6) [N, or N and N m].
-        warnings: sentences about what was not measured, and is left out.
-    """
-
-    t: Array
-    wrench: Array
-    residuals: Array
-    warnings: tuple[str, ...] = ()
+    t: Array  # time, shape (n,) [s]; numbers of the standstills where there is no clock
+    wrench: Array  # shape (n, 6) [N, N m]
+    residuals: Array  # residuals of the sensors, measured less expected, shape (n, 6) [N, or N and N m]
+    warnings: tuple[str, ...] = ()  # sentences about what was not measured, and is left out
 
     @property
     def rms(self) -> Array:
@@ -51,8 +44,6 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
     """External force over a recording; moving runs behind the filter of the case.
 
     Args:
-        recording: the run.
-        case: case of the same machine as the parameters.
         result: identified parameters; their delay is compensated.
         whole: all samples; else only the excitation.
 
@@ -77,25 +68,20 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
 
 def _poses(model: Model, recording: Recording, found: Scan) -> Array | None:
     """Poses of the standstills that are used, where forces in struts are to become one on the platform."""
-    if model.struts is None or recording.struts is None:
+    if model.struts is None:
         return None
+    if recording.struts is None:
+        return None if recording.poses is None else recording.poses[~found.bad]
     return model.struts.hexapod.coordinates(recording.struts[~found.bad])
 
 
 class Tare(NamedTuple):
-    """New offsets.
+    """New offsets."""
 
-    Args:
-        values: u with the offsets replaced, shape (u,).
-        covariance: covariance of u, shape (u, u): offsets and the rest no longer vary together.
-        change: new offsets less old ones, shape (6,).
-        std: standard deviation of the new offsets from the scatter of the standstill, shape (6,).
-    """
-
-    values: Array
-    covariance: Array
-    change: Array
-    std: Array
+    values: Array  # u with the offsets replaced, shape (u,)
+    covariance: Array  # covariance of u, shape (u, u): offsets and the rest no longer vary together
+    change: Array  # new offsets less old ones, shape (6,)
+    std: Array  # standard deviation of the new offsets from the scatter of the standstill, shape (6,)
 
 
 STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion

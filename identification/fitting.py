@@ -14,7 +14,7 @@ from identification.estimation.compressed import joint_triangle
 from identification.estimation.estimators import FitProblem, Method, gauss_markov_of, method
 from identification.estimation.fit import Fit, of_forces, w_of, whitened
 from identification.model import Model
-from identification.regressor_blocks import MASS
+from identification.parameters import MASS
 from identification.result import Delay
 from identification.runs.evaluation import MOST_DELAY
 from identification.runs.wrist import WristRun
@@ -31,23 +31,14 @@ GAUSS_MARKOV = method()
 
 
 class Fitted(NamedTuple):
-    """Samples with their fit.
+    """Samples with their fit."""
 
-    Args:
-        samples: samples that were evaluated.
-        fit: fit to their forces.
-        delay: delay of the forces; None where nothing moves.
-        residuals: residuals of the forces as recorded, shape (m, 6).
-        whitening: W is its square, where it is given.
-        columns: A and the nuisances, shape (n, 6, u + nuisances).
-    """
-
-    samples: Samples
+    samples: Samples  # samples that were evaluated
     fit: Fit
-    delay: Delay | None
-    residuals: Array
-    whitening: Array | None
-    columns: Array
+    delay: Delay | None  # delay of the forces; None where nothing moves
+    residuals: Array  # residuals of the forces as recorded, shape (m, 6)
+    whitening: Array | None  # W is its square, where it is given
+    columns: Array  # A and the nuisances, shape (n, 6, u + nuisances)
 
     @property
     def at(self) -> float:
@@ -73,8 +64,6 @@ def fit_samples(
     A long run is fitted from where a part of it ends.
 
     Args:
-        samples: samples to be evaluated.
-        how: estimator.
         problem: the samples' model, and which channels have the same noise.
         delay: delay to start from [s].
         held: a delay that is taken as known with its standard deviation, which is propagated, and not estimated.
@@ -119,19 +108,12 @@ def fit_samples(
 
 
 class _Converged(NamedTuple):
-    """Where Gauss-Newton over the delay ended.
+    """Where Gauss-Newton over the delay ended."""
 
-    Args:
-        delay: delay of the linearisation [s].
-        columns: A and the nuisances there, shape (n, 6, u + nuisances).
-        values: u, shape (u,).
-        whitening: root of W, where the case states noise.
-    """
-
-    delay: float
-    columns: Array
-    values: Array
-    whitening: Array | None
+    delay: float  # delay of the linearisation [s]
+    columns: Array  # A and the nuisances there, shape (n, 6, u + nuisances)
+    values: Array  # u, shape (u,)
+    whitening: Array | None  # root of W, where the case states noise
 
 
 def _converged(
@@ -146,9 +128,7 @@ def _converged(
     """Gauss-Newton over the delay.
 
     Args:
-        run: run to be evaluated.
         forces: forces of that, shape (n, 6).
-        how: what is known beforehand.
         problem: problem with the nuisances and the filter of the run.
         delay: delay to start from [s].
         held: a delay that is not estimated.

@@ -15,7 +15,7 @@ from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod_limits import hexapod_shares
-from identification.machine import FrameMotion, Share
+from identification.machines import FrameMotion, Share
 from identification.pose import rotation, rpy, skew, twist, twist_rate
 
 Array = NDArray[np.float64]
@@ -30,17 +30,11 @@ COARSE = 8  # every 8th sample is solved from home, the ones between start from 
 
 @dataclass(frozen=True, slots=True)
 class Kinematics:
-    """Motion of the platform, one row a sample.
+    """Motion of the platform, one row a sample."""
 
-    Args:
-        pose: (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad].
-        twist: velocity of the origin of {P} and angular velocity in {B}, shape (n, 6) [m/s, rad/s].
-        twist_rate: its time derivative, shape (n, 6) [m/s^2, rad/s^2].
-    """
-
-    pose: Array
-    twist: Array
-    twist_rate: Array
+    pose: Array  # (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad]
+    twist: Array  # velocity of the origin of {P} and angular velocity in {B}, shape (n, 6) [m/s, rad/s]
+    twist_rate: Array  # its time derivative, shape (n, 6) [m/s^2, rad/s^2]
 
 
 class StrutsDoNotClose(IdentificationError):

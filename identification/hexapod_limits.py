@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.machine import Share
+from identification.machines import Share
 from identification.pose import rotation
 
 if TYPE_CHECKING:
@@ -32,8 +32,6 @@ def hexapod_shares(hexapod: "Hexapod", case: Case, pose: ca.SX, rates: ca.SX, ac
     """Shares of the limits that a state uses.
 
     Args:
-        hexapod: hexapod of the case.
-        case: its limits.
         pose: shape (6,) [m, rad].
         rates: its first derivative in time.
         accelerations: its second derivative.

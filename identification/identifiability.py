@@ -18,39 +18,24 @@ INVOLVED = 1e-3  # share of a unit direction from which a parameter counts as pa
 
 
 class Group(NamedTuple):
-    """Parameters that can only be determined together.
+    """Parameters that can only be determined together."""
 
-    Args:
-        parameters: their names.
-        hidden: so many directions among them that the data do not see.
-        combinations: what is determined instead: sums of factor times parameter, by name; empty where nothing is.
-    """
-
-    parameters: tuple[str, ...]
-    hidden: int
+    parameters: tuple[str, ...]  # their names
+    hidden: int  # so many directions among them that the data do not see
+    # what is determined instead: sums of factor times parameter, by name; empty where nothing is
     combinations: tuple[dict[str, float], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Identifiability:
-    """What a regressor says about the parameters of its columns.
+    """What a regressor says about the parameters of its columns."""
 
-    Args:
-        names: names of the columns.
-        correlation: Pearson coefficients of the columns, shape (u, u); 0 for a column without variation.
-        r: R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements.
-        zero: the paper's numerical zero m n eps max|R_ii|.
-        singular_values: singular values of the scaled regressor, descending, shape (u,).
-        rank: singular values above the numerical zero.
-        groups: groups of what is not determined.
-    """
-
-    names: tuple[str, ...]
-    correlation: Array
-    r: Array
-    zero: float
-    singular_values: Array
-    rank: int
+    names: tuple[str, ...]  # names of the columns
+    correlation: Array  # Pearson coefficients of the columns, shape (u, u); 0 for a column without variation
+    r: Array  # R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements
+    zero: float  # the paper's numerical zero m n eps max|R_ii|
+    singular_values: Array  # singular values of the scaled regressor, descending, shape (u,)
+    rank: int  # singular values above the numerical zero
     groups: tuple[Group, ...]
 
     @property
@@ -103,7 +88,6 @@ def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
 
     Args:
         regressors: A_j, shape (n, 6, u), weighted if channels differ in unit.
-        names: names of the u columns.
     """
     matrix = regressors.reshape(-1, regressors.shape[2])
     norms = np.linalg.norm(matrix, axis=0)

@@ -25,9 +25,9 @@ from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
 from identification.identifiability import Identifiability, analyse
 from identification.model import RIGID, Model, full_model, identification_model
 from identification.noise.sources import NoiseSources, noise_sources
+from identification.parameters import MASS
 from identification.periodic.averaging import PeriodicRun, periodic_run
 from identification.recording import Recording
-from identification.regressor_blocks import MASS
 from identification.result import Estimate, Evaluation, estimate_of
 from identification.runs.evaluation import MOST_DELAY, Run
 from identification.runs.preparation import moving_run, standstills
@@ -117,10 +117,6 @@ def samples_of(
     """A recording ready to be evaluated, as it was asked for.
 
     Args:
-        recording: any.
-        case: its case.
-        model: gives A.
-        conditioning: what is done to a moving run.
         found: samples that may not be used.
         biases: biases of a wrist run, known beforehand.
 

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.machine import Machine, MotionLimits, Workspace
+from cases.machine import HexapodMachine, MotionLimits, Workspace
 from cases.units import DEG, MM
 from identification.keep_out import distances, guarded
 from identification.motion import Motion
@@ -22,25 +22,15 @@ _STRUTS = tuple(f"strut {k}" for k in range(1, 7))
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Something that is limited, one row an instant and one column a coordinate or strut.
+    """Something that is limited, one row an instant and one column a coordinate or strut."""
 
-    Args:
-        name: name of the limit.
-        unit: unit of values and limits times `scale`.
-        labels: labels of the columns.
-        values: shape (n, k).
-        limits: lower and upper limit of each column, twice the same where there is but one, shape (2, k).
-        ratio: share of the limit that is used, infinite where a value is not a number, shape (n, k).
-        scale: scale to the unit.
-    """
-
-    name: str
-    unit: str
-    labels: tuple[str, ...]
-    values: Array
-    limits: Array
-    ratio: Array
-    scale: float
+    name: str  # name of the limit
+    unit: str  # unit of values and limits times `scale`
+    labels: tuple[str, ...]  # labels of the columns
+    values: Array  # shape (n, k)
+    limits: Array  # lower and upper limit of each column, twice the same where there is but one, shape (2, k)
+    ratio: Array  # share of the limit that is used, infinite where a value is not a number, shape (n, k)
+    scale: float  # scale to the unit
 
     @classmethod
     def between(
@@ -49,7 +39,6 @@ class Quantity:
         """Two-sided limits: the share is the distance from their middle over half their width.
 
         Args:
-            name: name of the quantity.
             unit: unit in which people read it.
             labels: labels of its k columns.
             values: shape (n, k) [SI].
@@ -109,9 +98,7 @@ def limited_coordinates(
     """What a case limits of the coordinates and their derivatives, at each instant of a motion.
 
     Args:
-        motion: sampled.
         home: coordinates there, shape (k,).
-        limits: limits of moving excitations.
         reach: where the machine gets at all.
         in_box: whether the box of `limits` holds; else only the reach limits the coordinates.
     """
@@ -130,7 +117,7 @@ def limited_coordinates(
         yield from _by_kind(("jerk", "m/s^3"), ("angular jerk", "rad/s^3"), jerks, -j, j, one, limits)
 
 
-def plane(motion: Motion, machine: Machine, workspace: Workspace) -> Quantity:
+def plane(motion: Motion, machine: HexapodMachine, workspace: Workspace) -> Quantity:
     """How far the platform of a hexapod is from home, in the plane that it can reach."""
     low, high = workspace.plane[0], workspace.plane[1]
     offset = motion.pose[:, :2] - machine.home.vector[:2]
@@ -148,7 +135,7 @@ def _with_steps(motion: Motion, limit: Array) -> Array:
     return jerks
 
 
-def strut_velocities(motion: Motion, machine: Machine, limits: MotionLimits) -> Quantity:
+def strut_velocities(motion: Motion, machine: HexapodMachine, limits: MotionLimits) -> Quantity:
     """Velocities of the struts alone."""
     most = np.full(6, limits.strut_velocity_m_s)
     return Quantity.between("strut velocity", "m/s", _STRUTS, strut_motion(motion, machine)[1], -most, most, 1.0)
@@ -205,7 +192,7 @@ def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
 
 
 def _strut_vectors(
-    motion: Motion, rotation: tuple[Array, Array, Array], machine: Machine
+    motion: Motion, rotation: tuple[Array, Array, Array], machine: HexapodMachine
 ) -> tuple[Array, Array, Array, Array]:
     """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
     turn, first, second = rotation
@@ -216,7 +203,7 @@ def _strut_vectors(
     return strut, velocity, acceleration, turn[:, :, 2]
 
 
-def strut_motion(motion: Motion, machine: Machine) -> tuple[Array, Array, Array]:
+def strut_motion(motion: Motion, machine: HexapodMachine) -> tuple[Array, Array, Array]:
     """Strut lengths [m], velocities and accelerations of a motion, each of shape (n, 6)."""
     return _along(*_strut_vectors(motion, rotation_motion(motion), machine)[:3])
 
@@ -232,18 +219,14 @@ def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, A
 def limited_struts(
     motion: Motion,
     rotation: tuple[Array, Array, Array],
-    machine: Machine,
+    machine: HexapodMachine,
     workspace: Workspace,
     limits: MotionLimits,
 ) -> Iterable[Quantity]:
     """What a case limits of the struts and joints, the distance from boxes and singularities among it.
 
     Args:
-        motion: sampled.
-        rotation: orientation as `rotation_motion` gives it.
-        machine: its geometry and home.
         workspace: what it can reach.
-        limits: limits of moving excitations.
     """
     strut, velocity, acceleration, normal = _strut_vectors(motion, rotation, machine)
     yield from _keep_out(motion, rotation[0], machine.base.points, strut, workspace)
@@ -296,7 +279,7 @@ def _determinant(direction: Array, arms: Array) -> Array:
 class _Of:
     """A machine as a key."""
 
-    machine: Machine
+    machine: HexapodMachine
 
 
 @lru_cache(maxsize=8)
@@ -309,7 +292,7 @@ def _at_home(of: _Of) -> float:
     return float(_determinant(direction, strut + machine.base.points - machine.home.vector[:3])[0])
 
 
-def _singularity(motion: Motion, strut: Array, direction: Array, machine: Machine) -> Quantity:
+def _singularity(motion: Motion, strut: Array, direction: Array, machine: HexapodMachine) -> Quantity:
     """det(J^-1) in % of that at home: 100 there, 0 in a singularity, negative behind one; the share is what is lost."""
     arms = strut + machine.base.points - motion.pose[:, None, :3]
     left = (_determinant(direction, arms) / _at_home(_Of(machine)))[:, None]

@@ -45,28 +45,18 @@ class Status(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class LimitCheck:
-    """The worst approach to one limit.
+    """The worst approach to one limit."""
 
-    Args:
-        name: limit, with the coordinate or strut that came closest.
-        worst: the value there, in `unit`.
-        limit: the limit it came closest to, in `unit`.
-        unit: unit of both.
-        ratio: share of the limit that is used; the limit is kept up to 1.
-        time: when [s].
-        status: who answers for it.
-        bounds: lower and upper limit, in `unit`, where the share is counted from a middle other than 0.
-        binding: whether the motion itself is answerable for it; not where a controller's own law is only predicted.
-    """
-
-    name: str
-    worst: float
-    limit: float
-    unit: str
-    ratio: float
-    time: float
+    name: str  # limit, with the coordinate or strut that came closest
+    worst: float  # the value there, in `unit`
+    limit: float  # the limit it came closest to, in `unit`
+    unit: str  # unit of both
+    ratio: float  # share of the limit that is used; the limit is kept up to 1
+    time: float  # when [s]
     status: Status
+    # whether the motion itself is answerable for it; not where a controller's own law is only predicted
     binding: bool = True
+    # lower and upper limit, in `unit`, where the share is counted from a middle other than 0
     bounds: tuple[float, float] | None = None
 
     @property
@@ -146,8 +136,6 @@ def prove(
     """Checks every limit of `[limits.motion]` and `[workspace]` on a fine grid.
 
     Args:
-        trajectory: the motion.
-        case: its limits.
         rate: samples a second [1/s].
         offset: start of the trajectory on the clock that the report uses [s].
         in_box: whether it must keep the pose box of `[limits.motion]`; positioning need only keep `[workspace]`.

@@ -19,15 +19,10 @@ RIPPLE_STEP = 1e-3  # [s] between the samples of the ripple
 
 
 class Circumstances(NamedTuple):
-    """What is mounted on the simulated machine, and what disturbs it.
-
-    Args:
-        weights: weights on the platform.
-        disturbances: None: an ideal structure, only sensors and encoders are imperfect.
-    """
+    """What is mounted on the simulated machine, and what disturbs it."""
 
     weights: tuple[RigidBody, ...] = ()
-    disturbances: Disturbances | None = None
+    disturbances: Disturbances | None = None  # None: an ideal structure, only sensors and encoders are imperfect
 
     @property
     def load(self) -> float:
@@ -93,9 +88,7 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
     """The execution with a ripple of the struts on top, which encoders and sensors both see.
 
     Args:
-        execution: what the controller did.
         disturbances: rms and band of the ripple, which grows with the speed, as errors of screws and gears make it.
-        seed: of this run.
     """
     if disturbances.ripple == 0.0:
         return execution
@@ -113,15 +106,10 @@ def rippled(execution: Execution, disturbances: Disturbances, seed: int) -> Exec
 
 
 class PoseFields(NamedTuple):
-    """Force errors that depend on the pose: two smooth random fields of the machine.
+    """Force errors that depend on the pose: two smooth random fields of the machine."""
 
-    Args:
-        platform: error of each sensor that the platform brings along, shape (n, 6) [N].
-        load: the same for each newton that is mounted, shape (n, 6) [N/N].
-    """
-
-    platform: Array
-    load: Array
+    platform: Array  # error of each sensor that the platform brings along, shape (n, 6) [N]
+    load: Array  # the same for each newton that is mounted, shape (n, 6) [N/N]
 
     def of(self, weight: float) -> Array:
         """Error of each sensor with something of a weight [N] on the platform, shape (n, 6) [N]."""
@@ -132,7 +120,6 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFi
     """The errors in poses.
 
     Args:
-        disturbances: sizes and lengths.
         home: where the machine's poses are counted from, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
     """
@@ -151,7 +138,6 @@ def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weigh
     """Covariance over machines of a sensor's error between poses, shape (n, n) [N^2].
 
     Args:
-        disturbances: sizes and lengths.
         home: where the machine's poses are counted from, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
         weight: weight of what is on the platform [N].

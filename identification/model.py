@@ -16,9 +16,8 @@ from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod, Kinematics
-from identification.machine import Machine, machine_if_any
-from identification.pose import gibbs, rotation
-from identification.regressor_blocks import (
+from identification.machines import Machine, machine_if_any
+from identification.parameters import (
     FIRST_MOMENT,
     INERTIA,
     K1,
@@ -33,6 +32,7 @@ from identification.regressor_blocks import (
     Parameter,
     State,
 )
+from identification.pose import gibbs, rotation
 from identification.strut_sensors import StrutLayout, structure
 
 Array = NDArray[np.float64]
@@ -62,24 +62,15 @@ ERROR_TERMS: dict[str, Block] = {"K1": K1, "K2": K2, "K3": K3, "K4": K4, "K5": K
 
 @dataclass(frozen=True)
 class Model:
-    """An identification model of one sensor frame.
+    """An identification model of one sensor frame."""
 
-    Args:
-        number: its number in Table 2.
-        blocks: its blocks, in the order of (17).
-        structure: J^-T of the sensor frame, shape (6, 6).
-        gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
-        whitening: root of W that multiplies all rows of A, shape (6, 6); None for W = 1.
-        machine: machine in whose coordinates motions are planned; None where nothing is.
-        struts: where the sensors sit in the struts: then J^-T depends on the pose, and `structure` is that at home.
-    """
-
-    number: int
-    blocks: tuple[Block, ...]
-    structure: Array
-    gravity: Array
-    whitening: Array | None = None
-    machine: Machine | None = None
+    number: int  # its number in Table 2
+    blocks: tuple[Block, ...]  # its blocks, in the order of (17)
+    structure: Array  # J^-T of the sensor frame, shape (6, 6)
+    gravity: Array  # gravitational acceleration in {B}, shape (3,) [m/s^2]
+    whitening: Array | None = None  # root of W that multiplies all rows of A, shape (6, 6); None for W = 1
+    machine: Machine | None = None  # machine in whose coordinates motions are planned; None where nothing is
+    # where the sensors sit in the struts: then J^-T depends on the pose, and `structure` is that at home
     struts: StrutLayout | None = None
 
     @property
@@ -194,9 +185,14 @@ class Model:
         Args:
             forces: shape (n, 6) [N, or N and N m].
             poses: shape (n, 6) [m, rad]; only sensors in struts need them.
+
+        Raises:
+            ValueError: sensors in struts, and no poses.
         """
-        if self.struts is None or poses is None:
+        if self.struts is None:
             return np.asarray(forces @ self.structure.T)
+        if poses is None:
+            raise ValueError("forces in struts become a force on the platform at known poses only; give poses")
         return over_samples(self._wrench, poses, forces)[0]
 
     @cached_property
@@ -245,7 +241,6 @@ def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> 
     """The model of Table 2 for the sensor frame of a case.
 
     Args:
-        case: gives sensor frame and gravity.
         number: number in Table 2; in setup 1a, where nothing moves, model 0 is the offsets alone.
         terms: names of other forms of the error compensation than the model's, `ERROR_TERMS`.
 

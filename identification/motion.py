@@ -18,22 +18,15 @@ class Motion:
 
     Those of a hexapod are (x, y, z, roll, pitch, yaw) of its platform, those of a chain the positions of its joints.
 
-    Args:
-        t: time, shape (n,) [s].
-        pose: coordinates, shape (n, k) [m or rad].
-        rates: first derivatives, shape (n, k) [m/s or rad/s].
-        accelerations: second derivatives, shape (n, k) [m/s^2 or rad/s^2].
-        jerks: third derivatives, shape (n, k) [m/s^3 or rad/s^3].
-
     Raises:
         ValueError: shapes that do not belong together.
     """
 
-    t: Array
-    pose: Array
-    rates: Array
-    accelerations: Array
-    jerks: Array
+    t: Array  # time, shape (n,) [s]
+    pose: Array  # coordinates, shape (n, k) [m or rad]
+    rates: Array  # first derivatives, shape (n, k) [m/s or rad/s]
+    accelerations: Array  # second derivatives, shape (n, k) [m/s^2 or rad/s^2]
+    jerks: Array  # third derivatives, shape (n, k) [m/s^3 or rad/s^3]
 
     def __post_init__(self) -> None:
         shape = (len(self.t), *self.pose.shape[1:2])
@@ -65,16 +58,11 @@ class TimedPoints:
     accelerations zero at both ends. Points of a motion whose jerk is constant between knots (a cubic spline) get the
     cubic one, which is that motion itself; a smoother curve would overshoot its jerks. Either is an assumption about
     what a controller does between the points it is given.
-
-    Args:
-        times: shape (k,), strictly increasing from 0 [s].
-        poses: shape (k, c) [m or rad].
-        spline: through them.
     """
 
-    times: Array
-    poses: Array
-    spline: "BSpline"
+    times: Array  # shape (k,), strictly increasing from 0 [s]
+    poses: Array  # shape (k, c) [m or rad]
+    spline: "BSpline"  # through them
 
     @classmethod
     def through(cls, times: ArrayLike, poses: ArrayLike) -> "TimedPoints":
@@ -139,15 +127,10 @@ def _cubic_at_rest(times: Array, poses: Array) -> "BSpline | None":
 
 @dataclass(frozen=True, slots=True)
 class Standstill:
-    """No motion at all.
+    """No motion at all."""
 
-    Args:
-        pose: coordinates, shape (n,) [m or rad].
-        duration: [s].
-    """
-
-    pose: Array
-    duration: float
+    pose: Array  # coordinates, shape (n,) [m or rad]
+    duration: float  # [s]
 
     def at(self, t: ArrayLike) -> Motion:
         """The motion at times t, shape (n,) [s]."""
@@ -158,13 +141,9 @@ class Standstill:
 
 @dataclass(frozen=True, slots=True)
 class StandingPoses:
-    """Poses one after the other, one a second, each at rest: only limits of poses mean anything.
+    """Poses one after the other, one a second, each at rest: only limits of poses mean anything."""
 
-    Args:
-        poses: coordinates, shape (n, k) [m or rad].
-    """
-
-    poses: Array
+    poses: Array  # coordinates, shape (n, k) [m or rad]
 
     @property
     def duration(self) -> float:
@@ -180,17 +159,11 @@ class StandingPoses:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """Standing still to be measured: settling first, then what is averaged.
+    """Standing still to be measured: settling first, then what is averaged."""
 
-    Args:
-        pose: coordinates, shape (n,) [m or rad].
-        settle: waited before [s].
-        average: measured, with the trigger on [s].
-    """
-
-    pose: Array
-    settle: float
-    average: float
+    pose: Array  # coordinates, shape (n,) [m or rad]
+    settle: float  # waited before [s]
+    average: float  # measured, with the trigger on [s]
 
     @property
     def duration(self) -> float:
@@ -204,13 +177,9 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """Trajectories one after the other.
+    """Trajectories one after the other."""
 
-    Args:
-        parts: each begins where the one before it ends, at rest.
-    """
-
-    parts: tuple[Trajectory, ...]
+    parts: tuple[Trajectory, ...]  # each begins where the one before it ends, at rest
 
     @property
     def starts(self) -> Array:
@@ -239,8 +208,27 @@ def sample(trajectory: Trajectory, rate: float) -> Motion:
     """The trajectory at equal time steps that include both ends.
 
     Args:
-        trajectory: what to sample.
         rate: at least this many samples a second [1/s].
     """
     steps = max(1, int(np.ceil(trajectory.duration * rate - 1e-9)))
     return trajectory.at(np.linspace(0.0, trajectory.duration, steps + 1))
+
+
+@dataclass(frozen=True, slots=True)
+class Slowed:
+    """A motion at a share of its speed: the same path, everything else slower."""
+
+    motion: Trajectory
+    speed: float  # share of it, above 0
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]."""
+        return self.motion.duration / self.speed
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        fast = self.motion.at(np.clip(time * self.speed, 0.0, self.motion.duration))
+        s = self.speed
+        return Motion(time, fast.pose, fast.rates * s, fast.accelerations * s**2, fast.jerks * s**3)

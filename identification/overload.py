@@ -29,8 +29,6 @@ def sensor_forces(turn: Array, first: Array, second: Array, acceleration: Array,
         first: its time derivative.
         second: its second time derivative.
         acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
-        body: what the sensors carry.
-        case: gravity and sensor frame.
     """
     back = turn.transpose(0, 2, 1)
     spin = first @ back  # S(omega)
@@ -51,24 +49,15 @@ class Loads:
 
     f = b (p'' - g) + d alpha + omega Q omega: (17) for a rigid body, whose constants are found by probing
     `sensor_forces` at R = 1. One channel is one sensor with one of the bodies.
-
-    Args:
-        linear: b, shape (channels, 3).
-        angular: d, shape (channels, 3).
-        spin: Q as coefficients of wx^2, wy^2, wz^2, wx wy, wx wz, wy wz, shape (channels, 6).
-        gravity: shape (3,) [m/s^2].
-        limit: limit of each channel, shape (channels,) [N or N m].
-        moments: which of them are moments with a range of their own, shape (channels,).
-        labels: labels of the channels.
     """
 
-    linear: Array
-    angular: Array
-    spin: Array
-    gravity: Array
-    limit: Array
-    moments: NDArray[np.bool_]
-    labels: tuple[str, ...]
+    linear: Array  # b, shape (channels, 3)
+    angular: Array  # d, shape (channels, 3)
+    spin: Array  # Q as coefficients of wx^2, wy^2, wz^2, wx wy, wx wz, wy wz, shape (channels, 6)
+    gravity: Array  # shape (3,) [m/s^2]
+    limit: Array  # limit of each channel, shape (channels,) [N or N m]
+    moments: NDArray[np.bool_]  # which of them are moments with a range of their own, shape (channels,)
+    labels: tuple[str, ...]  # labels of the channels
 
     @classmethod
     def of(cls, case: Case) -> "Loads | None":
@@ -151,7 +140,6 @@ def sensor_loads(rotation: tuple[Array, Array, Array], acceleration: Array, load
     Args:
         rotation: R and its first and second time derivative, shapes (n, 3, 3).
         acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
-        loads: loads of the case.
     """
     if loads is None:
         return

@@ -3,16 +3,135 @@
 I_P = I_PC + m S(xC)^T S(xC), the parallel-axis theorem; the line under (5) prints it with the other sign.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.sensors import RigidBody, Truth
-from identification.model import Model
 from identification.pose import skew
-from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS, Parameter
+
+if TYPE_CHECKING:
+    from identification.model import Model
+
+
+class Parameter(NamedTuple):
+    """A component of u: name and SI unit."""
+
+    name: str
+    unit: str
+
+
+class Rods(NamedTuple):
+    """Motion of the struts of a hexapod in {P}, one column a strut (`identification.strut_sensors`)."""
+
+    joints: ca.SX  # platform joints, shape (3, 6) [m]
+    direction: ca.SX  # n from base to platform joint, shape (3, 6)
+    turning: ca.SX  # n', shape (3, 6) [1/s]
+    felt: ca.SX  # acceleration of the platform joints less gravity, shape (3, 6) [m/s^2]
+    gravity: ca.SX  # the same in each column, shape (3, 6) [m/s^2]
+    length: ca.SX  # l, shape (1, 6) [m]
+    speed: ca.SX  # l', shape (1, 6) [m/s]
+
+
+class State(NamedTuple):
+    """What the regressor of one sample depends on, as expressions."""
+
+    x: ca.SX  # position of the platform along the x axis of {B} [m]
+    y: ca.SX  # the same along y [m]
+    gibbs: ca.SX  # Gibbs vector of R, shape (3,) [-]
+    gravity: ca.SX  # gravitational acceleration in {P}, shape (3,) [m/s^2]
+    specific: ca.SX  # acceleration of the origin of {P} less gravity, in {P}, shape (3,) [m/s^2]
+    omega: ca.SX  # angular velocity in {P}, shape (3,) [rad/s]
+    alpha: ca.SX  # angular acceleration in {P}, shape (3,) [rad/s^2]
+    rods: Rods | None = None  # motion of the struts, where sensors sit in them
+
+
+class Block(NamedTuple):
+    """Columns of the regressor that belong together.
+
+    Equations (12) to (15), (19), (20) and (22), written once as CasADi expressions; a model chooses among them. Units
+    of the compensation factors: CONVENTIONS (the paper's "N/mm" must read N/m).
+    """
+
+    parameters: tuple[Parameter, ...]  # one for each column
+    # state -> forces and moments on the platform (Cartesian) or at the sensors, shape (6, columns)
+    columns: Callable[[State], ca.SX]
+    cartesian: bool  # whether `columns` still has to go through J^T to the sensors
+
+
+def _inertia_operator(omega: ca.SX) -> ca.SX:
+    """L of (20): I omega = L(omega) (I11, I12, I13, I22, I23, I33), shape (3, 6)."""
+    w1, w2, w3 = omega[0], omega[1], omega[2]
+    return ca.vertcat(
+        ca.horzcat(w1, w2, w3, 0, 0, 0),
+        ca.horzcat(0, w1, 0, w2, w3, 0),
+        ca.horzcat(0, 0, w1, 0, w2, w3),
+    )
+
+
+def _mass(s: State) -> ca.SX:  # first column of (19)
+    return ca.vertcat(s.specific, ca.SX.zeros(3))
+
+
+def _first_moment(s: State) -> ca.SX:  # second column of (19)
+    return ca.vertcat(skew(s.alpha) + skew(s.omega) @ skew(s.omega), skew(s.specific).T)
+
+
+def _inertia(s: State) -> ca.SX:  # third column of (19)
+    return ca.vertcat(ca.SX.zeros(3, 6), _inertia_operator(s.alpha) + skew(s.omega) @ _inertia_operator(s.omega))
+
+
+def _offsets(_: State) -> ca.SX:
+    return ca.SX.eye(6)
+
+
+def _k1(s: State) -> ca.SX:  # (12)
+    return ca.kron(ca.SX.eye(6), ca.horzcat(s.x, s.y))
+
+
+def _k2(s: State) -> ca.SX:  # (22); (13) has the other sign for k1
+    force = ca.vertcat(s.x, s.y, 0, 0, 0, 0)
+    moment = ca.vertcat(0, 0, 0, s.y, -s.x, 0)
+    return ca.horzcat(force, moment)
+
+
+def _k3(s: State) -> ca.SX:  # the rotation-matrix form that section 3 warns of
+    return ca.kron(ca.SX.eye(6), s.gravity.T)
+
+
+def _k4(s: State) -> ca.SX:  # (14)
+    return ca.kron(ca.SX.eye(6), s.gibbs.T)
+
+
+def _k5(s: State) -> ca.SX:  # (15)
+    force = ca.vertcat(-s.gibbs[1], s.gibbs[0], 0, 0, 0, 0)
+    moment = ca.vertcat(0, 0, 0, s.gibbs[0], s.gibbs[1], 0)
+    return ca.horzcat(force, moment)
+
+
+def _per_sensor(letter: str, columns: str, unit: str) -> tuple[Parameter, ...]:
+    return tuple(Parameter(f"{letter}_{sensor}{c}", unit) for sensor in range(1, 7) for c in columns)
+
+
+MASS = Block((Parameter("m", "kg"),), _mass, True)
+FIRST_MOMENT = Block(tuple(Parameter(f"m{c}C", "kg m") for c in "xyz"), _first_moment, True)
+INERTIA = Block(tuple(Parameter(f"I{c}", "kg m^2") for c in ("11", "12", "13", "22", "23", "33")), _inertia, True)
+OFFSETS = Block(tuple(Parameter(f"f_q0_{k}", "N") for k in range(1, 7)), _offsets, False)
+K1 = Block(_per_sensor("K1", "xy", "N/m"), _k1, False)
+K2 = Block((Parameter("k0", "N/m"), Parameter("k1", "N m/m")), _k2, True)
+K3 = Block(_per_sensor("K3", "xyz", "N s^2/m"), _k3, False)
+K4 = Block(_per_sensor("K4", "xyz", "N"), _k4, False)
+K5 = Block((Parameter("k2", "N"), Parameter("k3", "N m")), _k5, True)
+
+# A force/torque sensor's last three channels are moments.
+WRENCH_OFFSETS = OFFSETS._replace(
+    parameters=tuple(Parameter(p.name, "N" if k < 3 else "N m") for k, p in enumerate(OFFSETS.parameters))
+)
+
 
 Array = NDArray[np.float64]
 
@@ -23,15 +142,10 @@ _CENTRAL_INERTIA = tuple(Parameter(f"IC{i + 1}{j + 1}", "kg m^2") for i, j in _I
 
 @dataclass(frozen=True)
 class PhysicalForm:
-    """Physical parameters of a model and the map to them.
+    """Physical parameters of a model and the map to them."""
 
-    Args:
-        parameters: names and units; mass first, as in u.
-        map: u -> (physical parameters, their derivative with respect to u).
-    """
-
-    parameters: tuple[Parameter, ...]
-    map: ca.Function
+    parameters: tuple[Parameter, ...]  # names and units; mass first, as in u
+    map: ca.Function  # u -> (physical parameters, their derivative with respect to u)
 
     def of(self, linear: ArrayLike, covariance: ArrayLike) -> tuple[Array, Array]:
         """Physical parameters and their covariance, propagated to first order.
@@ -44,7 +158,7 @@ class PhysicalForm:
         return values[:, 0], jacobian @ np.asarray(covariance) @ jacobian.T
 
 
-def physical_form(model: Model) -> PhysicalForm:
+def physical_form(model: "Model") -> PhysicalForm:
     """The physical form of a model's parameters: centre of gravity for first moments, central inertia for inertia."""
     u = ca.SX.sym("u", len(model.parameters))
     if MASS not in model.blocks:  # offsets alone
@@ -82,18 +196,18 @@ def body_parameters(body: RigidBody) -> dict[str, float]:
     return known | {f"I{i + 1}{j + 1}": float(inertia[i, j]) for i, j in _INERTIA_INDEX}
 
 
-def nominal_parameters(model: Model, body: RigidBody) -> Array:
+def nominal_parameters(model: "Model", body: RigidBody) -> Array:
     """U of (17) with what is known before a run, shape (u,): the body and the struts; offsets and error terms are 0."""
     known = with_struts(model, body_parameters(body))
     return np.array([known.get(name, 0.0) for name in model.names])
 
 
-def with_struts(model: Model, body: dict[str, float]) -> dict[str, float]:
+def with_struts(model: "Model", body: dict[str, float]) -> dict[str, float]:
     """What is known of a body, with what the struts add where sensors sit in them, by name."""
     return body if model.struts is None else model.struts.with_struts(body, model.needs_motion)
 
 
-def linear_parameters(model: Model, truth: Truth) -> Array:
+def linear_parameters(model: "Model", truth: Truth) -> Array:
     """U of (17) for a simulated machine whose compensation is K5, shape (u,).
 
     Raises:

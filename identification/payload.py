@@ -9,8 +9,7 @@ from scipy.special import chdtri
 from cases.basis import KEPT
 from cases.errors import IdentificationError
 from identification.model import Model
-from identification.parameters import physical_form
-from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS, Block
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, Block, physical_form
 from identification.result import Value
 from identification.saved_result import SavedResult
 
@@ -22,15 +21,11 @@ UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
 
 @dataclass(frozen=True, slots=True)
 class Payload:
-    """A payload.
+    """A payload."""
 
-    Args:
-        parameters: mass, centre of gravity in {P} and inertia about it (where both results have it), by name.
-        warnings: sentences.
-    """
-
+    # mass, centre of gravity in {P} and inertia about it (where both results have it), by name
     parameters: dict[str, Value]
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  # sentences
 
 
 def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> Payload:
@@ -40,8 +35,6 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
     all of xC, yC, zC that have a share in it; the warnings name them.
 
     Args:
-        before: without the payload.
-        after: result with it.
         model: model of both; offsets only.
 
     Raises:
@@ -125,12 +118,6 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
 
     Mass, first moments and inertia about the origin of {P} of rigid bodies add, so their differences are those of the
     payload, and covariances add. What two different models blame on mass differs (section 5): then a warning says so.
-
-    Args:
-        before: without the payload.
-        after: result with it.
-        model_before: model of `before`.
-        model_after: model of `after`.
 
     Raises:
         IdentificationError: the difference in mass is not significant, so that there is no centre of gravity.

@@ -127,8 +127,6 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
 
     Args:
         file: where; write into an atomic folder.
-        recording: recording with one clock.
-        case: case for the names of the forces.
     """
     import pyarrow as pa
     import pyarrow.csv as pacsv

@@ -30,25 +30,15 @@ class Delay(NamedTuple):
 
 
 class Evaluation(NamedTuple):
-    """What was evaluated.
-
-    Args:
-        evaluated: what went into the fit.
-        residuals: recorded forces less the model, shape (n, 6) [N, or N and N m].
-        delay: delay of the forces, where it was estimated.
-        noise: what s0 consists of, where the case states noise.
-        accelerometer: its biases, where standstills have its readings.
-        conditioning: what was done to a moving run beforehand.
-        findings: all that is to be told.
-    """
+    """What was evaluated."""
 
     evaluated: Samples
-    residuals: Array
-    delay: Delay | None
-    noise: NoiseSources | None
-    accelerometer: AccelerometerBias | None
+    residuals: Array  # recorded forces less the model, shape (n, 6) [N, or N and N m]
+    delay: Delay | None  # delay of the forces, where it was estimated
+    noise: NoiseSources | None  # what s0 consists of, where the case states noise
+    accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
     conditioning: Conditioning
-    findings: tuple[Finding, ...]
+    findings: tuple[Finding, ...]  # all that is to be told
 
 
 class Value(NamedTuple):
@@ -72,67 +62,38 @@ class Value(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """The result of an identification.
+    """The result of an identification."""
 
-    Args:
-        case: name of the case.
-        case_hash: its fingerprint.
-        source: the recording.
-        model: number in Table 2.
-        names: names of the linear parameters u.
-        values: u, shape (u,).
-        covariance: covariance of u by (28), shape (u, u).
-        covariance_robust: covariance of u, autocorrelation-robust, shape (u, u).
-        physical: physical parameters by name.
-        s0: (27); dimensionless with per-channel weights, else [N]. Of a moving run: of the noise in the pass band, as
-            white noise of the recorded forces.
-        s0_N: rms residual of the recorded forces, over the channels in newtons [N].
-        residual_rms: residuals' rms of each channel, shape (6,) [N, or N and N m].
-        samples: used.
-        freedom: degrees of freedom of the residuals.
-        rank: rank of the scaled regressor.
-        condition: condition of the scaled regressor (26).
-        weights: `equal`, `per_channel`, `per_unit` or `stated`.
-        w: diagonal of W for one sample, shape (6,); ones where only ratios were given [1/N^2, 1/(N m)^2].
-        delay: delay of the forces, where it was estimated.
-        how: estimator and what was known beforehand.
-        terms: forms of the error compensation other than the model's.
-        findings: what speaks against it, and what is good to know.
-        residuals: f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved.
-        conditioning: what was done to a moving run beforehand.
-        noise_sources: what s0 consists of, where the case states noise.
-        attenuation: attenuation of physical parameters by name, where the case states noise of the struts.
-        accelerometer: its biases, where standstills have its readings.
-        evaluated: the samples that it was made from, not saved.
-    """
-
-    case: str
-    case_hash: str
-    source: str
-    model: int
-    names: tuple[str, ...]
-    values: Array
-    covariance: Array
-    covariance_robust: Array
-    physical: dict[str, Value]
+    case: str  # name of the case
+    case_hash: str  # its fingerprint
+    source: str  # the recording
+    model: int  # number in Table 2
+    names: tuple[str, ...]  # names of the linear parameters u
+    values: Array  # u, shape (u,)
+    covariance: Array  # covariance of u by (28), shape (u, u)
+    covariance_robust: Array  # covariance of u, autocorrelation-robust, shape (u, u)
+    physical: dict[str, Value]  # physical parameters by name
+    # (27); dimensionless with per-channel weights, else [N]. Of a moving run: of the noise in the pass band, as white
+    # noise of the recorded forces
     s0: float
-    s0_N: float
-    residual_rms: Array
-    samples: int
-    freedom: float
-    rank: int
-    condition: float
-    weights: str
-    w: Array
-    delay: Delay | None
+    s0_N: float  # rms residual of the recorded forces, over the channels in newtons [N]
+    residual_rms: Array  # residuals' rms of each channel, shape (6,) [N, or N and N m]
+    samples: int  # used
+    freedom: float  # degrees of freedom of the residuals
+    rank: int  # rank of the scaled regressor
+    condition: float  # condition of the scaled regressor (26)
+    weights: str  # `equal`, `per_channel`, `per_unit` or `stated`
+    w: Array  # diagonal of W for one sample, shape (6,); ones where only ratios were given [1/N^2, 1/(N m)^2]
+    delay: Delay | None  # delay of the forces, where it was estimated
     how: Method
-    terms: tuple[str, ...]
-    findings: tuple[Finding, ...]
-    residuals: Array
-    noise_sources: NoiseSources | None
+    terms: tuple[str, ...]  # forms of the error compensation other than the model's
+    findings: tuple[Finding, ...]  # what speaks against it, and what is good to know
+    residuals: Array  # f - A u at the evaluated samples, behind the filter where there is one, shape (n, 6), not saved
+    noise_sources: NoiseSources | None  # what s0 consists of, where the case states noise
+    # attenuation of physical parameters by name, where the case states noise of the struts
     attenuation: dict[str, Attenuation] | None
-    accelerometer: AccelerometerBias | None
-    evaluated: Samples
+    accelerometer: AccelerometerBias | None  # its biases, where standstills have its readings
+    evaluated: Samples  # the samples that it was made from, not saved
     conditioning: Conditioning = USUAL
 
     @property

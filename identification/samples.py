@@ -86,23 +86,14 @@ class Samples(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Standstills:
-    """Averaged standstills: nothing moves, nothing is filtered.
-
-    Args:
-        model: gives A.
-        t: times, or numbers from 1, shape (n,).
-        recorded: forces, shape (n, 6) [N, or N and N m].
-        matrices: A, shape (n, 6, u).
-        scale: what forces and A of each are multiplied by in a fit, shape (n,).
-        clocked: whether they have a clock, so that noise may have memory.
-    """
+    """Averaged standstills: nothing moves, nothing is filtered."""
 
     model: Model
-    t: Array
-    recorded: Array
-    matrices: Array
-    scale: Array
-    clocked: bool = False
+    t: Array  # times, or numbers from 1, shape (n,)
+    recorded: Array  # forces, shape (n, 6) [N, or N and N m]
+    matrices: Array  # A, shape (n, 6, u)
+    scale: Array  # what forces and A of each are multiplied by in a fit, shape (n,)
+    clocked: bool = False  # whether they have a clock, so that noise may have memory
 
     @property
     def consecutive(self) -> bool:
@@ -186,7 +177,6 @@ def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
 
     Args:
         count: count of the samples.
-        times: so many `PART` is the part.
     """
     most = times * PART
     if count <= most:
@@ -196,27 +186,18 @@ def fair_part(count: int, times: int = 1) -> NDArray[np.int64]:
 
 
 class Periodic(NamedTuple):
-    """Evaluate a repeating run by Fourier series.
+    """Evaluate a repeating run by Fourier series."""
 
-    Args:
-        period: period of the run [s]; None: to be found.
-        harmonics: harmonics of the series; None: as many as stand out of the noise.
-    """
-
-    period: float | None = None
-    harmonics: int | None = None
+    period: float | None = None  # period of the run [s]; None: to be found
+    harmonics: int | None = None  # harmonics of the series; None: as many as stand out of the noise
 
 
 @dataclass(frozen=True, slots=True)
 class Conditioning:
-    """What a user asks to be done.
+    """What a user asks to be done."""
 
-    Args:
-        periodic: evaluation by Fourier series instead of the low-pass.
-        flexible: estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency.
-    """
-
-    periodic: Periodic | None = None
+    periodic: Periodic | None = None  # evaluation by Fourier series instead of the low-pass
+    # estimate the lowest structural mode with the parameters, behind a low-pass at half its frequency
     flexible: bool = False
 
 

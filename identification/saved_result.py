@@ -26,33 +26,19 @@ _OF_A_RECORDING = ("recording.", "sensors.")  # keys that say how a run was read
 
 @dataclass(frozen=True, slots=True)
 class SavedResult:
-    """Identified parameters.
+    """Identified parameters."""
 
-    Args:
-        source: the file.
-        case_name: name of the case they belong to.
-        model: number in Table 2.
-        values: u, shape (u,).
-        covariance: covariance of u by (28), shape (u, u).
-        covariance_robust: covariance of u, autocorrelation-robust, shape (u, u).
-        terms: forms of the error compensation other than the model's.
-        delay: delay of the forces [s]; 0 where none was estimated.
-        accelerometer: its biases, where standstills told them.
-        recordings: SHA-256 of the files that it was made of; empty where it does not say.
-        about: all of result.json.
-    """
-
-    source: str
-    case_name: str
-    model: int
-    values: Array
-    covariance: Array
-    covariance_robust: Array
-    terms: tuple[str, ...]
-    delay: float
-    accelerometer: AccelerometerBias | None = None
-    recordings: frozenset[str] = frozenset()
-    about: Mapping[str, Any] = field(default_factory=dict)
+    source: str  # the file
+    case_name: str  # name of the case they belong to
+    model: int  # number in Table 2
+    values: Array  # u, shape (u,)
+    covariance: Array  # covariance of u by (28), shape (u, u)
+    covariance_robust: Array  # covariance of u, autocorrelation-robust, shape (u, u)
+    terms: tuple[str, ...]  # forms of the error compensation other than the model's
+    delay: float  # delay of the forces [s]; 0 where none was estimated
+    accelerometer: AccelerometerBias | None = None  # its biases, where standstills told them
+    recordings: frozenset[str] = frozenset()  # SHA-256 of the files that it was made of; empty where it does not say
+    about: Mapping[str, Any] = field(default_factory=dict)  # all of result.json
 
     @property
     def artefact(self) -> Artefact:
@@ -91,12 +77,7 @@ def load_result(path: Path) -> SavedResult:
 
 
 def solution_of(data: Mapping[str, Any], file: str) -> SavedResult:
-    """What `result.json` says of the parameters; errors as `load_result`.
-
-    Args:
-        data: its entries.
-        file: file for messages.
-    """
+    """What `result.json` says of the parameters; errors as `load_result`."""
     if data.get("schema_version") != SCHEMA_VERSION:
         raise FileProblem(
             file, f"schema_version {data.get('schema_version')!r}, expected {SCHEMA_VERSION}", "identify again"
@@ -141,8 +122,6 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     How that result's recording was read and filtered may differ; machine, sensor frame and gravity may not.
 
     Args:
-        path: the result.
-        case: case of the run.
         stale: go on although the machine has changed since.
 
     Raises:
@@ -169,7 +148,6 @@ def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array,
 
     Args:
         result: result that is changed.
-        case: case of the same machine.
         values: new u, shape (u,).
         covariance: covariance of u, shape (u, u).
         source: the recording that they come from.

@@ -33,17 +33,11 @@ PART = 1 << 14  # samples transformed at once: they stay in the cache of the pro
 
 
 class Filter(NamedTuple):
-    """A low-pass for signals sampled at equal steps.
+    """A low-pass for signals sampled at equal steps."""
 
-    Args:
-        cutoff: frequency of half gain [Hz]; gain 1 within 1e-4 below half of it, 0 above one and a half.
-        step: time between samples [s].
-        reach: largest delay, either way, that `apply` will be asked for [s].
-    """
-
-    cutoff: float
-    step: float
-    reach: float = 0.04
+    cutoff: float  # frequency of half gain [Hz]; gain 1 within 1e-4 below half of it, 0 above one and a half
+    step: float  # time between samples [s]
+    reach: float = 0.04  # largest delay, either way, that `apply` will be asked for [s]
 
     @property
     def margin(self) -> int:
@@ -176,7 +170,6 @@ def decimated(
     """`low_pass.apply(values, order, delay)[rows]` for several orders and delays, up to rounding.
 
     Args:
-        low_pass: the filter.
         values: shape (n, channels).
         rows: filtered samples that are wanted, ascending, counted after the filter's margin, shape (k,).
         wanted: orders of the time derivative and delays [s].

@@ -23,7 +23,7 @@ from identification.loaded import (
     rippled,
     vibrating,
 )
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import expected_forces, full_model, identification_model
 from identification.noise.stated import acceleration_to_force
 from identification.parameters import linear_parameters, physical_form
@@ -35,17 +35,11 @@ Array = NDArray[np.float64]
 
 
 class ForceParts(NamedTuple):
-    """What true forces consist of.
+    """What true forces consist of."""
 
-    Args:
-        rigid: (18) of the motion that the drives made, shape (n, 6) [N].
-        mode: what the vibration of the structure adds, shape (n, 6) [N].
-        pose: error that depends on the pose, shape (n, 6) [N].
-    """
-
-    rigid: Array
-    mode: Array
-    pose: Array
+    rigid: Array  # (18) of the motion that the drives made, shape (n, 6) [N]
+    mode: Array  # what the vibration of the structure adds, shape (n, 6) [N]
+    pose: Array  # error that depends on the pose, shape (n, 6) [N]
 
     @property
     def total(self) -> Array:
@@ -54,19 +48,12 @@ class ForceParts(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """A run as its encoders and sensors will see it, whatever is mounted.
+    """A run as its encoders and sensors will see it, whatever is mounted."""
 
-    Args:
-        t: of the samples, shape (n,) [s].
-        struts: their true lengths, shape (n, 6) [m].
-        felt: motion that the sensors feel when they are sampled.
-        fields: force errors on the way; None where nothing disturbs.
-    """
-
-    t: Array
-    struts: Array
-    felt: Kinematics
-    fields: PoseFields | None
+    t: Array  # of the samples, shape (n,) [s]
+    struts: Array  # their true lengths, shape (n, 6) [m]
+    felt: Kinematics  # motion that the sensors feel when they are sampled
+    fields: PoseFields | None  # force errors on the way; None where nothing disturbs
 
 
 def force_parts(
@@ -75,10 +62,8 @@ def force_parts(
     """The true forces of a motion, taken apart.
 
     Args:
-        case: case with a simulated machine.
         motion: motion of the drives, at n instants.
         step: step between them [s].
-        around: what is mounted and what disturbs.
         fields: force errors in these poses; None where nothing disturbs.
 
     Raises:
@@ -117,12 +102,9 @@ def simulate_recording(
     """What the machine would have recorded of a run.
 
     Args:
-        case: case with a simulated machine.
         execution: the motion that the controller executed.
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
-        seed: of the noise.
         source: name of the recording, for messages.
-        around: what is mounted and what disturbs.
 
     Raises:
         CaseError: the case describes no simulated machine.
@@ -134,10 +116,7 @@ def moved(case: Case, execution: Execution, around: Circumstances, seed: int) ->
     """What the machine did, once, for the sensors of one run or of several.
 
     Args:
-        case: case with a simulated machine.
         execution: the motion that the controller executed.
-        around: whether drives ripple.
-        seed: of the ripple.
     """
     simulation = case.need_simulation("the simulation of sensor forces")
     if around.disturbances is not None:
@@ -159,12 +138,8 @@ def sensed(
     """The recording of what the machine did, and what its true forces consist of.
 
     Args:
-        case: case with a simulated machine.
-        run: what it did.
         trigger_times: start and end of each time the trigger was on, shape (k, 2) [s].
-        seed: of the noise.
         source: name of the recording, for messages.
-        around: what is mounted and what disturbs.
 
     Raises:
         CaseError: the case describes no simulated machine.

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from cases.sensors import StrutSensors
 from identification.hexapod import Hexapod
+from identification.parameters import Block, Parameter, Rods, State
 from identification.pose import rotation
-from identification.regressor_blocks import Block, Parameter, Rods, State
 
 Array = NDArray[np.float64]
 
@@ -36,15 +36,10 @@ _Columns = Callable[[Rods, ca.SX], ca.SX]
 
 @dataclass(frozen=True)
 class StrutLayout:
-    """Sensors in the struts of a hexapod.
-
-    Args:
-        hexapod: its joints.
-        sensors: where in the struts they sit, and nominal values of the struts.
-    """
+    """Sensors in the struts of a hexapod."""
 
     hexapod: Hexapod
-    sensors: StrutSensors
+    sensors: StrutSensors  # where in the struts they sit, and nominal values of the struts
 
     def rods(self, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rate: ca.SX, gravity: Array) -> Rods:
         """Motion of the struts with the platform; see `rods`."""
@@ -70,7 +65,6 @@ class StrutLayout:
 
         Args:
             body: what is known of the body on the platform, by name.
-            moving: as in `blocks`.
         """
         s = self.sensors
         known = dict(body)
@@ -91,7 +85,6 @@ def rods(hexapod: Hexapod, position: ca.SX, turn: ca.SX, twist: ca.SX, twist_rat
     """Motion of the struts with the platform.
 
     Args:
-        hexapod: its joints.
         position: origin of {P} in {B}, shape (3,) [m].
         turn: R, shape (3, 3).
         twist: twist in {B}, shape (6,) [m/s, rad/s].

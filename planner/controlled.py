@@ -23,17 +23,11 @@ USUAL_OF_PATHS = ("setpoints", "ros2")
 
 
 class Controlled(NamedTuple):
-    """A case as a controller executes point-to-point moves.
+    """A case as a controller executes point-to-point moves."""
 
-    Args:
-        case: case with the limits that count: those of jerk do not where the controller knows none.
-        controller: its name; None where the plan is made for none, and all limits of the case count.
-        step_time: within which its accelerations step; 0 where it limits the jerk [s].
-    """
-
-    case: Case
-    controller: str | None = None
-    step_time: float = 0.0
+    case: Case  # case with the limits that count: those of jerk do not where the controller knows none
+    controller: str | None = None  # its name; None where the plan is made for none, and all limits of the case count
+    step_time: float = 0.0  # within which its accelerations step; 0 where it limits the jerk [s]
 
     def reported(self, report: LimitReport) -> LimitReport:
         """The proof by all limits of a case, with jerks that the controller does not limit as the steps they are."""
@@ -108,11 +102,7 @@ def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: 
     """What to know about moves that the controller of a dialect times by another law than they were planned with.
 
     Args:
-        plan: its folder or name.
         made_for: the controller that it was made for.
-        motion: motion of point-to-point moves.
-        dialect_name: dialect of the program.
-        case: settings of its controller.
 
     Raises:
         HexciteError: the moves have steps of acceleration, and the controller limits jerk: none would last as planned.

@@ -29,23 +29,14 @@ Done = Callable[[Plan | Program | RunOutcome | Result], None]
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """What came of each step.
-
-    Args:
-        plan: the motion.
-        program: program in the language of the case's controller, proven.
-        outcome: outcome of the run.
-        result: result of its identification.
-        truth: each parameter beside that of the simulated machine, as `truth_rows` has them.
-        why: the reason for the controller.
-    """
+    """What came of each step."""
 
     plan: Plan
-    program: Program
+    program: Program  # program for LinuxCNC, or as a table of set points, proven
     outcome: RunOutcome
     result: Result
-    truth: tuple[dict[str, Any], ...]
-    why: str
+    truth: tuple[dict[str, Any], ...]  # each parameter beside that of the simulated machine, as `truth_rows` has them
+    why: str  # the reason for the controller
 
     @property
     def worst(self) -> float:

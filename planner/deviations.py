@@ -11,8 +11,7 @@ from identification.model import Model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField
 from identification.parameters import nominal_parameters, physical_form
-from planner.noise import ExpectedNoise, expected_noise, seen_through
-from planner.pose_errors import PoseErrors
+from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through
 from planner.poses.pose_criteria import total_information
 from planner.search.problem import mean_information
 

@@ -10,10 +10,9 @@ from identification.motion import Trajectory
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion, needless_harmonics
 from planner.families.spline import enough_intervals
-from planner.request import Request
-from planner.search.last_words import solver_text
+from planner.request import Request, parse_targets
+from planner.search.ipopt import solver_text
 from planner.search.solving import DRAWN_BACK, Failed, Start
-from planner.target import parse_targets
 
 if TYPE_CHECKING:
     from planner.vibration import BothLaws
@@ -27,47 +26,26 @@ _PLACES = ("position", "angle", "workspace position", "strut length", "singulari
 
 
 class Found(NamedTuple):
-    """What came of a search.
+    """What came of a search."""
 
-    Args:
-        motion: the best, proven.
-        settings: settings of its family, as found.
-        limits: the proof.
-        starts: the best first.
-        failed: starts that led nowhere.
-        interrupted: whether Ctrl-C ended the search early.
-        rival: what another family found in seconds.
-        white: what one start reaches where errors of the pose do not count.
-    """
-
-    motion: Trajectory
-    settings: dict[str, Any]
+    motion: Trajectory  # the best, proven
+    settings: dict[str, Any]  # settings of its family, as found
     limits: LimitReport
     starts: tuple[Start, ...] = ()
-    failed: tuple[Failed, ...] = ()
-    interrupted: bool = False
-    rival: Start | None = None
-    white: Start | None = None
+    failed: tuple[Failed, ...] = ()  # starts that led nowhere
+    interrupted: bool = False  # whether Ctrl-C ended the search early
+    rival: Start | None = None  # what another family found in seconds
+    white: Start | None = None  # what one start reaches where errors of the pose do not count
 
     def of_rival(self, parameters: int) -> float:
-        """D-efficiency of the other family's motion in units of this one's, with the weights of the search.
-
-        Args:
-            parameters: number u of the model.
-        """
+        """D-efficiency of the other family's motion in units of this one's, with the weights of the search."""
         if self.rival is None or not self.starts:
             return 0.0
         return float(np.exp((self.rival.logdet - self.starts[0].logdet) / parameters))
 
 
 def weaknesses(found: Found, case: Case, parameters: int) -> tuple[str, ...]:
-    """Why another plan would carry more information, each with what to do; the first thing that a user reads.
-
-    Args:
-        found: the search.
-        case: its case.
-        parameters: number u of the model.
-    """
+    """Why another plan would carry more information, each with what to do; the first thing that a user reads."""
     words = []
     times = found.of_rival(parameters)
     if found.rival is not None and times > RIVALS:
@@ -111,9 +89,6 @@ def notes(
     """What the user should know before running it.
 
     Args:
-        found: the search.
-        request: what was asked for.
-        case: machine and limits.
         worst: predicted standard deviation of each parameter, and the number of payloads with which it is so large.
         laws: what the time law of point-to-point moves costs on a machine that is not stiff.
     """

@@ -13,18 +13,16 @@ from cases.schema import Case
 from identification.model import full_model, identification_model, static_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
+from planner.infeasible import require_plannable
 from planner.interruption import Interrupted
-from planner.noise import expected_noise
+from planner.noise import PoseErrors, expected_noise
 from planner.planning import make_until_ctrl_c
 from planner.plans import Plan
-from planner.pose_errors import PoseErrors
 from planner.poses.pose_request import PoseRequest
-from planner.readiness import require_plannable
-from planner.request import LONGEST, Request
+from planner.request import LONGEST, UNITS, Request, Target, parse_targets
 from planner.search.parallel import SILENT, Listener, News
-from planner.search.patience import FEWEST, IDLE, WORTHWHILE, gain
+from planner.search.patience import WORTHWHILE, gain
 from planner.search.solving import Failed, Start
-from planner.target import UNITS, Target, parse_targets
 
 Told = Callable[[str], None]
 """Shows a line about how far a search has come."""
@@ -255,7 +253,7 @@ class Progress:
             reached = f"{100 * self.bound.efficiency(self.best.logdet):.1f} % of the limit of information"
         else:
             reached = f"criterion {self.request.criterion} {self.best.score:.4g}"
-        return f"{reached} after {self.count} starts, {passed:.0f} s, {self._left(passed)}"
+        return f"{reached} after {self.count} start{'s' * (self.count > 1)}, {passed:.0f} s, {self._left(passed)}"
 
     def _left(self, passed: float) -> str:
         if self.request.seconds is not None:
@@ -263,7 +261,7 @@ class Progress:
         if self.request.starts is not None:
             left = self.request.starts - self.count
         else:
-            left = max(FEWEST - self.count, IDLE - self.since)
+            left = self.request.family.idle(self.request.criterion) - self.since
         if left <= 0:
             return "refining the best"
         return f"about {passed / self.count * left:.0f} s left" + (

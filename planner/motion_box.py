@@ -29,23 +29,15 @@ STEP = 1e-7  # of differences, share of the stated box
 
 @dataclass(frozen=True, slots=True)
 class MotionBox:
-    """A reachable box, to be written into a case file.
+    """A reachable box, to be written into a case file."""
 
-    Args:
-        sides: key of `[limits.motion]` -> lower and upper limit relative to home [mm, deg], rounded inwards.
-        share: its volume over that of the stated box.
-        poses: number of its poses at which `identification.limits` proved the limits.
-        worst: the largest share of a limit at these.
-        worst_limit: name of that limit.
-        starts: number of boxes from which the search began.
-    """
-
+    # key of `[limits.motion]` -> lower and upper limit relative to home [mm, deg], rounded inwards
     sides: dict[str, tuple[float, float]]
-    share: float
-    poses: int
-    worst: float
-    worst_limit: str
-    starts: int
+    share: float  # its volume over that of the stated box
+    poses: int  # number of its poses at which `identification.limits` proved the limits
+    worst: float  # the largest share of a limit at these
+    worst_limit: str  # name of that limit
+    starts: int  # number of boxes from which the search began
 
     def toml(self) -> str:
         """The lines that replace those of `[limits.motion]`."""
@@ -73,7 +65,6 @@ def largest_box(case: Case, seed: int = 0) -> MotionBox:
 
     Args:
         case: case with machine, workspace and limits.
-        seed: of the poses and starts.
 
     Raises:
         CaseError: the case has no machine or no limits, or home is out of reach.

@@ -11,7 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
+from identification.evaluate import over_samples
+from identification.hexapod import Hexapod
 from identification.model import Model, identification_model
+from identification.motion import Trajectory
+from identification.noise.pose_field import PoseField, matern, squared_distances
 from identification.noise.stated import StatedNoise, inverse_root
 from identification.parameters import nominal_parameters
 
@@ -23,19 +27,12 @@ UNITS = (slice(0, 3), slice(3, 6))  # forces and moments of a force/torque senso
 
 @dataclass(frozen=True, slots=True)
 class ExpectedNoise:
-    """Of one force sample, white.
+    """Of one force sample, white."""
 
-    Args:
-        sensors: standard deviation of a force sensor alone [N].
-        channels: covariance of the channels with noise of the accelerations, shape (6, 6) [N^2, ..].
-        weights: how identification will weigh, as in `cases.sensors`.
-        shaken: whether the case states noise of the accelerations.
-    """
-
-    sensors: float
-    channels: Array
-    weights: str
-    shaken: bool
+    sensors: float  # standard deviation of a force sensor alone [N]
+    channels: Array  # covariance of the channels with noise of the accelerations, shape (6, 6) [N^2, ..]
+    weights: str  # how identification will weigh, as in `cases.sensors`
+    shaken: bool  # whether the case states noise of the accelerations
 
     @property
     def std(self) -> Array:
@@ -78,7 +75,6 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
     """What a case says about the noise of a run.
 
     Args:
-        case: case with noise stated or not.
         model: model that turns accelerations into forces.
         payload: number of the case's payloads that are mounted on the nominal body.
         weights: weights of the identification; None for those of the case.
@@ -116,3 +112,82 @@ def standing_model(case: Case, number: int) -> Model:
 def seen_through(model: Model, root: Array | None) -> Model:
     """The model whose information is A^T W A, W the square of `root`, shape (6, 6); the model itself where None."""
     return model if root is None else replace(model, whitening=root)
+
+
+MOST_SAMPLES = 3000  # of a motion, between which errors are compared: a hexapod then moves less than a length each
+BLOCK = 500  # samples whose correlations with all others are held at once
+
+
+@dataclass(frozen=True, slots=True)
+class PoseErrors:
+    """Errors that depend on the pose beside white noise.
+
+    Errors of encoders, joints and frame are the same wherever a motion comes back to a place: they do not average out
+    there. Identification weighs samples alike all the same: weights that count on such errors would rest on small
+    differences at one place, which vibration falsifies (on the built-in hexapod it would bias the mass by 1 %). Its
+    estimate then scatters by F^-1 M F^-1, where M = F + sum_ij A_i^T C_ij A_j and C is the covariance of the errors in
+    units of the noise, and S = F M^-1 F takes the place of F: without errors it is F, and it is never more than the
+    information of the best estimate, in which the errors are marginalised, sum_ij A_i^T ((1 + C)^-1)_ij A_j.
+    """
+
+    hexapod: Hexapod  # whose strut lengths tell one place from another
+    field: PoseField
+    rate: float  # variance of a channel's error over that of its noise, times samples a second [1/s]
+    # R R^T, R the root of W that the regressors are multiplied with; None for W = 1, shape (6, 6)
+    mixing: Array | None = None
+
+    @classmethod
+    def of(cls, case: Case, noise: ExpectedNoise) -> "PoseErrors | None":
+        """What a case states, for a run at its rate with the weights of `noise`; None where it states none."""
+        field = PoseField.of(case.sensors)
+        if field is None:
+            return None
+        mixing = None if noise.whitening is None else noise.whitening @ noise.whitening.T
+        rate = case.recording.rate_Hz * (field.size / noise.sensors) ** 2
+        return cls(Hexapod.of(case), field, rate, mixing)
+
+    def correlation(self, struts: Array, others: Array) -> Array:
+        """Of the errors between places, shapes (n, 6) and (m, 6) [m], shape (n, m)."""
+        return matern(np.sqrt(squared_distances(struts, others)) / self.field.length)[0]
+
+    def scatter(self, regressors: Array, struts: Array, duration: float) -> Array:
+        """sum_ij A_i^T C_ij A_j over samples of equal shares, in units of the mean information, shape (u, u).
+
+        Args:
+            regressors: regressors of the samples, shape (n, 6, u).
+            struts: their lengths, shape (n, 6) [m].
+            duration: duration for which they stand [s].
+        """
+        felt = regressors if self.mixing is None else self.mixing @ regressors
+        flat, count = felt.reshape(len(felt), -1), len(felt)
+        total = np.zeros((regressors.shape[2],) * 2)
+        for first in range(0, count, BLOCK):
+            some = slice(first, first + BLOCK)
+            answer = (self.correlation(struts[some], struts) @ flat).reshape(-1, *felt.shape[1:])
+            total += np.tensordot(regressors[some], answer, ((0, 1), (0, 1)))
+        return np.asarray(self.rate * duration / count**2 * (total + total.T) / 2.0)
+
+    def scatter_of(self, model: Model, scaling: Array, motion: Trajectory) -> Array:
+        """The same of a motion, shape (u, u).
+
+        Args:
+            model: gives A, multiplied with the root of W.
+            scaling: diagonal of H, shape (u,).
+        """
+        count = min(MOST_SAMPLES, max(2, int(np.ceil(motion.duration * 1000.0))))
+        found = motion.at((np.arange(count) + 0.5) * motion.duration / count)
+        matrices = over_samples(model.coordinate_regressor, found.pose, found.rates, found.accelerations)[0]
+        struts = self.hexapod.strut_lengths(found.pose)
+        return self.scatter(matrices.reshape(count, 6, -1) * scaling, struts, motion.duration)
+
+
+def without_pose_errors(case: Case) -> Case:
+    """The case as if it stated no errors that depend on the pose."""
+    sensors = case.sensors.model_copy(update={"pose_error_N": None, "pose_error_length_mm": None})
+    return case.model_copy(update={"sensors": sensors})
+
+
+def of_estimate(information: Array, scatter: Array) -> Array:
+    """S = F M^-1 F, the inverse of the covariance of an estimate by F whose score scatters by M, shape (u, u)."""
+    answer = information @ np.linalg.solve(scatter, information)
+    return np.asarray((answer + answer.T) / 2.0)

@@ -22,18 +22,16 @@ from planner.bounds.kept import box_bound, known_tight_bound
 from planner.controlled import Controlled
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family
-from planner.families.shipped import shipped_start
+from planner.families.saved import shipped_start
 from planner.found import Found, notes, weaknesses
-from planner.infeasible import remedy
+from planner.infeasible import remedy, require_plannable
 from planner.interruption import Interrupted, first_ctrl_c_calls
-from planner.noise import ExpectedNoise, expected_noise, seen_through
+from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through, without_pose_errors
 from planner.plans import Plan
-from planner.pose_errors import PoseErrors, without_pose_errors
-from planner.readiness import require_plannable
 from planner.request import LONGEST, Request
 from planner.search.inside import keep_limits
 from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
-from planner.search.patience import FEWEST, Patience
+from planner.search.patience import Patience
 from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
 from planner.vibration import both_laws
@@ -116,7 +114,7 @@ def _explored(
     def fresh(family: Family) -> Task:
         return Task(own.case, request.model, family, request.criterion, next(seeds), request.payload)
 
-    first = max(len(families), min(FEWEST, patience.most))
+    first = max(len(families), min(1 + patience.idle, patience.most))
     tasks = [fresh(families[k % len(families)]) for k in range(first)]
     tasks[0] = replace(tasks[0], begin=shipped_start(tasks[0].family, case))
     rival = _rival(request, case)
@@ -147,12 +145,6 @@ def _made_by_hand(request: Request, motion: Trajectory, file: Path, case: Case) 
 
 def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     """Optimises, proves and rates an excitation.
-
-    Args:
-        request: what to plan.
-        case: machine and limits.
-        listener: is told how the starts are getting on.
-        run: runs the starts.
 
     Raises:
         InfeasiblePlan: no motion keeps the limits.
@@ -194,8 +186,6 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     """The plan of a motion that keeps all limits: what it is worth.
 
     Args:
-        request: what was asked for.
-        case: machine and limits.
         found: the motion, and where it comes from.
         seconds: spent on it [s].
 

@@ -30,16 +30,11 @@ SAMPLE_RATE = 1000.0  # [1/s] of motion.csv
 
 
 class Saved(NamedTuple):
-    """Where a plan was loaded from.
+    """Where a plan was loaded from."""
 
-    Args:
-        folder: folder of the plan.
-        fingerprint: fingerprint of its plan.json, by which programs and recordings name it.
-        stale: what has changed in its case since, where the user went on; written into what is made of the plan.
-    """
-
-    folder: Path
-    fingerprint: str
+    folder: Path  # folder of the plan
+    fingerprint: str  # fingerprint of its plan.json, by which programs and recordings name it
+    # what has changed in its case since, where the user went on; written into what is made of the plan
     stale: tuple[str, ...] = ()
 
 

@@ -37,29 +37,17 @@ MOST_COORDINATES = 6  # whose corners and middles are all looked at
 
 @dataclass(frozen=True, slots=True)
 class Reach:
-    """The reachable part of the motion box.
+    """The reachable part of the motion box."""
 
-    Args:
-        share: share of the box's volume that is reachable, from random poses.
-        share_std: its standard error.
-        poses: number of these poses.
-        worst: largest share of a limit that was found anywhere in the box, by search too; above 1 out of reach.
-        worst_limit: name of that limit.
-        exceeded: limit -> share of the poses that exceed it.
-        stated: the box, lower and upper end relative to home, shape (2, n) [m or rad].
-        reachable: how far each coordinate goes from home without a gap, the others at home, shape (2, n) [m or rad].
-        limited_by: what limits each coordinate at its lower and upper end; None where that is the box itself.
-        keys: name of each coordinate with its unit.
-    """
-
-    share: float
-    share_std: float
-    poses: int
-    worst: float
-    worst_limit: str
-    exceeded: dict[str, float]
-    stated: Array
-    reachable: Array
+    share: float  # share of the box's volume that is reachable, from random poses
+    share_std: float  # its standard error
+    poses: int  # number of these poses
+    worst: float  # largest share of a limit that was found anywhere in the box, by search too; above 1 out of reach
+    worst_limit: str  # name of that limit
+    exceeded: dict[str, float]  # limit -> share of the poses that exceed it
+    stated: Array  # the box, lower and upper end relative to home, shape (2, n) [m or rad]
+    reachable: Array  # how far each coordinate goes from home without a gap, the others at home, shape (2, n)
+    # what limits each coordinate at its lower and upper end; None where that is the box itself
     limited_by: tuple[tuple[str | None, str | None], ...]
     keys: tuple[str, ...]
 
@@ -100,7 +88,6 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     Args:
         case: case with machine, workspace and limits.
         count: number of random poses, uniform in the box, for the share of its volume.
-        seed: of these poses.
 
     Raises:
         CaseError: the case has no machine or no limits.

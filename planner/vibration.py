@@ -34,20 +34,14 @@ REST = 0.3  # [s] of standing still before and after, longer than the filter and
 
 @dataclass(frozen=True, slots=True)
 class Vibration:
-    """What a motion is worth on a machine with a structural mode.
+    """What a motion is worth on a machine with a structural mode."""
 
-    Args:
-        frequency: frequency of the mode with what is mounted [Hz].
-        errors: errors to be expected of each physical parameter: predicted standard deviation and the error that the
-            mode leaves, root of the sum of squares, by name [SI].
-        times: errors over predicted standard deviations, geometric mean.
-        s0: residual of a force sample that identification will report, errors that depend on the pose included [N].
-    """
-
-    frequency: float
+    frequency: float  # frequency of the mode with what is mounted [Hz]
+    # errors to be expected of each physical parameter: predicted standard deviation and the error that the mode leaves,
+    # root of the sum of squares, by name [SI]
     errors: dict[str, float]
-    times: float
-    s0: float
+    times: float  # errors over predicted standard deviations, geometric mean
+    s0: float  # residual of a force sample that identification will report, errors that depend on the pose included [N]
 
     def over(self, other: "Vibration") -> float:
         """Errors over those of another motion, geometric mean."""
@@ -75,8 +69,6 @@ def vibration(case: Case, number: int, motion: Trajectory, payload: int, seconds
 
     Args:
         case: case with `[simulation.disturbances]`.
-        number: number of the model.
-        motion: motion from rest to rest.
         payload: number of payloads that are mounted.
         seconds: measuring time of the white noise: motions are compared at equal time [s].
 
@@ -160,17 +152,11 @@ def _evaluated(
 
 @dataclass(frozen=True, slots=True)
 class BothLaws:
-    """Point-to-point moves on a machine with a structural mode, as planned and under the other time law.
+    """Point-to-point moves on a machine with a structural mode, as planned and under the other time law."""
 
-    Args:
-        steps: whether the accelerations of the plan step; those of the other do not, or the other way round.
-        own: value of the plan.
-        other: errors of the same moves as fast as the other law allows, at equal measuring time.
-    """
-
-    steps: bool
+    steps: bool  # whether the accelerations of the plan step; those of the other do not, or the other way round
     own: Vibration
-    other: Vibration
+    other: Vibration  # errors of the same moves as fast as the other law allows, at equal measuring time
 
     @property
     def better(self) -> str:
@@ -187,6 +173,8 @@ class BothLaws:
             f"moves with {other}, at equal time, would have {1.0 / self.own.over(self.other):.2f} times these errors: "
             f"{self.better} {'is' if self.better == 'limited jerk' else 'are'} better there"
         )
+        if self.steps == (self.better == "limited jerk"):
+            text += ": plan --family spline, which needs no steps" if self.steps else ": plan --for linuxcnc"
         return text + ("; identify --flexible estimates the mode" if self.own.times > LARGE else "")
 
     def to_json(self) -> dict[str, Any]:

@@ -16,81 +16,46 @@ class Rival(NamedTuple):
 
 
 class Tried(NamedTuple):
-    """One start of a search.
+    """One start of a search."""
 
-    Args:
-        seed: of the start.
-        refined: whether all limits were constrained wherever they come close; else it was explored only.
-        start_logdet: log det F where it began; None where F was singular.
-        logdet: log det F where it ended.
-        criterion_value: value of the criterion asked for, to be maximised.
-        solver: the solver's status.
-        converged: whether its last stage converged.
-        iterations: iterations of all stages.
-        seconds: spent.
-    """
-
-    seed: int
-    refined: bool
-    start_logdet: float | None
-    logdet: float
-    criterion_value: float
-    solver: str
-    converged: bool
-    iterations: int
-    seconds: float
+    seed: int  # of the start
+    refined: bool  # whether all limits were constrained wherever they come close; else it was explored only
+    start_logdet: float | None  # log det F where it began; None where F was singular
+    logdet: float  # log det F where it ended
+    criterion_value: float  # value of the criterion asked for, to be maximised
+    solver: str  # the solver's status
+    converged: bool  # whether its last stage converged
+    iterations: int  # iterations of all stages
+    seconds: float  # spent
 
 
 class Search(NamedTuple):
-    """How a motion was found.
+    """How a motion was found."""
 
-    Args:
-        starts: those that led somewhere, the best first.
-        failed: the others, with the reason.
-        interrupted: whether Ctrl-C ended the search early.
-        seconds: spent on it [s].
-        rival: what another family reached in seconds.
-    """
-
-    starts: tuple[Tried, ...]
-    failed: tuple[Failed, ...]
-    interrupted: bool
-    seconds: float
-    rival: Rival | None
+    starts: tuple[Tried, ...]  # those that led somewhere, the best first
+    failed: tuple[Failed, ...]  # the others, with the reason
+    interrupted: bool  # whether Ctrl-C ended the search early
+    seconds: float  # spent on it [s]
+    rival: Rival | None  # what another family reached in seconds
 
 
 @dataclass(frozen=True, slots=True)
 class Worth:
-    """What a planned motion is worth.
+    """What a planned motion is worth."""
 
-    Args:
-        settings: settings of the family, as found.
-        search: how it was found.
-        score: the criterion of Table 4, to be maximised, in reference scaling.
-        logdet: log det of the mean information, reference scaling, W = 1.
-        condition: mu_1 / mu_u, reference scaling.
-        bound: what no motion can exceed.
-        tight: what no motion from rest to rest with limited jerk can exceed, where that is known.
-        noise: standard deviation of a sample of each channel behind the predictions [N, or N and N m].
-        shaken: whether noise of the accelerations is part of it.
-        weights: weights of the identification that predictions assume.
-        weaknesses: why another plan would carry more information.
-        notes: what the user should know before running it.
-        vibration: what the time law costs on a machine with a structural mode, as `planner.vibration` tells it.
-    """
-
-    settings: Mapping[str, Any]
+    settings: Mapping[str, Any]  # settings of the family, as found
     search: Search
-    score: float
-    logdet: float
-    condition: float
+    score: float  # the criterion of Table 4, to be maximised, in reference scaling
+    logdet: float  # log det of the mean information, reference scaling, W = 1
+    condition: float  # mu_1 / mu_u, reference scaling
     bound: Bound
-    tight: Bound | None
-    noise: tuple[float, ...]
-    shaken: bool
-    weights: str
-    weaknesses: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    tight: Bound | None  # what no motion from rest to rest with limited jerk can exceed, where that is known
+    noise: tuple[float, ...]  # standard deviation of a sample of each channel behind the predictions [N, or N and N m]
+    shaken: bool  # whether noise of the accelerations is part of it
+    weights: str  # weights of the identification that predictions assume
+    weaknesses: tuple[str, ...] = ()  # why another plan would carry more information
+    notes: tuple[str, ...] = ()  # what the user should know before running it
+    # what the time law costs on a machine with a structural mode, as `planner.vibration` tells it
     vibration: Mapping[str, Any] | None = None
 
     @property
@@ -130,12 +95,7 @@ class Worth:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Worth":
-        """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged.
-
-        Args:
-            data: its entries.
-            parameters: number u of the model.
-        """
+        """From `plan.json`; raises KeyError, TypeError or ValueError where an entry is missing or damaged."""
         tight, rival = data["bound_tight"], data["rival"]
         return cls(
             settings=dict(data["settings"]),
@@ -162,37 +122,21 @@ class Worth:
 
 @dataclass(frozen=True, slots=True)
 class PoseWorth:
-    """What a set of poses is worth.
+    """What a set of poses is worth."""
 
-    Args:
-        settings: where the candidates come from, and for how long is measured.
-        remark: how the choice ended.
-        candidates: number of valid poses to choose from.
-        travel: time of the moves [s].
-        travel_unordered: the same in the order of choice [s].
-        value: value of the criterion of Table 4, to be maximised: mean information, reference scaling.
-        condition: mu_1 / mu_u, reference scaling.
-        efficiency: lower bound of the D-efficiency against every design over the candidates; certified.
-        efficiency_space: D-efficiency against the design over the whole pose space; an estimate.
-        fewest: poses that Algorithm 1 keeps of these before rank is lost.
-        std_of_all: predicted standard deviations from all candidates [SI].
-        select_seconds: time spent on choosing [s].
-        solve_seconds: time spent on everything [s].
-    """
-
-    settings: Mapping[str, Any]
-    remark: str
-    candidates: int
-    travel: float
-    travel_unordered: float
-    value: float
-    condition: float
-    efficiency: float
-    efficiency_space: float
-    fewest: int
-    std_of_all: Mapping[str, float]
-    select_seconds: float
-    solve_seconds: float
+    settings: Mapping[str, Any]  # where the candidates come from, and for how long is measured
+    remark: str  # how the choice ended
+    candidates: int  # number of valid poses to choose from
+    travel: float  # time of the moves [s]
+    travel_unordered: float  # the same in the order of choice [s]
+    value: float  # value of the criterion of Table 4, to be maximised: mean information, reference scaling
+    condition: float  # mu_1 / mu_u, reference scaling
+    efficiency: float  # lower bound of the D-efficiency against every design over the candidates; certified
+    efficiency_space: float  # D-efficiency against the design over the whole pose space; an estimate
+    fewest: int  # poses that Algorithm 1 keeps of these before rank is lost
+    std_of_all: Mapping[str, float]  # predicted standard deviations from all candidates [SI]
+    select_seconds: float  # time spent on choosing [s]
+    solve_seconds: float  # time spent on everything [s]
 
     def to_json(self) -> dict[str, Any]:
         """Entries of `plan.json`."""

@@ -8,7 +8,7 @@ import numpy as np
 from cases.errors import HexciteError, ProgramError
 from cases.schema import Case
 from identification.motion import Array
-from postprocessors.program import NeutralProgram
+from postprocessors.blocks import NeutralProgram
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.reading.words import Reading
 
@@ -23,47 +23,34 @@ def _as_it_is(program: NeutralProgram, case: Case) -> NeutralProgram:
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """What a dialect can do.
+    """What a dialect can do."""
 
-    Args:
-        write: program and case -> content of the file.
-        read: content, name for messages, case -> what it says; shares nothing with `write`; raises ProgramError with
-            line and column at anything that it does not understand.
-        guarantees: what the controller answers for when it runs a program that was read.
-        forecast: what it will make of the program's time; by default that it keeps it.
-        prepare: program and case -> the program in the blocks that this dialect is set up to use.
-        tolerance: how far its paths may be off the plan beside rounding, shape (6,) [m, rad].
-        same: raises ProgramError where a reading is not the program; None where blocks read back one by one.
-    """
-
-    write: Callable[[NeutralProgram, Case], bytes]
+    write: Callable[[NeutralProgram, Case], bytes]  # program and case -> content of the file
+    # content, name for messages, case -> what it says; shares nothing with `write`; raises ProgramError with line and
+    # column at anything that it does not understand
     read: Callable[[bytes, str, Case], Reading]
+    # what the controller answers for when it runs a program that was read
     guarantees: Callable[[Reading, Case], Guarantees]
+    # how far its paths may be off the plan beside rounding, shape (6,) [m, rad]
     tolerance: Callable[[Case], Array] = lambda case: np.zeros(1)
+    # raises ProgramError where a reading is not the program; None where blocks read back one by one
     same: Callable[[NeutralProgram, Reading, Case], None] | None = None
+    # what it will make of the program's time; by default that it keeps it
     forecast: Callable[[Reading, Case], Forecast] = _in_time
+    # program and case -> the program in the blocks that this dialect is set up to use
     prepare: Callable[[NeutralProgram, Case], NeutralProgram] = _as_it_is
 
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """A controller's language.
+    """A controller's language."""
 
-    Args:
-        name: name on the command line.
-        description: one line for people.
-        suffixes: suffixes of its files, in lower case, the usual one first.
-        load: imports and returns what it can do with files of a suffix, by default the usual one.
-        start: what the machine does first, for the program's header.
-        in_struts: whether its controller has point-to-point moves that are straight in the struts.
-    """
-
-    name: str
-    description: str
-    suffixes: tuple[str, ...]
-    load: Callable[..., Language]
+    name: str  # name on the command line
+    description: str  # one line for people
+    suffixes: tuple[str, ...]  # suffixes of its files, in lower case, the usual one first
+    load: Callable[..., Language]  # imports and returns what it can do with files of a suffix, by default the usual one
+    # what the machine does first, for the program's header
     start: str = "first to home at a safe feed from wherever the machine stands: keep that way clear"
-    in_struts: bool = False
 
     @property
     def suffix(self) -> str:
@@ -93,8 +80,7 @@ def _linuxcnc(suffix: str = "") -> Language:
 
 def _sinumerik(suffix: str = "") -> Language:
     from postprocessors.own_axes import write_sinumerik_axes
-    from postprocessors.proving.block_law import sinumerik_forecast
-    from postprocessors.proving.promises import sinumerik_guarantees, sinumerik_tolerance
+    from postprocessors.proving.promises import sinumerik_forecast, sinumerik_guarantees, sinumerik_tolerance
     from postprocessors.reading.own_axes import read_sinumerik_axes
     from postprocessors.reading.sinumerik import read_sinumerik
     from postprocessors.sinumerik import prepare_sinumerik, write_sinumerik
@@ -164,14 +150,12 @@ DIALECTS = {
             "SINUMERIK 840D sl / ONE: G1 with exact stop, POLY blocks or the compressor, arcs",
             (".mpf",),
             _sinumerik,
-            in_struts=True,
         ),
         Dialect(
             "twincat",
             "TwinCAT CNC (TF5200) and ISG: G01 with exact stop, #SPLINE, #HSC or #CONTOUR MODE, arcs",
             (".nc", ".cnc"),
             _twincat,
-            in_struts=True,
         ),
         Dialect(
             "setpoints",

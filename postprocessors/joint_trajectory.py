@@ -14,11 +14,11 @@ from cases.schema import Case
 from identification.motion import Array, Joined, Standstill, Trajectory
 from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import Profile, StraightMove
-from postprocessors.program import (
+from postprocessors.blocks import (
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
     TimedPath,
     ToHome,
@@ -95,7 +95,7 @@ def _parts(program: NeutralProgram) -> Iterator[Trajectory]:
             case Dwell():
                 assert here is not None
                 part = Standstill(here, block.duration)
-            case PointToPoint():
+            case ExactStopMove():
                 part = block.move
             case SplinePath():
                 part = block.motion

@@ -13,22 +13,20 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.limited import Box
 from identification.trajectories.profile import limits_along
-from postprocessors.composing import timed_path
-from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG
-from postprocessors.program import (
+from postprocessors.blocks import (
     Arc,
     Array,
     Block,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
 )
+from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG
 from postprocessors.wording import (
     FEED_DECIMALS,
     PLANE_WORDS,
@@ -39,8 +37,9 @@ from postprocessors.wording import (
     feed,
     number,
 )
+from postprocessors.writing import timed_path
 
-MOTION = (ToHome, PointToPoint, Arc, TimedPath, SplinePath)
+MOTION = (ToHome, ExactStopMove, Arc, TimedPath, SplinePath)
 FULL = 1e-9  # [rad] that a full circle may miss: rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
 
@@ -83,10 +82,8 @@ class _LinuxCncWriter:
                 return _comments(block.text)
             case ToHome():
                 return [*_comments("to home"), "G61", f"G94 G1 {self.words(block.pose)} F{self.home_feed(block)}"]
-            case PointToPoint():
+            case ExactStopMove():
                 return [f"G1 {self.words(block.move.end)} F{self.feed_of(block)}"]
-            case StrutPointToPoint():
-                raise HexciteError("LinuxCNC has no moves straight in the struts; leave out --ptp-struts")
             case Arc() | TimedPath() | SplinePath() if self.chain:
                 raise HexciteError(
                     "LinuxCNC cuts corners of paths by degrees where rotary axes turn round; plan with --family ptp"
@@ -106,7 +103,7 @@ class _LinuxCncWriter:
             case SplinePath():
                 return self.timed(timed_path(block.name, block.motion, self.block, 1.0))
 
-    def feed_of(self, block: PointToPoint) -> str:
+    def feed_of(self, block: ExactStopMove) -> str:
         """The feed that makes a trapezoid under the axis limits take as long as the planned move."""
         way = np.abs(block.move.end - block.move.start)
         (acceleration,) = limits_along(way, self.acceleration)
@@ -148,7 +145,6 @@ def write_linuxcnc(program: NeutralProgram, case: Case) -> str:
     """The program's text, plain ASCII.
 
     Args:
-        program: what to do.
         case: its limits are those that the controller is set up with; feeds are chosen for them.
 
     Raises:

@@ -15,7 +15,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.limited import Box
-from postprocessors.program import Array, Block, Comment, Dwell, NeutralProgram, PointToPoint, ToHome, Trigger
+from postprocessors.blocks import Array, Block, Comment, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.promises import sinumerik_guarantees, twincat_guarantees
 from postprocessors.reading.axes import axis_letters
@@ -70,7 +70,7 @@ class _Writer:
                 safe = block.feed * float((self.limits.rate / np.where(self.limits.turns, DEG, MM)).min()) * MINUTE
                 move = f"{self.words.move} {self.pose(block.pose)} F{digits(safe)}"
                 return [*comments("to home"), *self.group(False, True), move]
-            case PointToPoint():
+            case ExactStopMove():
                 linear, feed = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(not linear), f"{self.words.move} {self.pose(block.move.end)} F{feed}"]
             case Dwell():

@@ -8,7 +8,7 @@ import numpy as np
 from identification.motion import Joined, Trajectory
 from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import Profile, StraightMove
-from postprocessors.program import Array
+from postprocessors.blocks import Array
 
 CHECKS = 16  # instants inside a piece at which it is compared
 FINEST = 64  # subdivisions of a piece before giving up
@@ -20,15 +20,10 @@ class TooCoarse(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
-    """Polynomials of one parameter p from 0 to 1 each.
+    """Polynomials of one parameter p from 0 to 1 each."""
 
-    Args:
-        times: start of each and end of the last, shape (k + 1,) [s].
-        coefficients: coefficients of 1, p, p^2, .., shape (k, d + 1, 6) [m, rad].
-    """
-
-    times: Array
-    coefficients: Array
+    times: Array  # start of each and end of the last, shape (k + 1,) [s]
+    coefficients: Array  # coefficients of 1, p, p^2, .., shape (k, d + 1, 6) [m, rad]
 
     def at(self, p: Array) -> Array:
         """Poses of every piece at parameters p, shape (m,); shape (k, m, 6)."""
@@ -38,15 +33,10 @@ class Pieces:
 
 @dataclass(frozen=True, slots=True)
 class PieceDeviation:
-    """Largest distance from the plan at the same instant.
+    """Largest distance from the plan at the same instant."""
 
-    Args:
-        position: [m].
-        angle: [rad].
-    """
-
-    position: float
-    angle: float
+    position: float  # [m]
+    angle: float  # [rad]
 
 
 def knots(motion: Trajectory) -> Array:
@@ -67,7 +57,6 @@ def pieces(motion: Trajectory, degree: int, longest: float, tolerance: tuple[flo
     A motion of polynomials of that degree is met exactly.
 
     Args:
-        motion: motion from rest to rest.
         degree: 3 or 5.
         longest: duration of a piece, at most [s].
         tolerance: how far they may be off, positions [m] and angles [rad].

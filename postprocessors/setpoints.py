@@ -11,21 +11,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases.errors import HexciteError, ProgramError
+from cases.errors import ProgramError
 from cases.recording_format import STRUT_VELOCITIES, STRUTS, TRIGGER, motion_columns
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.hexapod import Hexapod
-from identification.motion import Array, Joined, Motion, TimedPoints, Trajectory
-from identification.trajectories.slowed import Slowed
-from postprocessors.program import (
+from identification.motion import Array, Joined, Motion, Slowed, TimedPoints, Trajectory
+from postprocessors.blocks import (
     Arc,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -43,17 +41,11 @@ SAME = 1e-9  # [m, rad] that a table may be off the plan: rounding
 
 @dataclass(frozen=True, slots=True)
 class _TablePart:
-    """A stretch of whole cycles.
+    """A stretch of whole cycles."""
 
-    Args:
-        motion: None for a standstill.
-        cycles: how many.
-        on: whether the trigger is on.
-    """
-
-    motion: Trajectory | None
-    cycles: int
-    on: bool
+    motion: Trajectory | None  # None for a standstill
+    cycles: int  # how many
+    on: bool  # whether the trigger is on
 
 
 def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
@@ -69,7 +61,7 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
 
     for block in program.blocks:
         match block:
-            case PointToPoint() | Arc():
+            case ExactStopMove() | Arc():
                 moving.append(block.move)
             case SplinePath():
                 moving.append(block.motion)
@@ -82,8 +74,6 @@ def _parts(program: NeutralProgram, cycle: float) -> Iterator[_TablePart]:
             case Trigger():
                 yield from joined()
                 on = block.on
-            case StrutPointToPoint():
-                raise HexciteError("a table of setpoints has no moves straight in the struts; leave out --ptp-struts")
             case Comment() | ToHome():
                 pass
     yield from joined()
@@ -170,10 +160,6 @@ def _header(program: NeutralProgram, case: Case) -> list[str]:
 
 def write_csv(program: NeutralProgram, case: Case) -> bytes:
     """The table as CSV, plain ASCII.
-
-    Args:
-        program: what to do.
-        case: kinematics and cycle.
 
     Raises:
         CaseError: the case has no machine or no settings of this dialect.

@@ -12,22 +12,20 @@ from cases.machine import MotionLimits
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.motion import TimedPoints, Trajectory
-from postprocessors.composing import moves_as_polynomials, timed_path
-from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
-from postprocessors.program import (
+from postprocessors.blocks import (
     Arc,
     Array,
     Block,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
 )
+from postprocessors.polynomials import Pieces, TooCoarse, even_deviation, path_speed_deviation, pieces
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.promises import sinumerik_guarantees
 from postprocessors.reading.words import Reading
@@ -35,16 +33,14 @@ from postprocessors.wording import (
     FEED_DECIMALS,
     PLANE_WORDS,
     arc_words,
-    as_written,
     comments,
     coordinates,
-    digits,
     feed,
     feed_of,
     number,
-    strut_feed_of,
     written_feed,
 )
+from postprocessors.writing import moves_as_polynomials, timed_path
 
 POLY_LENGTH_DECIMALS = 7  # of a coefficient: rates must pass from piece to piece
 POLY_ANGLE_DECIMALS = 8
@@ -83,15 +79,9 @@ class _SinumerikWriter:
                     *self.group(True),
                     f"G1 {self.pose(block.pose)} F{feed(block.feed, True)}",
                 ]
-            case PointToPoint():
+            case ExactStopMove():
                 linear, value = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(linear), f"G1 {self.pose(block.move.end)} F{value}"]
-            case StrutPointToPoint():
-                share = strut_feed_of(as_written(block.planned), self.limits, self.guarantees)
-                if share is None:
-                    return [f"PTP G0 {self.pose(block.planned.end)}", "CP G1"]
-                value = digits(MINUTE * share)
-                return [f"PTP G93 G1 {self.pose(block.planned.end)} F{value}", "CP G94"]
             case Arc():
                 return [*self.group(True), f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():
@@ -180,7 +170,6 @@ def write_sinumerik(program: NeutralProgram, case: Case) -> bytes:
     """The program's text, plain ASCII.
 
     Args:
-        program: what to do.
         case: gives the controller's settings, and limits for which feeds are chosen.
 
     Raises:

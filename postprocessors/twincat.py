@@ -9,17 +9,15 @@ import numpy as np
 from cases.controller import TwinCat
 from cases.machine import MotionLimits
 from cases.schema import Case
-from postprocessors.composing import timed_path
-from postprocessors.program import (
+from postprocessors.blocks import (
     Arc,
     Array,
     Block,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
-    StrutPointToPoint,
     TimedPath,
     ToHome,
     Trigger,
@@ -30,16 +28,14 @@ from postprocessors.reading.words import Reading
 from postprocessors.wording import (
     PLANE_WORDS,
     arc_words,
-    as_written,
     comments,
     coordinates,
-    digits,
     feed,
     feed_of,
     number,
-    strut_feed_of,
     written_feed,
 )
+from postprocessors.writing import timed_path
 
 TIME_DECIMALS = 9  # of a second
 
@@ -74,15 +70,9 @@ class _TwinCatWriter:
             case ToHome():
                 move = f"G01 G60 {self.pose(block.pose)} F{feed(block.feed, True)}"
                 return ['#MSG ["TO HOME: KEEP THE WAY CLEAR"]', *self.group(True), move]
-            case PointToPoint():
+            case ExactStopMove():
                 linear, value = written_feed(block, self.limits, self.guarantees)
                 return [*self.group(linear), f"G01 G60 {self.pose(block.move.end)} F{value}"]
-            case StrutPointToPoint():
-                feed_of_struts = strut_feed_of(as_written(block.planned), self.limits, self.guarantees)
-                if feed_of_struts is None:
-                    return ["#PTP ON", f"G00 G60 {self.pose(block.planned.end)}", "#PTP OFF"]
-                time = digits(1.0 / feed_of_struts)
-                return ["#PTP ON", "G93", f"G01 G60 {self.pose(block.planned.end)} F{time}", "#PTP OFF", "G94"]
             case Arc():
                 return [*self.group(True), f"{PLANE_WORDS[block.move.plane]} {self.arc(block)}", "G17"]
             case Dwell():
@@ -120,7 +110,6 @@ def write_twincat(program: NeutralProgram, case: Case) -> bytes:
     """The program's text, plain ASCII.
 
     Args:
-        program: what to do.
         case: gives the controller's settings, and limits for which feeds are chosen.
 
     Raises:

@@ -9,13 +9,13 @@ import numpy as np
 from cases.controller import UrScript
 from cases.errors import HexciteError
 from cases.schema import Case
-from postprocessors.program import (
+from postprocessors.blocks import (
     Array,
     Block,
     Comment,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     ToHome,
     Trigger,
 )
@@ -30,7 +30,6 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
 
     Args:
         program: moves, dwells and trigger; the last must be on its way home.
-        case: its chain is the robot's.
 
     Raises:
         HexciteError: a block that `movej` cannot be.
@@ -61,7 +60,7 @@ class _Writer:
             case ToHome():
                 speed, acceleration = block.feed * self.slowest, block.feed * self.gentlest
                 return [*_comments("to home"), self.move(block.pose, acceleration, speed)]
-            case PointToPoint():
+            case ExactStopMove():
                 return [self.point_to_point(block)]
             case Dwell():
                 return [f"sleep({number(block.duration, 6)})"]
@@ -73,7 +72,7 @@ class _Writer:
                     "proven; plan with --family ptp"
                 )
 
-    def point_to_point(self, block: PointToPoint) -> str:
+    def point_to_point(self, block: ExactStopMove) -> str:
         """The trapezoid of the planned duration and largest speed; its acceleration is at most the planned one."""
         law = block.move.profile
         way = float(np.abs(np.round(block.move.end, DECIMALS) - np.round(self.at, DECIMALS)).max())

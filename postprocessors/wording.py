@@ -9,14 +9,12 @@ from math import floor, log10
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.machine import MotionLimits
 from cases.units import DEG, MINUTE, MM
 from identification.limited import Box
 from identification.trajectories.circle import CircularMove, Plane
-from identification.trajectories.profile import Profile, StraightMove, TimeLaw, limits_along
-from postprocessors.program import Arc, Array, PointToPoint
+from identification.trajectories.profile import StraightMove, limits_along
+from postprocessors.blocks import Arc, Array, ExactStopMove
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.predicted import strut_move
 
 # 1e-5 mm and 1e-6 degrees: differentiated three times over 10 ms blocks this rounding stays below 0.1 % of the jerk
 # limits.
@@ -49,9 +47,6 @@ def arc_words(move: CircularMove, names: Sequence[str], values: Sequence[str], f
     """Coordinates of an arc's end and two of I, J, K: the centre relative to the start, as the block before wrote it.
 
     Args:
-        move: the arc.
-        names: names of the six coordinates.
-        values: values of the six coordinates at its end.
         full: leave out where the circle ends in its plane, as LinuxCNC wants it of a full one.
     """
     axes = move.plane.axes[:2]
@@ -93,12 +88,9 @@ def as_written(move: StraightMove, turns: Sequence[bool] | NDArray[np.bool_] = P
 
 NO_SLOWER = 1e-9
 HALVINGS = 80  # of the interval of the feed: down to its last bit
-STRUT_HALVINGS, SLOWEST = 24, 1e-2  # of moves straight in the struts; the slowest feed, as a share of the planned one
-INSTANTS = 129  # at which such a move is compared with the limits
-UNDER = 1e-3  # what it stays below them: the proof looks at other instants
 
 
-def feed_of(block: PointToPoint | Arc, limits: Box, guarantees: Guarantees, linear: bool = True) -> float:
+def feed_of(block: ExactStopMove | Arc, limits: Box, guarantees: Guarantees, linear: bool = True) -> float:
     """Feed of a move along X, Y, Z [m/s], or along the angles [rad/s].
 
     The largest that the move can reach where even that takes longer than planned.
@@ -106,7 +98,6 @@ def feed_of(block: PointToPoint | Arc, limits: Box, guarantees: Guarantees, line
     Args:
         block: the move, with its planned duration.
         limits: limits that the controller is set up with.
-        guarantees: give its time law.
         linear: whether the feed counts X, Y, Z.
     """
     move = block.move
@@ -131,68 +122,14 @@ def feed_of(block: PointToPoint | Arc, limits: Box, guarantees: Guarantees, line
     return high * float(np.linalg.norm(way[limits.turns != linear]))
 
 
-def written_feed(block: PointToPoint, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
+def written_feed(block: ExactStopMove, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
     """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it.
 
     Args:
         block: the move, with its planned duration.
         limits: limits that the controller is set up with.
-        guarantees: give its time law.
     """
     written = as_written(block.move, limits.turns)
     way = (written.end - written.start)[~limits.turns]
     linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
-    return linear, feed(feed_of(PointToPoint(written), limits, guarantees, linear), linear)
-
-
-def strut_feed_of(move: StraightMove, limits: MotionLimits, guarantees: Guarantees) -> float | None:
-    """Feed of a move straight in the struts, as a share of its way per second; None for a rapid.
-
-    The largest at which it lasts as long as planned, or longer, and stays within the limits of rates and accelerations
-    of the coordinates, which no controller keeps there; within those of the rates alone where a slower feed does not
-    lessen the accelerations (a law without jerk limit).
-
-    Args:
-        move: the planned one, between the same poses.
-        limits: limits of the coordinates.
-        guarantees: give drives and time law.
-
-    Raises:
-        NoStrutMove: the platform cannot follow its struts, or the drives are not known.
-    """
-    path = strut_move(move.start, move.end, None, guarantees)
-    drives = guarantees.drives
-    assert drives is not None
-    if drives.rapid:
-        return None
-    way = path.strut_way
-    _, first, _, _ = path.along(np.linspace(0.0, 1.0, INSTANTS))
-    steady = float(np.min(limits.rate / np.maximum(np.abs(first).max(axis=0), 1e-12)))
-    fastest = (1.0 - UNDER) * min(steady, drives.velocity / way)
-
-    def law(feed: float) -> TimeLaw:
-        return guarantees.law(feed, drives.acceleration / way, drives.jerk / way)
-
-    def lasts(feed: float) -> bool:
-        return law(feed).duration * (1.0 + NO_SLOWER) >= move.duration
-
-    def fits(feed: float) -> bool:
-        motion = replace(path, profile=law(feed)).at(_instants(law(feed)))
-        return lasts(feed) and bool(np.all(np.abs(motion.accelerations) <= (1.0 - UNDER) * limits.acceleration))
-
-    low, high = min(fastest, SLOWEST / move.duration), fastest
-    good = fits if fits(low) else lasts
-    if good(high):
-        return high
-    for _ in range(STRUT_HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if good(middle) else (low, middle)
-    return low
-
-
-def _instants(law: TimeLaw) -> Array:
-    """Instants that show the largest accelerations: of seven segments they are where one of them ends."""
-    even = np.linspace(0.0, law.duration, INSTANTS)
-    if not isinstance(law, Profile):
-        return even
-    return np.append(even, np.cumsum(law.lengths[:-1]))
+    return linear, feed(feed_of(ExactStopMove(written), limits, guarantees, linear), linear)

@@ -2,18 +2,30 @@
 
 from collections.abc import Collection
 from dataclasses import dataclass, fields, replace
+from itertools import groupby
 
 import numpy as np
 
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.motion import Array, Trajectory
-from identification.trajectories.polynomial import PolynomialMotion
-from identification.trajectories.strut_move import NoStrutMove
-from postprocessors.composing import excitation_program, straight_in_struts
+from identification.motion import Array, Joined, Measurement, Slowed, Standstill, Trajectory
+from identification.trajectories.circle import CircularMove
+from identification.trajectories.polynomial import PolynomialMotion, polynomials_of
+from identification.trajectories.profile import StraightMove
+from postprocessors.blocks import (
+    Arc,
+    Block,
+    Comment,
+    Dwell,
+    ExactStopMove,
+    NeutralProgram,
+    SplinePath,
+    TimedPath,
+    ToHome,
+    Trigger,
+)
 from postprocessors.dialects import Language
-from postprocessors.program import Arc, NeutralProgram, PointToPoint, SplinePath, StrutPointToPoint, TimedPath
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.words import Event, Reading
@@ -24,17 +36,11 @@ ROUNDING = max(1e-5 * MM, 1e-6 * DEG)
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A program that may be written.
+    """A program that may be written."""
 
-    Args:
-        content: content of the file.
-        proof: proof of that content; it holds.
-        reading: that content as read back.
-    """
-
-    content: bytes
-    proof: ProgramProof
-    reading: Reading
+    content: bytes  # content of the file
+    proof: ProgramProof  # proof of that content; it holds
+    reading: Reading  # that content as read back
 
 
 def proven_program(
@@ -45,38 +51,24 @@ def proven_program(
     header: tuple[str, ...],
     speed: float = 1.0,
     accepted: Collection[str] = (),
-    in_struts: bool = False,
 ) -> Written:
     """Writes a program and proves what it wrote.
 
     Args:
         trajectory: the excitation, from rest to rest.
         case: machine, limits, controller.
-        language: the controller's.
         file: name of the program, for messages.
         header: comment lines; what was proven is added to them.
         speed: share of the planned speed, above 0 and at most 1.
         accepted: families of limits that may stay without anybody who enforces them.
-        in_struts: point-to-point moves become straight in the struts, another path than planned.
 
     Raises:
         ProgramError: the text, as read back, is not the planned motion, passes a limit, or relies on one that nobody
             enforces and that is not accepted.
         CaseError: the case has no machine or no controller.
     """
-    program = excitation_program(trajectory, case, header, speed)
-    if in_struts:
-        program = straight_in_struts(program)
-        drives = language.guarantees(Reading(file, (), 0), case).drives
-        if drives is not None and drives.rapid and speed < 1.0:
-            problem = "rapids cannot be slowed by the program; leave out --speed and use the machine's override"
-            raise ProgramError(file, 0, 0, problem)
-    program = language.prepare(program, case)
-    try:
-        text = language.write(program, case)
-    except NoStrutMove as error:
-        raise ProgramError(file, 0, 0, f"{error}, or leave out --ptp-struts") from error
-    reading = language.read(text, file, case)
+    program = language.prepare(excitation_program(trajectory, case, header, speed), case)
+    reading = language.read(language.write(program, case), file, case)
     proof = prove_program(reading, case, language.guarantees(reading, case))
     proof.require_accepted(accepted)
     if language.same is None:
@@ -116,9 +108,7 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
 
     Polynomials may be off a motion that is none by `tolerance`, shape (6,) [m, rad].
     """
-    written = [
-        b for b in program.blocks if isinstance(b, TimedPath | SplinePath | PointToPoint | StrutPointToPoint | Arc)
-    ]
+    written = [b for b in program.blocks if isinstance(b, TimedPath | SplinePath | ExactStopMove | Arc)]
     # The first move of all goes home; it has no counterpart with a known start.
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
     if len(read) != len(written):
@@ -135,23 +125,17 @@ def _require_same(program: NeutralProgram, reading: Reading, tolerance: Array) -
                     f"spline {block.name!r}",
                     isinstance(stretch, Timed) and _same_spline(block, stretch, tolerance),
                 )
-            case PointToPoint() | Arc():
+            case ExactStopMove() | Arc():
                 name = "a move"
-                same = isinstance(stretch, Untimed) and not stretch.in_struts and _same_move(block, stretch)
-            case StrutPointToPoint():
-                name = "a move straight in the struts"
-                same = isinstance(stretch, Untimed) and stretch.in_struts and _near(block.planned.end, stretch)
+                same = isinstance(stretch, Untimed) and _same_move(block, stretch)
         if not same:
             line = stretch.lines[0] if isinstance(stretch, Timed) else stretch.line
             raise ProgramError(reading.file, line, 0, f"{name} reads back differently; report this")
 
 
-def _same_move(block: PointToPoint | Arc, stretch: Untimed) -> bool:
-    return _near(block.move.end, stretch) and (stretch.turn is not None) == isinstance(block, Arc)
-
-
-def _near(end: Array, stretch: Untimed) -> bool:
-    return bool(np.all(np.abs(stretch.end - end) <= ROUNDING))
+def _same_move(block: ExactStopMove | Arc, stretch: Untimed) -> bool:
+    near = bool(np.all(np.abs(stretch.end - block.move.end) <= ROUNDING))
+    return near and (stretch.turn is not None) == isinstance(block, Arc)
 
 
 def _same_path(path: TimedPath, stretch: Timed, tolerance: Array) -> bool:
@@ -171,3 +155,110 @@ def _same_spline(path: SplinePath, stretch: Timed, tolerance: Array) -> bool:
         return False
     exact = path.motion.at(np.minimum(times, path.motion.duration)).pose
     return bool(np.all(np.abs(exact - stretch.points.at(times).pose) <= 2 * ROUNDING + tolerance))
+
+
+SAME = 1e-8  # [m, rad] two poses are one, below the last decimal of any program
+APPROACH_SHARE = 0.3  # of the motion limits, between home and the start: nobody needs that move to be fast
+
+
+def moves_as_polynomials(program: NeutralProgram) -> NeutralProgram:
+    """The program with each run of point-to-point moves as one spline: the same path and time law, in cubic pieces."""
+    blocks: list[Block] = []
+    for together, group in groupby(program.blocks, lambda b: isinstance(b, ExactStopMove)):
+        found = list(group)
+        if together:
+            moves = [b.move for b in found if isinstance(b, ExactStopMove)]
+            found = [SplinePath("moves", polynomials_of(moves))]
+        blocks += found
+    return replace(program, blocks=tuple(blocks))
+
+
+def _block_ends(trajectory: Trajectory, block: float) -> Array:
+    knots = trajectory.times if isinstance(trajectory, PolynomialMotion) else np.array([0.0, trajectory.duration])
+    counts = np.ceil(np.diff(knots) / block - 1e-9).astype(int).clip(1 if len(knots) > 2 else 2)
+    steps = zip(knots, knots[1:], counts, strict=False)
+    return np.append(np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in steps]), knots[-1])
+
+
+def timed_path(name: str, trajectory: Trajectory, block: float, speed: float) -> TimedPath:
+    """A trajectory as equally timed poses; of a spline the ends of its pieces are among them.
+
+    Args:
+        block: duration of a block at full speed, at most [s].
+        speed: share of the planned speed; 0.1 takes ten times as long.
+    """
+    times = _block_ends(trajectory, block)
+    source = trajectory if speed == 1.0 else Slowed(trajectory, speed)
+    return TimedPath(name, times / speed, trajectory.at(times).pose, source)
+
+
+def motion_blocks(name: str, trajectory: Trajectory, block: float, speed: float) -> tuple[Block, ...]:
+    """What a motion is to a controller.
+
+    Straight and circular moves stay what they are, joined motions become their parts in order, standstills dwells,
+    polynomials splines, measurements dwells with the trigger on in the second; whatever else becomes a timed path.
+
+    Args:
+        block: duration of a block of a timed path at full speed, at most [s].
+        speed: share of the planned speed.
+    """
+    if isinstance(trajectory, Joined):
+        return tuple(b for part in trajectory.parts for b in motion_blocks(name, part, block, speed))
+    if isinstance(trajectory, StraightMove):
+        return (ExactStopMove(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
+    if isinstance(trajectory, CircularMove):
+        return (Arc(replace(trajectory, profile=trajectory.profile.slowed(speed))),)
+    if isinstance(trajectory, Standstill):
+        return (Dwell(trajectory.duration),)  # as long at any speed
+    if isinstance(trajectory, Measurement):
+        settle = (Dwell(trajectory.settle),) if trajectory.settle > 0.0 else ()
+        return (*settle, Trigger(True), Dwell(trajectory.average), Trigger(False))
+    if isinstance(trajectory, PolynomialMotion):
+        return (SplinePath(name, trajectory.slowed(speed)),)
+    return (timed_path(name, trajectory, block, speed),)
+
+
+def excitation_program(
+    trajectory: Trajectory, case: Case, header: tuple[str, ...], speed: float = 1.0
+) -> NeutralProgram:
+    """Home, approach, settle, the excitation between trigger on and off, settle, back home.
+
+    Where the motion contains measurements, the trigger is on in these alone: moves between them only take the machine
+    to a place.
+
+    Approach and return are point-to-point moves where the excitation consists of such moves, else timed paths: a
+    controller that is set up to follow dense paths may accelerate as hard as it can in a move that it times itself.
+
+    Args:
+        trajectory: the excitation, from rest to rest.
+        case: home, limits and controller settings.
+        speed: share of the planned speed.
+
+    Raises:
+        CaseError: the case has no machine or no controller.
+    """
+    home, box = case.need_motion("a program")
+    controller = case.need_controller("a program")
+    safe = controller.safe_share if case.chain is not None else controller.safe_feed
+    first, last = trajectory.at([0.0, trajectory.duration]).pose
+    blocks: list[Block] = [ToHome(home, safe * min(1.0, speed))]
+    excitation = motion_blocks("excitation", trajectory, controller.block, speed)
+    own_time = not any(isinstance(b, TimedPath | SplinePath) for b in excitation)
+
+    def straight(name: str, start: Array, end: Array) -> None:
+        if np.max(np.abs(end - start)) < SAME:
+            return
+        share = [APPROACH_SHARE * limit for limit in (box.rate, box.acceleration, box.jerk)]
+        move = StraightMove.fastest(start, end, *share)
+        if own_time:
+            blocks.extend([Comment(name), *motion_blocks(name, move, controller.block, speed)])
+        else:
+            blocks.append(timed_path(name, move, controller.block, speed))
+
+    straight("approach", home, first)
+    if any(isinstance(b, Trigger) for b in excitation):
+        blocks += excitation
+    else:
+        blocks += [Dwell(controller.settle_s), Trigger(True), *excitation, Trigger(False), Dwell(controller.settle_s)]
+    straight("return", last, home)
+    return NeutralProgram(header, tuple(blocks))

@@ -16,7 +16,7 @@ from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
 from identification.model import Model
-from identification.regressor_blocks import MASS, OFFSETS
+from identification.parameters import MASS, OFFSETS
 
 Array = NDArray[np.float64]
 
@@ -27,19 +27,12 @@ DRIFTED = 3.0  # standard deviations between offsets of a run and those that it 
 
 @dataclass(frozen=True, slots=True)
 class AccelerometerBias:
-    """What an accelerometer reads beside the specific force, in the axes of {P}.
+    """What an accelerometer reads beside the specific force, in the axes of {P}."""
 
-    Args:
-        values: shape (3,) [m/s^2].
-        covariance: shape (3, 3) [m^2/s^4].
-        turn: small rotation of the readings against the orientations, estimated beside, shape (3,) [rad].
-        rms: what both leave of the readings [m/s^2].
-    """
-
-    values: Array
-    covariance: Array
-    turn: Array
-    rms: float
+    values: Array  # shape (3,) [m/s^2]
+    covariance: Array  # shape (3, 3) [m^2/s^4]
+    turn: Array  # small rotation of the readings against the orientations, estimated beside, shape (3,) [rad]
+    rms: float  # what both leave of the readings [m/s^2]
 
     @property
     def std(self) -> Array:
@@ -80,21 +73,13 @@ def accelerometer_bias(specific_forces: Array, rotations: Array, gravity: Array)
 
 @dataclass(frozen=True, slots=True)
 class Biases:
-    """Offsets from another result.
+    """Offsets from another result."""
 
-    Args:
-        source: file of that result.
-        values: f_q0, shape (6,) [N, or N and N m].
-        covariance: covariance of them, the larger of white and robust, shape (6, 6).
-        accelerometer: where that result has it.
-        stale: what has changed in the case since that result, where the user went on.
-    """
-
-    source: str
-    values: Array
-    covariance: Array
-    accelerometer: AccelerometerBias | None
-    stale: tuple[str, ...] = ()
+    source: str  # file of that result
+    values: Array  # f_q0, shape (6,) [N, or N and N m]
+    covariance: Array  # covariance of them, the larger of white and robust, shape (6, 6)
+    accelerometer: AccelerometerBias | None  # where that result has it
+    stale: tuple[str, ...] = ()  # what has changed in the case since that result, where the user went on
 
     @property
     def known(self) -> dict[str, float]:
@@ -155,7 +140,6 @@ def mass_told(model: Model, fit: Fit, exact: Fit) -> Finding:
     """How much of the mass's standard deviation offsets make that were taken as known with an uncertainty.
 
     Args:
-        model: model with a mass.
         fit: fit with the uncertainty of the offsets, and of the accelerometer's biases.
         exact: the same fit as if these were exact.
     """
@@ -198,12 +182,9 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
     """The fit with the uncertainty of offsets that it took from another result.
 
     Args:
-        fit: fit with the offsets held.
-        model: gives the places of the offsets in u.
         basis: basis of what was free, shape (u, free).
         matrices: A, shape (n, 6, u).
         w: W for one sample, shape (6, 6).
-        biases: the offsets and their covariance.
     """
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     moves = -basis @ gain(matrices @ basis, w, matrices[:, :, offsets])
@@ -212,13 +193,7 @@ def with_uncertain_offsets(fit: Fit, model: Model, basis: Array, matrices: Array
 
 
 def drift_told(biases: Biases, model: Model, free: Fit) -> list[Finding]:
-    """Offsets that have drifted since they were taken, by what the run itself says of them.
-
-    Args:
-        biases: as they were taken.
-        model: model of the fit.
-        free: the fit with the offsets of the run itself.
-    """
+    """Offsets that have drifted since they were taken, by what the run itself says of them."""
     offsets = [model.names.index(name) for name in OFFSET_NAMES]
     spread = max(free.covariance, free.covariance_robust, key=lambda c: float(np.trace(c[np.ix_(offsets, offsets)])))
     units = tuple(model.parameters[k].unit for k in offsets)

@@ -22,19 +22,15 @@ _PIECE = 20_000  # samples whose rows are held at once
 
 @dataclass(frozen=True, slots=True)
 class Compressed:
-    """chi^2 of (27) as a function of u.
+    """chi^2 of (27) as a function of u."""
 
-    Args:
-        root: R, upper triangular, R^T R = A^T W A, shape (u, u).
-        right: c, shape (u,).
-        rest: d^2, the chi^2 that no u explains.
-        rows: m n, the forces behind it.
-    """
-
-    root: Array
-    right: Array
-    rest: float
-    rows: int
+    root: Array  # R, upper triangular, R^T R = A^T W A, shape (u, u)
+    right: Array  # c, shape (u,)
+    rest: float  # d^2, the chi^2 that no u explains
+    rows: int  # m n, the forces behind it
+    regressors: Array  # A_j, shape (n, 6, u)
+    forces: Array  # shape (n, 6) [N, or N and N m]
+    weights: Array  # diagonal of W for one sample, shape (6,)
 
     def chi_squared(self, values: Array) -> float:
         """(27) at u, shape (u,)."""
@@ -66,7 +62,7 @@ def compress(regressors: Array, forces: Array, weights: Array) -> Compressed:
             "with fewer parameters"
         )
     r = joint_triangle(regressors, forces, np.sqrt(weights))
-    return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), samples * sensors)
+    return Compressed(r[:-1, :-1], r[:-1, -1], float(r[-1, -1] ** 2), samples * sensors, regressors, forces, weights)
 
 
 def joint_triangle(regressors: Array, forces: Array, root: Array) -> Array:
@@ -93,7 +89,6 @@ def determined(root: Array, names: Sequence[str], rows: int, nuisance: int = 0) 
 
     Args:
         root: R, or any matrix with R^T R the information, shape (k, u).
-        names: names of the u columns.
         rows: m n of the paper's numerical zero (Fig. 3).
         nuisance: so many of the last columns are not parameters of the model and are not counted.
 
@@ -155,11 +150,8 @@ def scores(regressors: Array, residuals: Array, weights: Array) -> Array:
 
 
 def fit_along(
-    regressors: Array,
-    forces: Array,
-    names: Sequence[str],
-    weights: Array,
     compressed: Compressed,
+    names: Sequence[str],
     values: Array,
     tangent: Array,
     nuisance: int = 0,
@@ -168,11 +160,7 @@ def fit_along(
     """The Fit at the least chi^2 among u = u(theta), its uncertainty along du/dtheta.
 
     Args:
-        regressors: A_j, shape (n, 6, u).
-        forces: shape (n, 6) [N, or N and N m].
         names: names of the free parameters theta, in their order.
-        weights: diagonal of W for one sample, shape (6,).
-        compressed: of these.
         values: u(theta) at the minimum, shape (u,).
         tangent: du/dtheta there, shape (u, theta).
         nuisance: so many of the last theta are not parameters of the model.
@@ -183,7 +171,7 @@ def fit_along(
     """
     root = compressed.root @ tangent
     rank, condition = determined(root, names, compressed.rows, nuisance)
-    residuals = forces - regressors @ values
+    weights, residuals = compressed.weights, compressed.forces - compressed.regressors @ values
     freedom = degrees_of_freedom(compressed.rows, tangent.shape[1], filtered)
     s0 = float(np.sqrt(np.sum(weights * residuals**2) * filtered.stride / freedom))  # (27)
     half = tangent @ inverse_root(root)

@@ -17,7 +17,7 @@ from scipy.special import fdtrc
 
 from cases.errors import IdentificationError
 from identification.estimation.fit import Fit
-from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS
 
 Array = NDArray[np.float64]
 
@@ -28,24 +28,18 @@ ACCURACIES = (1e-9, 1e-7)  # of the solver: 1e-9 gives 1e-6 standard deviations,
 
 @dataclass(frozen=True, slots=True)
 class ConsistentFit:
-    """A physically consistent estimate.
+    """A physically consistent estimate."""
 
-    Args:
-        fit: the consistent estimate; None where the solver failed. Its covariances, s0 and degrees of freedom are those
-            of the free one: the projection onto a convex set that holds the truth brings the estimate nearer to it
-            (in the metric of F), so that the confidence ellipsoid of (28) holds the truth at least as often (ours).
-        bound: whether the free estimate was inconsistent.
-        rise: rise of chi^2 by the constraint, over s0^2; 0 where it did not bind.
-        p_value: probability that noise makes a consistent body look as inconsistent as this or more, at most; a tiny
-            one says that the model or the data are wrong, not the luck.
-        failure: why the solver failed, or None.
-    """
-
+    # the consistent estimate; None where the solver failed. Its covariances, s0 and degrees of freedom are those of the
+    # free one: the projection onto a convex set that holds the truth brings the estimate nearer to it (in the metric of
+    # F), so that the confidence ellipsoid of (28) holds the truth at least as often (ours)
     fit: Fit | None
-    bound: bool
-    rise: float
+    bound: bool  # whether the free estimate was inconsistent
+    rise: float  # rise of chi^2 by the constraint, over s0^2; 0 where it did not bind
+    # probability that noise makes a consistent body look as inconsistent as this or more, at most; a tiny one says that
+    # the model or the data are wrong, not the luck
     p_value: float
-    failure: str | None
+    failure: str | None  # why the solver failed, or None
 
 
 def pseudo_inertia(body: Array) -> Array:
@@ -75,7 +69,6 @@ def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit
     Args:
         regressors: A_j, shape (n, 6, u); for the residuals.
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         free: estimate of a Gauss-Markov estimator of these; chi^2 rises from it by (u - free)^T F (u - free), F and s0
             being in its covariance.
         thinnest: rms distance of the body's mass from any plane through its centre of gravity, at least [m]. A sheet

@@ -35,19 +35,16 @@ def gauss_markov(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         weights: diagonal of W for one sample, shape (6,) [1/force^2], or ones.
         nuisance: so many of the last columns are not parameters of the model: they are estimated too, and cost
             certainty, but rank and condition are told without them.
-        filtered: what was done to both before.
 
     Raises:
         IdentificationError: fewer forces than unknowns, or parameters that the data do not determine, by name.
     """
     compressed = compress(regressors, forces, weights)
     values = best_values(compressed, names, nuisance)
-    tangent = np.eye(len(values))
-    return fit_along(regressors, forces, names, weights, compressed, values, tangent, nuisance, filtered)
+    return fit_along(compressed, names, values, np.eye(len(values)), nuisance, filtered)
 
 
 def best_values(compressed: Compressed, names: Sequence[str], nuisance: int = 0) -> Array:
@@ -182,20 +179,13 @@ DEPENDENT = 1e-10  # least eigenvalue of the channels' correlation below which o
 
 @dataclass(frozen=True, slots=True)
 class FullWeightsFit:
-    """An estimate with W = channels^-1 at every sample.
+    """An estimate with W = channels^-1 at every sample."""
 
-    Args:
-        fit: `weights` is the diagonal of W; s0 is 1 up to the turns that are left; covariances allow for W being
-            estimated.
-        channels: covariance of the six channels' noise, of the recorded forces, shape (6, 6) [N^2, N^2 m..].
-        converged: whether the last turn changed it by less than `WEIGHT_TOLERANCE` of its variances.
-        rounds: turns taken.
-    """
-
+    # `weights` is the diagonal of W; s0 is 1 up to the turns that are left; covariances allow for W being estimated
     fit: Fit
-    channels: Array
-    converged: bool
-    rounds: int
+    channels: Array  # covariance of the six channels' noise, of the recorded forces, shape (6, 6) [N^2, N^2 m..]
+    converged: bool  # whether the last turn changed it by less than `WEIGHT_TOLERANCE` of its variances
+    rounds: int  # turns taken
 
 
 def full_weights(
@@ -214,9 +204,7 @@ def full_weights(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         nuisance: so many of the last columns are not parameters of the model.
-        filtered: what was done to both before.
 
     Raises:
         IdentificationError: as `gauss_markov`; too few samples for 21 variances; a channel that the others determine.

@@ -38,23 +38,15 @@ CONFLICT = 3.0  # standard deviations between data and a prior from which it is 
 
 @dataclass(frozen=True, slots=True)
 class FitProblem:
-    """What stacked data do not say about themselves.
+    """What stacked data do not say about themselves."""
 
-    Args:
-        model: model that the first columns of the regressors belong to.
-        pooled: all channels have the same noise, as identical sensors do; else each its own.
-        nuisance: columns beyond the model's.
-        filtered: what was done to regressors and forces before.
-        alike: where they are not pooled, channels with the same number have the same noise.
-        noise: noise that the case states and that W follows from; forces and regressors are then multiplied with its
-            `whitening` before they are estimated from, after which all channels are alike.
-    """
-
-    model: Model
-    pooled: bool
-    nuisance: int = 0
-    filtered: Filtered = UNFILTERED
-    alike: tuple[int, ...] = EACH
+    model: Model  # model that the first columns of the regressors belong to
+    pooled: bool  # all channels have the same noise, as identical sensors do; else each its own
+    nuisance: int = 0  # columns beyond the model's
+    filtered: Filtered = UNFILTERED  # what was done to regressors and forces before
+    alike: tuple[int, ...] = EACH  # where they are not pooled, channels with the same number have the same noise
+    # noise that the case states and that W follows from; forces and regressors are then multiplied with its `whitening`
+    # before they are estimated from, after which all channels are alike
     noise: StatedNoise | None = None
 
     @classmethod
@@ -79,24 +71,16 @@ Maker = Callable[[FitProblem], Estimator]
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """How parameters are estimated.
+    """How parameters are estimated."""
 
-    Args:
-        maker: function that makes the estimator.
-        name: name of the estimator, for results.
-        known: exact values by linear or physical name [SI].
-        dropped: linear parameters without a column.
-        priors: uncertain knowledge.
-        weights: `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case.
-        biases: offsets from another result, which are among the known values; their uncertainty is propagated.
-    """
-
-    maker: Maker
-    name: str
-    known: Mapping[str, float]
-    dropped: tuple[str, ...]
+    maker: Maker  # function that makes the estimator
+    name: str  # name of the estimator, for results
+    known: Mapping[str, float]  # exact values by linear or physical name [SI]
+    dropped: tuple[str, ...]  # linear parameters without a column
     priors: tuple[Prior, ...]
+    # `equal`, `per_channel`, `per_unit` or `stated`, see `cases.sensors`; None for those of the case
     weights: str | None = None
+    # offsets from another result, which are among the known values; their uncertainty is propagated
     biases: Biases | None = None
 
     @property

@@ -17,15 +17,10 @@ Array = NDArray[np.float64]
 
 
 class Filtered(NamedTuple):
-    """What a low-pass did to white noise before the fit, and how many samples of it were kept.
+    """What a low-pass did to white noise before the fit, and how many samples of it were kept."""
 
-    Args:
-        gain: variance of filtered noise over that of recorded noise, the sum of the squared kernel.
-        stride: recorded samples for each one that is kept.
-    """
-
-    gain: float
-    stride: float
+    gain: float  # variance of filtered noise over that of recorded noise, the sum of the squared kernel
+    stride: float  # recorded samples for each one that is kept
 
 
 UNFILTERED = Filtered(1.0, 1)
@@ -33,49 +28,30 @@ EACH = (0, 1, 2, 3, 4, 5)  # channels that have the same noise carry the same nu
 
 
 class Robust(NamedTuple):
-    """What a run says of an estimate where noise is not white.
+    """What a run says of an estimate where noise is not white."""
 
-    Args:
-        covariance: covariance of u, shape (u, u).
-        findings: what noise it allows for.
-        field: errors that depend on the pose, where the run shows them.
-    """
-
-    covariance: Array
+    covariance: Array  # covariance of u, shape (u, u)
     findings: tuple[Finding, ...] = ()
-    field: PoseField | None = None
+    field: PoseField | None = None  # errors that depend on the pose, where the run shows them
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """An estimate of u.
+    """An estimate of u."""
 
-    Args:
-        values: u, shape (u,).
-        covariance: s0^2 F^-1, (28), shape (u, u): right where the recorded noise is white.
-        covariance_robust: autocorrelation-robust, shape (u, u): right also where they are not.
-        s0: (27), of the recorded forces; dimensionless where weights are given, else [N].
-        freedom: degrees of freedom of s0.
-        residuals: f - A u, shape (n, 6) [N, or N and N m].
-        weights: diagonal of W for one sample, shape (6,).
-        rank: rank of the scaled regressor.
-        condition: mu_1 / mu_u of the scaled regressor (26).
-        findings: what the estimator did beside, as a constraint that bound, or a prior that moved it, and what speaks
-            against it, as a prior that disagrees, or a search that did not settle.
-        field: errors that depend on the pose, where the run shows them.
-    """
-
-    values: Array
-    covariance: Array
-    covariance_robust: Array
-    s0: float
-    freedom: float
-    residuals: Array
-    weights: Array
-    rank: int
-    condition: float
+    values: Array  # u, shape (u,)
+    covariance: Array  # s0^2 F^-1, (28), shape (u, u): right where the recorded noise is white
+    covariance_robust: Array  # autocorrelation-robust, shape (u, u): right also where they are not
+    s0: float  # (27), of the recorded forces; dimensionless where weights are given, else [N]
+    freedom: float  # degrees of freedom of s0
+    residuals: Array  # f - A u, shape (n, 6) [N, or N and N m]
+    weights: Array  # diagonal of W for one sample, shape (6,)
+    rank: int  # rank of the scaled regressor
+    condition: float  # mu_1 / mu_u of the scaled regressor (26)
+    # what the estimator did beside, as a constraint that bound, or a prior that moved it, and what speaks against it,
+    # as a prior that disagrees, or a search that did not settle
     findings: tuple[Finding, ...] = ()
-    field: PoseField | None = None
+    field: PoseField | None = None  # errors that depend on the pose, where the run shows them
 
 
 Estimator = Callable[[Array, Array, Sequence[str]], Fit]
@@ -112,7 +88,6 @@ def of_forces(whitening: Array | None, fit: Fit, matrices: Array, forces: Array)
 
     Args:
         whitening: root of W, shape (6, 6); None where nothing was whitened.
-        fit: fit to the whitened forces.
         matrices: A, not whitened, shape (n, 6, u).
         forces: not whitened, shape (n, 6) [N, or N and N m].
     """

@@ -20,9 +20,8 @@ from identification.estimation.compressed import column_scale, compress, fit_alo
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.estimation.selection import require_names
 from identification.model import Model
-from identification.parameters import physical_form
+from identification.parameters import FIRST_MOMENT, INERTIA, MASS, physical_form
 from identification.pose import skew
-from identification.regressor_blocks import FIRST_MOMENT, INERTIA, MASS
 
 Array = NDArray[np.float64]
 
@@ -33,23 +32,17 @@ ROUNDING = 1e-14  # of the forces: smaller steps only move the last digits
 
 @dataclass(frozen=True, slots=True)
 class NonlinearFit:
-    """An estimate in physical parameters.
+    """An estimate in physical parameters."""
 
-    Args:
-        fit: fit in u, so that `physical_form` gives the values below back; rank and condition are those of the local
-            Jacobian; None where the search failed.
-        values: p, shape (p,); where the search failed the last ones.
-        covariance: covariance of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p);
-            None where the search failed.
-        steps: steps of Gauss-Newton.
-        failure: why it failed, or None.
-    """
-
+    # fit in u, so that `physical_form` gives the values below back; rank and condition are those of the local Jacobian;
+    # None where the search failed
     fit: Fit | None
-    values: Array
+    values: Array  # p, shape (p,); where the search failed the last ones
+    # covariance of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p); None where the
+    # search failed
     covariance: Array | None
-    steps: int
-    failure: str | None
+    steps: int  # steps of Gauss-Newton
+    failure: str | None  # why it failed, or None
 
 
 def linear_map(model: Model) -> ca.Function:
@@ -129,8 +122,7 @@ def nonlinear(
     if found.failure is not None:
         return NonlinearFit(None, physical, None, found.steps, found.failure)
     labels = [name for name, f in zip(names, free, strict=True) if f]
-    along = fit_along(regressors, forces, labels, weights, compressed, u, tangent, beyond, filtered)
-    fit = with_kernel(along, regressors, filtered)
+    fit = with_kernel(fit_along(compressed, labels, u, tangent, beyond, filtered), regressors, filtered)
     onto = np.zeros((len(names), len(names)))
     onto[free] = np.linalg.pinv(tangent)  # tangent has full rank: du/dp has it for every mass but zero
     return NonlinearFit(fit, physical, onto @ fit.covariance @ onto.T, found.steps, None)
@@ -145,17 +137,11 @@ RESOLVED = 1e-10  # of |r|^2: less of it than a step promises may drown in round
 
 
 class Minimum(NamedTuple):
-    """Where the search ended.
+    """Where the search ended."""
 
-    Args:
-        at: theta, shape (p,).
-        steps: taken.
-        failure: why this is not a minimum, and what to do; None where it is one.
-    """
-
-    at: Array
-    steps: int
-    failure: str | None
+    at: Array  # theta, shape (p,)
+    steps: int  # taken
+    failure: str | None  # why this is not a minimum, and what to do; None where it is one
 
 
 def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:
@@ -164,7 +150,6 @@ def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:
     Directions that nothing determines stay where they started: rank is the caller's to judge at the end.
 
     Args:
-        residual: r and its Jacobian.
         start: theta, shape (p,).
         tolerance: length of a step, as the change of r that it predicts, below which it is the last. Where r is in
             standard deviations of the noise no parameter is then further from the minimum than so many of its own.

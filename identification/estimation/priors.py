@@ -40,15 +40,9 @@ class Prior(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class PseudoMeasurements:
-    """Priors as further rows of (23): h(u) = value + error of standard deviation std.
+    """Priors as further rows of (23): h(u) = value + error of standard deviation std."""
 
-    Args:
-        priors: at most one for each name.
-        model: whose parameters they are about.
-        form: its physical form.
-    """
-
-    priors: tuple[Prior, ...]
+    priors: tuple[Prior, ...]  # at most one for each name
     model: Model
     form: PhysicalForm
 
@@ -110,43 +104,31 @@ SILENT = 1e-9  # below this share of the information the data count as silent ab
 
 
 class PriorEffect(NamedTuple):
-    """What a prior did to the parameter that it is about.
-
-    Args:
-        prior: the prior.
-        estimate: estimate with it [SI].
-        std: standard deviation of the estimate [SI].
-        moved: by how many of the standard deviations that the estimate would have without this prior the prior moved
-            it; 0 where the data are silent.
-        conflict: by how many standard deviations of their difference the prior is above data and other priors;
-            standard normal where they agree, 0 where the data are silent.
-        data_share: of the information about this parameter, the share that is not this prior's, 0 to 1.
-    """
+    """What a prior did to the parameter that it is about."""
 
     prior: Prior
-    estimate: float
-    std: float
+    estimate: float  # estimate with it [SI]
+    std: float  # standard deviation of the estimate [SI]
+    # by how many of the standard deviations that the estimate would have without this prior the prior moved it; 0 where
+    # the data are silent
     moved: float
+    # by how many standard deviations of their difference the prior is above data and other priors; standard normal
+    # where they agree, 0 where the data are silent
     conflict: float
-    data_share: float
+    data_share: float  # of the information about this parameter, the share that is not this prior's, 0 to 1
 
 
 @dataclass(frozen=True, slots=True)
 class PriorFit:
-    """An estimate from data and priors.
+    """An estimate from data and priors."""
 
-    Args:
-        fit: fit of u; covariances, rank and condition are those of data and priors together, s0 and its degrees of
-            freedom those of the data alone; None where the search failed.
-        effects: one for each prior; none where the search failed.
-        data_share: trace of the resolution matrix over u: the share of the unknowns that the data determine, 0 to 1.
-        failure: why the search failed, or None.
-    """
-
+    # fit of u; covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom
+    # those of the data alone; None where the search failed
     fit: Fit | None
-    effects: tuple[PriorEffect, ...]
+    effects: tuple[PriorEffect, ...]  # one for each prior; none where the search failed
+    # trace of the resolution matrix over u: the share of the unknowns that the data determine, 0 to 1
     data_share: float
-    failure: str | None
+    failure: str | None  # why the search failed, or None
 
 
 def with_priors(

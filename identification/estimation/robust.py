@@ -28,22 +28,16 @@ SILENT = 1e-12  # of the largest force: what is left of a channel is rounding, n
 
 @dataclass(frozen=True, slots=True)
 class RobustFit:
-    """A Huber estimate.
+    """A Huber estimate."""
 
-    Args:
-        fit: its `covariance` is the sandwich of Huber 1967 and White 1980, right also where the spread of the forces
-            changes over the run; `weights` are 1 / scales^2, or ones where the scale is pooled.
-        converged: whether the last step was below `TOLERANCE`.
-        rounds: reweightings done.
-        scales: standard deviation of the noise in each channel, by the normalised MAD, shape (6,) [N, or N and N m].
-        attention: weight that each force kept, from 0 to 1, shape (n, 6).
-    """
-
+    # its `covariance` is the sandwich of Huber 1967 and White 1980, right also where the spread of the forces changes
+    # over the run; `weights` are 1 / scales^2, or ones where the scale is pooled
     fit: Fit
-    converged: bool
-    rounds: int
+    converged: bool  # whether the last step was below `TOLERANCE`
+    rounds: int  # reweightings done
+    # standard deviation of the noise in each channel, by the normalised MAD, shape (6,) [N, or N and N m]
     scales: Array
-    attention: Array
+    attention: Array  # weight that each force kept, from 0 to 1, shape (n, 6)
 
     @property
     def reduced(self) -> Array:
@@ -65,7 +59,6 @@ def huber(
     Args:
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         pooled: one scale for all channels (identical sensors), else one for each (mixed units).
         nuisance: so many of the last columns are not parameters of the model.
         filtered: what was done to both before; a low-pass smears gross errors, so look for them before it.

@@ -24,21 +24,13 @@ _CENTRE = ("xC", "yC", "zC")
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Which parameters of a model are estimated, and how u follows from them: u = offset + basis @ free.
+    """Which parameters of a model are estimated, and how u follows from them: u = offset + basis @ free."""
 
-    Args:
-        names: names of the free parameters, in the order of (17).
-        known: values that were given, by linear or physical name [SI].
-        dropped: linear parameters that were left out, u = 0.
-        offset: u0, shape (u,).
-        basis: B, shape (u, free).
-    """
-
-    names: tuple[str, ...]
-    known: Mapping[str, float]
-    dropped: tuple[str, ...]
-    offset: Array
-    basis: Array
+    names: tuple[str, ...]  # names of the free parameters, in the order of (17)
+    known: Mapping[str, float]  # values that were given, by linear or physical name [SI]
+    dropped: tuple[str, ...]  # linear parameters that were left out, u = 0
+    offset: Array  # u0, shape (u,)
+    basis: Array  # B, shape (u, free)
 
     def estimated(self, form: PhysicalForm) -> tuple[str, ...]:
         """Physical parameters that the data have a say in; the others are known, left out, or follow from such."""
@@ -66,7 +58,6 @@ def select(model: Model, known: Mapping[str, float], dropped: Iterable[str] = ()
     """Chooses what is estimated.
 
     Args:
-        model: the full model.
         known: values of parameters by linear (m, mxC, I11..) or physical name (xC, IC11..) [SI]; they are taken as
             exact (uncertain ones: `priors`). A central inertia needs a known centre of gravity with it, else the
             problem is not linear (then: `nonlinear`).
@@ -152,9 +143,7 @@ def estimate_selected(
     Args:
         regressors: A_j of the full model, shape (n, 6, u); columns beyond it (a delay) stay free.
         forces: shape (n, 6) [N, or N and N m].
-        names: names of the u columns.
         selection: selection of the model that the regressors belong to.
-        estimator: what to estimate with.
 
     Returns:
         The estimator's Fit with values (u,) and covariances (u, u); rank and condition are those of the free ones.

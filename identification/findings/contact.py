@@ -50,17 +50,11 @@ ENOUGH = 5.0  # times as many forces as unknowns, to begin from
 
 
 class Contact(NamedTuple):
-    """A stretch of time in which something pushed.
+    """A stretch of time in which something pushed."""
 
-    Args:
-        start: [s].
-        end: [s].
-        peak: largest external force in it [N]; of a wrench, its force part.
-    """
-
-    start: float
-    end: float
-    peak: float
+    start: float  # [s]
+    end: float  # [s]
+    peak: float  # largest external force in it [N]; of a wrench, its force part
 
 
 class Calm(NamedTuple):
@@ -68,17 +62,13 @@ class Calm(NamedTuple):
 
     The covariance is that of the inner half of the residuals, so that up to half of them may be touched; the median of
     the distances, which noise fixes, removes what trimming took from it.
-
-    Args:
-        centre: median of each channel, shape (6,) [N, or N and N m].
-        metric: distance^2 = away^T metric away is 1 for what noise exceeds with the probability `CHANCE`, shape (6, 6);
-            0 where nothing is left.
-        noise: standard deviation of each channel, shape (6,).
     """
 
-    centre: Array
+    centre: Array  # median of each channel, shape (6,) [N, or N and N m]
+    # distance^2 = away^T metric away is 1 for what noise exceeds with the probability `CHANCE`, shape (6, 6); 0 where
+    # nothing is left
     metric: Array
-    noise: Array
+    noise: Array  # standard deviation of each channel, shape (6,)
 
     @classmethod
     def of(cls, residuals: Array) -> "Calm":
@@ -160,15 +150,10 @@ def _change(t: Array, forces: Array) -> Array:
 
 
 class Trimmed(NamedTuple):
-    """A fit to the half of the samples that agree best.
+    """A fit to the half of the samples that agree best."""
 
-    Args:
-        values: u, shape (u,).
-        explained: the samples of the fit, shape (n,).
-    """
-
-    values: Array
-    explained: Rows
+    values: Array  # u, shape (u,)
+    explained: Rows  # the samples of the fit, shape (n,)
 
 
 def least_trimmed_squares(regressors: Array, forces: Array, w: Array, step: float) -> Trimmed | None:
@@ -231,10 +216,6 @@ def free_of_contact(
     """The fit to the samples out of contact, and the contacts; of averaged periods the fit as it is.
 
     Args:
-        recording: names rows.
-        fitted: all samples with their fit.
-        how: estimator.
-        problem: the run's model and weights.
         held: the delay, where it is not estimated.
 
     Raises:

@@ -15,9 +15,8 @@ from cases.machine import Limits
 from cases.schema import Case
 from cases.units import MM
 from identification.finding import Finding, Kind, Severity, sentences, warning
-from identification.formats.clock import GAP, HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
-from identification.formats.table import Lines
+from identification.formats.table import GAP, HOST_GAP, Lines, lost_samples
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -42,15 +41,10 @@ LEAST_ROWS = 50  # without a clock, from which on a smooth sequence is taken for
 
 
 class Scan(NamedTuple):
-    """What was found in a recording.
-
-    Args:
-        findings: findings with places.
-        bad: samples that no estimate may use, shape (n,).
-    """
+    """What was found in a recording."""
 
     findings: tuple[Finding, ...]
-    bad: Rows
+    bad: Rows  # samples that no estimate may use, shape (n,)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -75,7 +69,6 @@ def scan(recording: Recording, case: Case) -> Scan:
     """Looks through a recording.
 
     Args:
-        recording: any.
         case: range of the sensors, workspace and limits of the machine.
 
     Raises:

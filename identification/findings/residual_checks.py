@@ -20,9 +20,9 @@ from identification.findings.plausibility import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
 from identification.noise.stated import acceleration_to_force, inverse_root
+from identification.parameters import MASS
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
-from identification.regressor_blocks import MASS
 from identification.runs.evaluation import Run
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ def systematic(fit: Fit, usual: float) -> list[Finding]:
     if len(left) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
         return []
     told = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
-    told += "contact, a model without what moves the forces, or coloured noise; look at plots/residuals.svg"
+    told += "contact, a model without what moves the forces, or coloured noise; look at their figure in the report"
     return [warning(Kind.MODEL, told)]
 
 
@@ -229,21 +229,13 @@ TELLING = 0.1  # share of the residuals' variance from which noise of accelerati
 
 @dataclass(frozen=True, slots=True)
 class NoiseComponents:
-    """Standard deviations of white noise of one recorded sample that would leave such residuals.
+    """Standard deviations of white noise of one recorded sample that would leave such residuals."""
 
-    Args:
-        force: standard deviation of a force channel [N].
-        moment: standard deviation of a moment channel of a force/torque sensor [N m]; None for bars.
-        acceleration: standard deviation of the acceleration of the origin of {P}, in each direction [m/s^2].
-        angular: standard deviation of the angular acceleration [rad/s^2].
-        share: share of the residuals' variance, in units of the channels' own, that the accelerations explain.
-    """
-
-    force: float
-    moment: float | None
-    acceleration: float
-    angular: float
-    share: float
+    force: float  # standard deviation of a force channel [N]
+    moment: float | None  # standard deviation of a moment channel of a force/torque sensor [N m]; None for bars
+    acceleration: float  # standard deviation of the acceleration of the origin of {P}, in each direction [m/s^2]
+    angular: float  # standard deviation of the angular acceleration [rad/s^2]
+    share: float  # share of the residuals' variance, in units of the channels' own, that the accelerations explain
 
     def finding(self, weights: str) -> Finding:
         """What is to be told of it, `weights` being those of the identification; keys as in the case."""

@@ -37,7 +37,6 @@ def require_wiring(recording: Recording, case: Case, model: Model, negative: boo
 
     Args:
         recording: a run that something speaks against.
-        case: its case.
         model: model that its forces are compared with.
         negative: whether the mass came out negative for certain.
     """
@@ -80,29 +79,20 @@ class Explained(NamedTuple):
 
 
 class Data(NamedTuple):
-    """Some instants of a run.
+    """Some instants of a run."""
 
-    Args:
-        forces: shape (n, 6) [N, or N and N m].
-        slopes: their derivative, which a delay adds, shape (n, 6); None of standstills.
-        weights: weights of each channel, shape (6,).
-        struts: lengths, velocities and accelerations, each of shape (n, 6); None without struts.
-        regressors: A as recorded, shape (n, 6, u); None where the struts do not close.
-    """
-
-    forces: Array
-    slopes: Array | None
-    weights: Array
+    forces: Array  # shape (n, 6) [N, or N and N m]
+    slopes: Array | None  # their derivative, which a delay adds, shape (n, 6); None of standstills
+    weights: Array  # weights of each channel, shape (6,)
+    # lengths, velocities and accelerations, each of shape (n, 6); None without struts
     struts: tuple[Array, Array, Array] | None
-    regressors: Array | None
+    regressors: Array | None  # A as recorded, shape (n, 6, u); None where the struts do not close
 
 
 def other_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> str | None:
     """How struts or force channels seem to be exchanged, with the remedy; None where nothing else explains the run.
 
     Args:
-        recording: the run.
-        case: its case.
         model: model that the forces are compared with.
         negative: whether the mass came out negative for certain.
     """
@@ -243,9 +233,7 @@ def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int
     """Rms residuals of the forces in an order; infinite where the struts do not close, or a mass would be negative.
 
     Args:
-        data: data of the run.
         matrices: A, shape (n, 6, u); None where the struts do not close.
-        order: order of the forces.
         mass: its place among the parameters, where it must not be negative.
     """
     nothing = Explained(float("inf"), float("inf"))

@@ -34,7 +34,7 @@ from identification.formats.checks import (
     require_switch,
     with_lost_rows,
 )
-from identification.formats.header import without
+from identification.formats.delimited import without
 from identification.formats.stream import Stream
 from identification.formats.table import Array, ColumnTable, listed
 
@@ -52,9 +52,6 @@ def stream_of(table: ColumnTable, case: Case, form: RecordingFormat, origin: Fra
     """Channels of a table in SI.
 
     Args:
-        table: table of a run.
-        case: the machine and its sensors.
-        form: how the file is written.
         origin: what becomes time 0, see `start_of`.
 
     Raises:

@@ -10,9 +10,8 @@ from cases.errors import RecordingError
 from cases.recording_format import CLOCK, OVERRIDE, ROTATION, STRUTS, TRIGGER, RecordingFormat, units_of
 from cases.schema import Case
 from cases.units import MM
-from identification.formats.clock import UNIFORMITY, crowded, lost_samples
 from identification.formats.stream import Channel, Stream
-from identification.formats.table import Array, ColumnTable, shown
+from identification.formats.table import UNIFORMITY, Array, ColumnTable, crowded, lost_samples, shown
 
 # Rotation matrices are printed with a few digits; beyond this they are not rotations (transposed columns, wrong order).
 ORTHOGONALITY = 1e-3
@@ -146,17 +145,11 @@ _SWITCHING: tuple[Channel, ...] = ("trigger", "override", "rotations")  # keep t
 
 
 class Marked(NamedTuple):
-    """A table with numbers only.
+    """A table with numbers only."""
 
-    Args:
-        table: table in which every value is finite.
-        missing: rows in which one stands for nothing, shape (n,); None: there are none.
-        columns: those in which they are, as the file calls them.
-    """
-
-    table: ColumnTable
-    missing: Rows | None
-    columns: tuple[str, ...]
+    table: ColumnTable  # table in which every value is finite
+    missing: Rows | None  # rows in which one stands for nothing, shape (n,); None: there are none
+    columns: tuple[str, ...]  # those in which they are, as the file calls them
 
 
 def marked(table: ColumnTable, form: RecordingFormat) -> Marked:

@@ -21,29 +21,17 @@ _UNIT = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class TextLayout:
-    """How a text file is laid out.
+    """How a text file is laid out."""
 
-    Args:
-        format: as `recording.format` names it.
-        dialect: separator, decimal sign and encoding.
-        header_rows: lines above the numbers.
-        names_row: which of them holds the names, counted from 1; 0: none does.
-        names: names of the columns; numbered where the file has none.
-        units: units of the columns, where a line of the header holds them; else empty.
-        numeric: whether each column holds numbers.
-        trailing_rows: lines below the numbers.
-        cut_off: whether the last line ends early.
-    """
-
-    format: Literal["csv", "halsampler", "twincat-scope"]
-    dialect: TextFormat
-    header_rows: int
-    names_row: int
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    numeric: tuple[bool, ...]
-    trailing_rows: int
-    cut_off: bool
+    format: Literal["csv", "halsampler", "twincat-scope"]  # as `recording.format` names it
+    dialect: TextFormat  # separator, decimal sign and encoding
+    header_rows: int  # lines above the numbers
+    names_row: int  # which of them holds the names, counted from 1; 0: none does
+    names: tuple[str, ...]  # names of the columns; numbered where the file has none
+    units: tuple[str, ...]  # units of the columns, where a line of the header holds them; else empty
+    numeric: tuple[bool, ...]  # whether each column holds numbers
+    trailing_rows: int  # lines below the numbers
+    cut_off: bool  # whether the last line ends early
 
 
 def layout_of(file: Path) -> TextLayout:

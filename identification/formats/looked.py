@@ -10,9 +10,8 @@ import numpy as np
 from cases.recording_format import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
 from cases.schema import Case
 from cases.units import MM, as_html
-from identification.formats.clock import lost_samples
 from identification.formats.layout import TextLayout
-from identification.formats.table import Array, shown
+from identification.formats.table import Array, lost_samples, shown
 
 RATES = (20.0, 50_000.0)  # rows per second that recorders have
 CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "filetime": 1e-7}
@@ -22,21 +21,13 @@ _MOST_BLANK = 1e-3  # of a column, from which on its empty fields are worth a wo
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of the file.
+    """A column of the file."""
 
-    Args:
-        name: as the file has it.
-        ours: our name of it; None: it means nothing to hexcite, or nobody knows what.
-        unit: unit that the file is taken to use; empty where there is none.
-        guessed: whether meaning or unit follow from the values alone.
-        values: numbers, shape (n,); empty where the column holds text.
-    """
-
-    name: str
-    ours: str | None
-    unit: str
-    guessed: bool
-    values: Array
+    name: str  # as the file has it
+    ours: str | None  # our name of it; None: it means nothing to hexcite, or nobody knows what
+    unit: str  # unit that the file is taken to use; empty where there is none
+    guessed: bool  # whether meaning or unit follow from the values alone
+    values: Array  # numbers, shape (n,); empty where the column holds text
 
 
 @dataclass(frozen=True, slots=True)

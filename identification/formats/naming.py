@@ -63,24 +63,17 @@ _OF_DRIVES = (DRIVES, DRIVE_VELOCITIES)
 
 
 class Named(NamedTuple):
-    """What the name of a column says.
+    """What the name of a column says."""
 
-    Args:
-        ours: our name of it; None: it says nothing.
-        unit: unit that it states; None: none.
-        commanded: whether it is what was asked for, not what was measured.
-    """
-
-    ours: str | None
-    unit: str | None
-    commanded: bool = False
+    ours: str | None  # our name of it; None: it says nothing
+    unit: str | None  # unit that it states; None: none
+    commanded: bool = False  # whether it is what was asked for, not what was measured
 
 
 def named(theirs: str, unit: str = "") -> Named:
     """What a name says.
 
     Args:
-        theirs: the name in the file.
         unit: what a line of units says of it.
     """
     if theirs in COLUMNS:
@@ -129,7 +122,6 @@ def matched(
     """Our columns among a file's, and the units that names state.
 
     Args:
-        names: names of the file's columns.
         units: units of the file's columns, or empty.
         joints: name of each joint of a chain, from the base -> our column; None: the machine is not a chain.
 
@@ -187,7 +179,6 @@ def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]
     """Six free columns next to each other, by names that differ in a number only: each of them may be six channels.
 
     Args:
-        names: names of the file's columns.
         free: positions that mean nothing yet.
     """
     for start in range(len(free) - 5):

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 
 from cases.errors import RecordingError
 from cases.recording_format import RecordingFormat
-from identification.formats.header import select, unknown_columns
+from identification.formats.delimited import select, unknown_columns
 from identification.formats.table import Array, ColumnTable, Lines, Stamps, shown
 from identification.formats.text import unreadable
 
@@ -20,7 +20,6 @@ def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file, row group by row group.
 
     Args:
-        file: the file.
         form: what its columns are called and how its clock counts.
 
     Raises:

@@ -17,7 +17,7 @@ from cases.schema import Case
 from identification.formats import delimited, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
-from identification.formats.header import without
+from identification.formats.delimited import without
 from identification.formats.stream import Recording, Stream, either
 from identification.formats.table import Array, ColumnTable, Stamps
 from identification.formats.text import require_file, unreadable
@@ -37,8 +37,6 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
     """Reads a file: one table for each clock in it.
 
     Args:
-        file: the file.
-        form: how it is written.
         held: numbers of the run's other files that are in memory already.
 
     Raises:
@@ -114,7 +112,6 @@ def read_recording(path: Path, case: Case) -> Recording:
     """Reads a recording: a file in the case's format, or the folder that `hexcite run` wrote.
 
     Args:
-        path: file or folder.
         case: says which columns to expect and how the file writes them.
 
     Raises:

@@ -21,7 +21,7 @@ import pyarrow as pa
 
 from cases.errors import RecordingError
 from cases.recording_format import CLOCK, RecordingFormat
-from identification.formats.header import cells, decoded, select, unknown_columns
+from identification.formats.delimited import cells, decoded, select, unknown_columns
 from identification.formats.table import ColumnTable, Stamps
 from identification.formats.text import (
     Fields,
@@ -54,10 +54,6 @@ class _Layout:
 
 def tables(file: Path, form: RecordingFormat) -> Iterator[ColumnTable]:
     """Reads a file batch by batch: one table for each clock and batch.
-
-    Args:
-        file: the file.
-        form: how it is written.
 
     Raises:
         RecordingError: it cannot be read, with the place and the remedy.

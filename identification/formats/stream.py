@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from cases.units import as_html
 from identification.finding import Finding, Kind, note
-from identification.formats.clock import lost_samples, uniform_step
-from identification.formats.table import Array, Lines
+from identification.formats.table import Array, Lines, lost_samples, uniform_step
 
 Channel = Literal[
     "struts", "rotations", "forces", "trigger", "strut_velocities", "poses", "specific_forces", "override"
@@ -24,37 +23,23 @@ Rows = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True)
 class Stream:
-    """Samples of one clock, one row a sample; arrays are None where there are no such channels.
+    """Samples of one clock, one row a sample; arrays are None where there are no such channels."""
 
-    Args:
-        source: the file, for messages.
-        t: time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill.
-        struts: what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad].
-        rotations: R, shape (n, 3, 3).
-        forces: forces of the sensors, shape (n, 6) [N, or N and N m].
-        trigger: shape (n,).
-        strut_velocities: measured, shape (n, 6) [m/s].
-        poses: poses of {P} in {B}, shape (n, 6) [m, rad].
-        specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
-        override: override of the feed, shape (n,); 1 is none.
-        lines: where the rows stand in the file.
-        missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
-        missing_in: the columns in which they are, as the file calls them.
-    """
-
-    source: str
-    t: Array | None
+    source: str  # the file, for messages
+    t: Array | None  # time since the first sample of the run, shape (n,) [s]; None: every row is an averaged standstill
+    # what moves the sensors: strut lengths, shape (n, 6) [m]; of a chain its joints, shape (n, k) [m or rad]
     struts: Array | None = None
-    rotations: Array | None = None
-    forces: Array | None = None
-    trigger: NDArray[np.bool_] | None = None
-    strut_velocities: Array | None = None
-    poses: Array | None = None
-    specific_forces: Array | None = None
-    override: Array | None = None
-    lines: Lines = _BELOW_A_HEADER
+    rotations: Array | None = None  # R, shape (n, 3, 3)
+    forces: Array | None = None  # forces of the sensors, shape (n, 6) [N, or N and N m]
+    trigger: NDArray[np.bool_] | None = None  # shape (n,)
+    strut_velocities: Array | None = None  # measured, shape (n, 6) [m/s]
+    poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
+    specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
+    override: Array | None = None  # override of the feed, shape (n,); 1 is none
+    lines: Lines = _BELOW_A_HEADER  # where the rows stand in the file
+    # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
     missing: Rows | None = None
-    missing_in: tuple[str, ...] = ()
+    missing_in: tuple[str, ...] = ()  # the columns in which they are, as the file calls them
 
     @property
     def channels(self) -> dict[Channel, Any]:
@@ -73,17 +58,11 @@ class Stream:
 
 
 class Averaged(NamedTuple):
-    """Forces that were averaged over the motion's sampling interval.
+    """Forces that were averaged over the motion's sampling interval."""
 
-    Args:
-        ratio: samples of the forces in an interval.
-        interval: interval of the motion [s].
-        noise: noise of a sample, from the differences of neighbours, shape (6,) [N, or N and N m].
-    """
-
-    ratio: float
-    interval: float
-    noise: Array
+    ratio: float  # samples of the forces in an interval
+    interval: float  # interval of the motion [s]
+    noise: Array  # noise of a sample, from the differences of neighbours, shape (6,) [N, or N and N m]
 
     @property
     def expected(self) -> Array:

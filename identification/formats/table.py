@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.errors import RecordingError
+
 Array = NDArray[np.float64]
 Stamps = NDArray[np.float64] | NDArray[np.int64]
 
@@ -16,20 +18,13 @@ _SHOWN_CHARACTERS = 40
 
 @dataclass(frozen=True, slots=True)
 class Lines:
-    """Where in its file each row stands.
+    """Where in its file each row stands."""
 
-    Args:
-        first: number of the line of the first row, counted from 1.
-        skipped: numbers of lines behind it that hold no row, ascending.
-        word: what the file's rows are called.
-        every: distance of the samples among the file's rows.
-        inserted: rows that stand in no line, counted from 0 and ascending, before only each so-manyth is taken.
-    """
-
-    first: int = 2
-    skipped: tuple[int, ...] = ()
-    word: str = "line"
-    every: int = 1
+    first: int = 2  # number of the line of the first row, counted from 1
+    skipped: tuple[int, ...] = ()  # numbers of lines behind it that hold no row, ascending
+    word: str = "line"  # what the file's rows are called
+    every: int = 1  # distance of the samples among the file's rows
+    # rows that stand in no line, counted from 0 and ascending, before only each so-manyth is taken
     inserted: tuple[int, ...] = ()
 
     def later(self, row: int, every: int = 1) -> "Lines":
@@ -51,23 +46,16 @@ class Lines:
 
 @dataclass(frozen=True, slots=True)
 class ColumnTable:
-    """Columns of a file that share their rows, in the file's units.
+    """Columns of a file that share their rows, in the file's units."""
 
-    Args:
-        source: the file, for messages.
-        names: all columns that the file has, as it calls them.
-        values: our column name -> numbers, shape (n,); missing ones are NaN. Only columns that we know.
-        stamps: stamps of the clock, shape (n,), as the file counts; integers where it writes such. None: no clock.
-        tick: duration of one unit of the stamps [s].
-        lines: where the rows stand.
-    """
-
-    source: str
-    names: tuple[str, ...]
+    source: str  # the file, for messages
+    names: tuple[str, ...]  # all columns that the file has, as it calls them
+    # our column name -> numbers, shape (n,); missing ones are NaN. Only columns that we know
     values: Mapping[str, Array]
+    # stamps of the clock, shape (n,), as the file counts; integers where it writes such. None: no clock
     stamps: Stamps | None
-    tick: float
-    lines: Lines
+    tick: float  # duration of one unit of the stamps [s]
+    lines: Lines  # where the rows stand
 
     @property
     def rows(self) -> int:
@@ -87,3 +75,83 @@ def listed(names: Iterable[str]) -> str:
     kept = [shown(n) for n in names if n.strip()]
     more = f" and {len(kept) - _SHOWN_NAMES} more" if len(kept) > _SHOWN_NAMES else ""
     return (", ".join(kept[:_SHOWN_NAMES]) or "no names") + more
+
+
+# Time stamps of equal steps are printed with rounding; beyond this share of a step the sampling is not uniform.
+UNIFORMITY = 0.05
+GAP = 1.5  # steps between two samples, from which on others were lost between them
+HOST_GAP = 5.0  # the same where a host stamps what it receives: so far its stamps stray from equal steps
+_FEW_STEPS, _TYPICAL_STEPS = 5, 20  # that tell a rate which has changed from a gap
+
+
+def lost_samples(t: Array | None, least: float = GAP, step: float | None = None) -> NDArray[np.int64]:
+    """How many samples were lost between each one and the next, shape (n - 1,).
+
+    Args:
+        t: time stamps, ascending, shape (n,) [s]; None: there is no clock, and nothing can be said.
+        least: steps between two samples, from which on others were lost.
+        step: time between samples [s]; by default the usual one.
+    """
+    if t is None or len(t) < 3:
+        return np.zeros(0 if t is None else max(len(t) - 1, 0), dtype=np.int64)
+    steps = np.diff(t)
+    usual = float(np.median(steps)) if step is None else step
+    if not steps.max() > least * usual:
+        return np.zeros(len(steps), dtype=np.int64)
+    lost = np.maximum(np.rint(steps / usual) - 1.0, 1.0)
+    return np.where(steps > least * usual, lost, 0.0).astype(np.int64)
+
+
+def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
+    """Time between samples, gaps apart [s].
+
+    Args:
+        source: the file, for the message.
+        t: time, shape (n,) [s].
+        lines: where the rows stand in the file.
+
+    Raises:
+        RecordingError: there is no clock, or between gaps it is not uniform; the message names the first step that
+            differs.
+    """
+    if t is None:
+        raise RecordingError(source, "has no t_s column", "its rows are standstills")
+    if len(t) < 2:
+        raise RecordingError(source, "has one row, which is not a motion", "record again")
+    steps = np.diff(t)
+    usual = float(np.median(steps))
+    off = np.abs(steps - usual) > UNIFORMITY * usual
+    if not off.any():
+        return float((t[-1] - t[0]) / (len(t) - 1))
+    gaps = steps > GAP * usual
+    changed = crowded(gaps)
+    if changed is not None or np.any(off & ~gaps):
+        row = int(np.argmax(off & ~gaps)) if changed is None else changed
+        raise RecordingError(_uneven(source, steps, usual, off, row, lines))
+    return float(steps[~gaps].mean())
+
+
+def crowded(gaps: NDArray[np.bool_]) -> int | None:
+    """The first of so many gaps together that it is the rate that has changed; None where there are none such.
+
+    Args:
+        gaps: whether samples were lost between each one and the next, shape (n - 1,).
+    """
+    total = np.r_[0, np.cumsum(gaps)]
+    width = min(2 * _FEW_STEPS, len(gaps))
+    many = total[width:] - total[:-width] >= _FEW_STEPS
+    if not many.any():
+        return None
+    return int(np.argmax(many) + np.argmax(gaps[np.argmax(many) :]))
+
+
+def _uneven(source: str, steps: Array, usual: float, off: NDArray[np.bool_], row: int, lines: Lines) -> str:
+    """What to say of a clock that is not uniform: another rate, or single steps that differ."""
+    count = int(off.sum())
+    there = float(np.median(steps[row : row + _TYPICAL_STEPS]))
+    where = f"{source}, {lines.place(row + 1)}, t_s: step of {steps[row] * 1e3:.4g} ms where the run has "
+    where += f"{usual * 1e3:.4g} ms"
+    if count >= _FEW_STEPS and off[row : row + _TYPICAL_STEPS].mean() > 0.5 and abs(there - usual) > UNIFORMITY * usual:
+        return f"{where}; the sampling rate changes: export the run at one rate"
+    more = f", and at {count - 1} more places" if count > 1 else ""
+    return f"{where}{more}, which is not a gap either; export the run at one rate"

@@ -37,19 +37,12 @@ _DECIMAL_COMMAS = re.compile(r"[0-9],[0-9]")
 
 @dataclass(frozen=True, slots=True)
 class TextFormat:
-    """How a text file writes its numbers.
+    """How a text file writes its numbers."""
 
-    Args:
-        delimiter: delimiter between the fields of a line.
-        decimal: sign, point or comma.
-        missing: fields that stand for no value; without them an empty field is an error.
-        encoding: encoding of the text.
-    """
-
-    delimiter: str
-    decimal: str = "."
-    missing: tuple[str, ...] = ()
-    encoding: str = "utf-8"
+    delimiter: str  # delimiter between the fields of a line
+    decimal: str = "."  # sign, point or comma
+    missing: tuple[str, ...] = ()  # fields that stand for no value; without them an empty field is an error
+    encoding: str = "utf-8"  # encoding of the text
 
     def split(self, line: str) -> list[str]:
         """The fields of a line."""
@@ -74,15 +67,10 @@ def is_number(text: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class TextBlock:
-    """Whole lines of a file.
+    """Whole lines of a file."""
 
-    Args:
-        first_line: number of the first of them, counted from 1.
-        data: the lines; only the very last of the file may lack its line break.
-    """
-
-    first_line: int
-    data: bytes
+    first_line: int  # number of the first of them, counted from 1
+    data: bytes  # the lines; only the very last of the file may lack its line break
 
 
 def require_file(file: Path) -> None:
@@ -187,17 +175,11 @@ def _without_end(data: bytes, trailing_rows: int) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class Fields:
-    """Which fields of each line are wanted.
+    """Which fields of each line are wanted."""
 
-    Args:
-        names: names of all fields, as the file calls them, in their order.
-        numbers: positions of measured values.
-        stamps: positions of clocks; they stay integers where the file writes integers.
-    """
-
-    names: Sequence[str]
-    numbers: Sequence[int]
-    stamps: Sequence[int]
+    names: Sequence[str]  # names of all fields, as the file calls them, in their order
+    numbers: Sequence[int]  # positions of measured values
+    stamps: Sequence[int]  # positions of clocks; they stay integers where the file writes integers
 
 
 def parse(file: Path, block: TextBlock, fields: Fields, dialect: TextFormat) -> Mapping[int, pa.ChunkedArray]:
@@ -249,10 +231,7 @@ def explain(
 
     Args:
         file: where the block is from.
-        block: the lines.
-        names: names of all fields.
         wanted: positions of the fields that must be numbers.
-        dialect: dialect of the file.
         cause: what the parser said, for damage that is not understood here.
     """
     for number, raw, ends in _lines(block):

@@ -29,25 +29,16 @@ Places = NDArray[np.int64]
 
 
 class Turned(NamedTuple):
-    """Residuals of a weighted fit with six turned channels.
+    """Residuals of a weighted fit with six turned channels."""
 
-    Args:
-        half: F^-1 = half half^T, shape (u, u).
-        answer: B, the parameters half^-1 u answer to noise x with the sum of B_k^T x_k over channels, shape (n, 6, u).
-        taken: C, the fit takes C_k times that away from channel k, shape (n, 6, u).
-        noise: residuals, of variance 1 but for degrees of freedom, shape (n, 6).
-        freedom: degrees of freedom of a channel.
-        places: places of the samples in a series of equal steps, from 0 upwards, shape (n,).
-        share: share of the run's samples that these are; noise in all of them tells that much more.
-    """
-
-    half: Array
+    half: Array  # F^-1 = half half^T, shape (u, u)
+    # B, the parameters half^-1 u answer to noise x with the sum of B_k^T x_k over channels, shape (n, 6, u)
     answer: Array
-    taken: Array
-    noise: Array
-    freedom: float
-    places: Places
-    share: float = 1.0
+    taken: Array  # C, the fit takes C_k times that away from channel k, shape (n, 6, u)
+    noise: Array  # residuals, of variance 1 but for degrees of freedom, shape (n, 6)
+    freedom: float  # degrees of freedom of a channel
+    places: Places  # places of the samples in a series of equal steps, from 0 upwards, shape (n,)
+    share: float = 1.0  # share of the run's samples that these are; noise in all of them tells that much more
 
     @property
     def length(self) -> int:
@@ -113,19 +104,12 @@ def coloured_covariance(found: Turned) -> Array | None:
 
 
 class _Series(NamedTuple):
-    """What a channel's samples see of stationary noise x, at n equal steps.
+    """What a channel's samples see of stationary noise x, at n equal steps."""
 
-    Args:
-        answer: B, the parameters answer to x with B^T x, shape (n, u).
-        taken: C, the fit takes C B^T x away, shape (n, u).
-        here: 1 where there is a sample, 0 elsewhere, shape (n,).
-        pairs: how often two samples are so many steps apart, shape (n,).
-    """
-
-    answer: Array
-    taken: Array
-    here: Array
-    pairs: Array
+    answer: Array  # B, the parameters answer to x with B^T x, shape (n, u)
+    taken: Array  # C, the fit takes C B^T x away, shape (n, u)
+    here: Array  # 1 where there is a sample, 0 elsewhere, shape (n,)
+    pairs: Array  # how often two samples are so many steps apart, shape (n,)
 
     def seen(self, autocovariance: Array) -> tuple[Array, Array]:
         """What noise of this autocovariance does: expected |rfft|^2 of what the fit leaves, and B^T Gamma B."""

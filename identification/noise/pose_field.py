@@ -19,15 +19,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class PoseField:
-    """A field of errors.
+    """A field of errors."""
 
-    Args:
-        size: standard deviation of a channel's error [N].
-        length: distance in the space of the six strut lengths at which errors are half alike [m].
-    """
-
-    size: float
-    length: float
+    size: float  # standard deviation of a channel's error [N]
+    length: float  # distance in the space of the six strut lengths at which errors are half alike [m]
 
     @classmethod
     def of(cls, sensors: Sensors) -> "PoseField | None":

@@ -35,15 +35,10 @@ Family = Callable[[Array], tuple[Array, Callable[[Array], Array]]]
 
 
 class Left(NamedTuple):
-    """What a fit left of some samples, in channels with independent noise.
+    """What a fit left of some samples, in channels with independent noise."""
 
-    Args:
-        noise: residuals, shape (m, s).
-        taken: columns, without dependent ones, that the fit may have taken any multiple of, shape (m, s, r).
-    """
-
-    noise: Array
-    taken: Array
+    noise: Array  # residuals, shape (m, s)
+    taken: Array  # columns, without dependent ones, that the fit may have taken any multiple of, shape (m, s, r)
 
     @classmethod
     def of(cls, noise: Array, taken: Array) -> "Left":
@@ -54,19 +49,12 @@ class Left(NamedTuple):
 
 
 class _Solved(NamedTuple):
-    """P = V^-1 - H H^T over all channels, applied.
+    """P = V^-1 - H H^T over all channels, applied."""
 
-    Args:
-        inverse: V^-1, shape (m, m).
-        spanned: H, shape (m, s, r).
-        answer: P applied to the residuals, shape (m, s).
-        half_logdet: log of the determinants' root.
-    """
-
-    inverse: Array
-    spanned: Array
-    answer: Array
-    half_logdet: float
+    inverse: Array  # V^-1, shape (m, m)
+    spanned: Array  # H, shape (m, s, r)
+    answer: Array  # P applied to the residuals, shape (m, s)
+    half_logdet: float  # log of the determinants' root
 
 
 def _solved(left: Left, covariance: Array) -> _Solved:
@@ -87,8 +75,6 @@ def likeliest(left: Left, family: Family, start: Array, bounds: Array) -> tuple[
     """Parameters that make what is left likeliest, shape (p,), and minus the logarithm of that likelihood.
 
     Args:
-        left: samples.
-        family: family of covariances.
         start: parameters to begin with, shape (p,).
         bounds: least and most of each, shape (p, 2).
     """
@@ -127,7 +113,6 @@ def shares_by_channel(left: Left, kernels: Array, shares: Array) -> Array:
     """Shares of noises in each channel, shape (s, c).
 
     Args:
-        left: samples.
         kernels: covariances of the noises, shape (c, m, m).
         shares: shares that are the likeliest for all channels alike, shape (c,).
     """
@@ -164,17 +149,11 @@ FREEDOM = 3  # degrees of freedom of the Student t that is the spectrum of Mater
 
 
 class ByPose(NamedTuple):
-    """A field of errors over the pose.
+    """A field of errors over the pose."""
 
-    Args:
-        covariance: covariance of u, with noise that has memory, shape (u, u).
-        share: variance of the field over that of the residuals; more than 1 where the fit took some.
-        length: distance in the space of the struts' lengths at which errors are half alike [m].
-    """
-
-    covariance: Array
-    share: float
-    length: float
+    covariance: Array  # covariance of u, with noise that has memory, shape (u, u)
+    share: float  # variance of the field over that of the residuals; more than 1 where the fit took some
+    length: float  # distance in the space of the struts' lengths at which errors are half alike [m]
 
     def field(self, residuals: Array) -> PoseField:
         """The field of a channel, where residuals, shape (n, 6), are those of forces [N]."""
@@ -266,7 +245,6 @@ def _felt_field(found: Turned, places: Array, shares: Array) -> Array:
     the length of the run does not count.
 
     Args:
-        found: gives the answer to errors.
         places: places in lengths of the field, shape (n, 6).
         shares: shape (6,).
     """

@@ -28,7 +28,7 @@ from identification.estimation.fit import Filtered, Fit
 from identification.evaluate import over_samples
 from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod, Kinematics
-from identification.machine import Machine
+from identification.machines import Machine
 from identification.model import Model, regressors
 from identification.parameters import PhysicalForm
 from identification.periodic.averaging import PeriodicRun
@@ -42,41 +42,29 @@ GIVEN = 1e-9  # standard deviation over value below which a parameter was given,
 
 
 class Attenuation(NamedTuple):
-    """By how much noise of the accelerations draws a parameter; estimated, and not taken out of its value.
+    """By how much noise of the accelerations draws a parameter; estimated, and not taken out of its value."""
 
-    Args:
-        bias: expected estimate less the true value [SI].
-        relative: bias over the value; None where that is zero.
-        of_std: bias over the standard deviation that is reported; None for what is given.
-    """
-
-    bias: float
-    relative: float | None
-    of_std: float | None
+    bias: float  # expected estimate less the true value [SI]
+    relative: float | None  # bias over the value; None where that is zero
+    of_std: float | None  # bias over the standard deviation that is reported; None for what is given
 
 
 @dataclass(frozen=True, slots=True)
 class NoiseSources:
-    """Shares of s0^2; estimates, since s0 is one.
+    """Shares of s0^2; estimates, since s0 is one."""
 
-    Args:
-        force_sensors: share of the stated noise of the forces; None where none is stated.
-        accelerations: share of what the stated noise of struts and accelerations does to the forces; None where
-            none is stated.
-        acceleration_std: standard deviation of a strut acceleration behind the filter [m/s^2]; None where no noise of
-            struts is stated.
-        equivalent_force_noise: white noise of the recorded forces that leaves as large residuals as that of the
-            accelerations, in units of s0; None where none is stated. Errors of struts reach the accelerations mostly
-            near the cut-off, where the motion tells nothing: they scatter the parameters far less than such white
-            noise, which is what `std_robust` beside (28) shows.
-        bias: bias of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes
-            up half of what the run tells of a parameter.
-    """
-
-    force_sensors: float | None
+    force_sensors: float | None  # share of the stated noise of the forces; None where none is stated
+    # share of what the stated noise of struts and accelerations does to the forces; None where none is stated
     accelerations: float | None
+    # standard deviation of a strut acceleration behind the filter [m/s^2]; None where no noise of struts is stated
     acceleration_std: float | None
+    # white noise of the recorded forces that leaves as large residuals as that of the accelerations, in units of s0;
+    # None where none is stated. Errors of struts reach the accelerations mostly near the cut-off, where the motion
+    # tells nothing: they scatter the parameters far less than such white noise, which is what `std_robust` beside (28)
+    # shows
     equivalent_force_noise: float | None
+    # bias of u by noise of the accelerations, shape (u,); None where none is stated, or so much that it makes up half
+    # of what the run tells of a parameter
     bias: Array | None
 
     @property
@@ -132,17 +120,11 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
 
 
 class RegressorNoise(NamedTuple):
-    """What stated noise of struts and accelerations does to the regressors of a run.
+    """What stated noise of struts and accelerations does to the regressors of a run."""
 
-    Args:
-        moment: D, the expected sum over its samples of dA^T W dA, shape (u, u).
-        samples: samples that it is of.
-        variance: variance of the accelerations of a strut, by noise of the struts [m^2/s^4].
-    """
-
-    moment: Array
-    samples: int
-    variance: float
+    moment: Array  # D, the expected sum over its samples of dA^T W dA, shape (u, u)
+    samples: int  # samples that it is of
+    variance: float  # variance of the accelerations of a strut, by noise of the struts [m^2/s^4]
 
     def of_samples(self, samples: int) -> "RegressorNoise":
         """That of more samples, of which these are a fair choice."""
@@ -153,7 +135,6 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
     """What a case states, in the regressors of a run.
 
     Args:
-        run: gives the motion.
         w: W for one sample, shape (6, 6).
         delay: delay of the forces [s].
         sensors: sensors with noise of struts, of accelerations or both.
@@ -183,7 +164,6 @@ def sources_of(effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filt
         effect: effect of noise of struts and accelerations; None where none is stated.
         fit: its values begin with u; its covariance is (28).
         w: W for one sample, shape (6, 6).
-        filtered: what the filter did to white noise.
         sensors: sensors with noise of forces, of struts or both.
     """
     squared = max(fit.s0**2, np.finfo(float).tiny)
@@ -215,7 +195,6 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
     """The bias of u as that of physical parameters.
 
     Args:
-        form: form of the model.
         u: as estimated, shape (u,).
         bias: bias of it, shape (u,).
         std: standard deviation of the physical parameters as reported, shape (parameters,).
@@ -260,9 +239,6 @@ def strut_noise_moment(run: PeriodicRun, motion: Kinematics, sensors: Sensors, w
     they do, the steps repeat with them.
 
     Args:
-        run: the run.
-        motion: motion at its fine instants.
-        sensors: sensors with noise of the struts.
         w: W for one sample, shape (6, 6).
     """
     periods = len(run.scatter.series) if run.scatter is not None else 1

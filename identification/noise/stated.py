@@ -25,17 +25,11 @@ TURNS = 3  # of weights and parameters; the weights need the parameters to a per
 
 @dataclass(frozen=True, slots=True)
 class StatedNoise:
-    """White noise of one recorded sample.
+    """White noise of one recorded sample."""
 
-    Args:
-        model: model that turns accelerations into forces.
-        force: standard deviation of each channel, shape (6,) [N, or N and N m].
-        acceleration: acceleration of each component of the twist rate, shape (6,) [m/s^2, rad/s^2].
-    """
-
-    model: Model
-    force: Array
-    acceleration: Array
+    model: Model  # model that turns accelerations into forces
+    force: Array  # standard deviation of each channel, shape (6,) [N, or N and N m]
+    acceleration: Array  # acceleration of each component of the twist rate, shape (6,) [m/s^2, rad/s^2]
 
     @classmethod
     def of(cls, model: Model, sensors: Sensors) -> "StatedNoise":
@@ -79,7 +73,6 @@ class StatedNoise:
         Args:
             regressors: A_j, shape (n, 6, u).
             forces: shape (n, 6) [N, or N and N m].
-            selection: what of u is free.
         """
         whitening = np.diag(1.0 / self.force)
         for _ in range(TURNS):
@@ -94,7 +87,6 @@ def acceleration_to_force(model: Model, values: Array) -> Array:
     """G = df/d(twist rate) where {P} and {B} have the same axes, shape (6, 6); exact, A is affine in the twist rate.
 
     Args:
-        model: gives A.
         values: u, shape (u,).
     """
     still, turned = np.zeros((7, 6)), np.broadcast_to(np.eye(3), (7, 3, 3))

@@ -48,32 +48,19 @@ UNLIKELY = 1e-3  # chance of so large a ratio by noise alone
 
 @dataclass(frozen=True)
 class PeriodicRun:
-    """A repeating run, ready to be evaluated at any delay between forces and motion.
-
-    Args:
-        model: gives A.
-        hexapod: kinematics.
-        recording: bad samples mended.
-        part: part that repeats.
-        used: recorded samples of the periods that are evaluated, shape (n of the recording,).
-        struts: their motion, with some harmonics more than the forces: oscillations mix in the regressor [m].
-        forces_series: Fourier series of the forces, of H harmonics [N, or N and N m].
-        scatter: scatter of the periods' forces; None where there is one period.
-        chosen: whether the number of harmonics was chosen here.
-        limited: whether the filter's cut-off bounded it.
-        window: what is found about the window.
-    """
+    """A repeating run, ready to be evaluated at any delay between forces and motion."""
 
     model: Model
     hexapod: Hexapod
     recording: Recording
-    part: RepeatingPart
-    used: Rows
+    part: RepeatingPart  # part that repeats
+    used: Rows  # recorded samples of the periods that are evaluated, shape (n of the recording,)
+    # their motion, with some harmonics more than the forces: oscillations mix in the regressor [m]
     struts: FourierSeries
-    forces_series: FourierSeries
-    scatter: PeriodScatter | None
-    chosen: bool
-    limited: bool
+    forces_series: FourierSeries  # Fourier series of the forces, of H harmonics [N, or N and N m]
+    scatter: PeriodScatter | None  # scatter of the periods' forces; None where there is one period
+    chosen: bool  # whether the number of harmonics was chosen here
+    limited: bool  # whether the filter's cut-off bounded it
     window: tuple[Finding, ...] = ()
 
     @property
@@ -258,9 +245,7 @@ def periodic_run(recording: Recording, case: Case, model: Model, wish: Periodic,
     """The part of a moving run that repeats itself.
 
     Args:
-        recording: recording with struts and a clock.
         case: machine; its filter's cut-off bounds the harmonics.
-        model: gives A.
         wish: period and harmonics, where they are given.
         found: samples that may not be used; longer stretches of them cost their periods.
 

@@ -25,15 +25,10 @@ MAJORITY = 3  # periods that tell which of them is strange
 
 
 class PeriodScatter(NamedTuple):
-    """A signal, period by period.
+    """A signal, period by period."""
 
-    Args:
-        series: one of each period, all with the same phase.
-        rows: samples of each.
-    """
-
-    series: tuple[FourierSeries, ...]
-    rows: tuple[NDArray[np.int64], ...]
+    series: tuple[FourierSeries, ...]  # one of each period, all with the same phase
+    rows: tuple[NDArray[np.int64], ...]  # samples of each
 
     def only(self, kept: Sequence[int]) -> "PeriodScatter":
         """Some of the periods."""
@@ -43,7 +38,6 @@ class PeriodScatter(NamedTuple):
         """Spectral matrices of the noise of the mean period, averaged over neighbouring harmonics.
 
         Args:
-            harmonics: as many are wanted beside the constant.
             points: length of the discrete Fourier transform whose values they are the covariances of.
 
         Returns:
@@ -130,8 +124,6 @@ def kept_periods(recording: Recording, periods: PeriodScatter, bad: Rows) -> tup
     """Numbers of the periods that are averaged, and what is to be said of the others.
 
     Args:
-        recording: gives the names of rows.
-        periods: all of them.
         bad: samples that may not be used, shape (n of the recording,).
 
     Raises:

@@ -31,23 +31,14 @@ REMEDY = "leave --period out, or give --period SECONDS where the run holds a sin
 
 
 class RepeatingPart(NamedTuple):
-    """The periodic part of a run.
+    """The periodic part of a run."""
 
-    Args:
-        period: [s].
-        first: first row.
-        end: row behind the last.
-        periods: how many it holds, at least 1.
-        misfit: rms difference of the struts a period later [m]; of one period: between its ends.
-        motion: rms of the struts about their means [m].
-    """
-
-    period: float
-    first: int
-    end: int
-    periods: int
-    misfit: float
-    motion: float
+    period: float  # [s]
+    first: int  # first row
+    end: int  # row behind the last
+    periods: int  # how many it holds, at least 1
+    misfit: float  # rms difference of the struts a period later [m]; of one period: between its ends
+    motion: float  # rms of the struts about their means [m]
 
     @property
     def relative(self) -> float:
@@ -225,17 +216,11 @@ SETTLED = 1e-10  # of the period
 
 
 class FourierSeries(NamedTuple):
-    """A periodic signal.
+    """A periodic signal."""
 
-    Args:
-        coefficients: c_0, a_1, b_1, a_2, .., shape (2 H + 1, channels).
-        period: [s].
-        start: instant of phase 0 [s].
-    """
-
-    coefficients: Array
-    period: float
-    start: float
+    coefficients: Array  # c_0, a_1, b_1, a_2, .., shape (2 H + 1, channels)
+    period: float  # [s]
+    start: float  # instant of phase 0 [s]
 
     @property
     def harmonics(self) -> int:

@@ -15,7 +15,7 @@ from identification.estimation.compressed import joint_triangle
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.finding import Finding
 from identification.hexapod import Kinematics, StrutsDoNotClose
-from identification.machine import Machine
+from identification.machines import Machine
 from identification.model import Model, expected_forces, regressors
 from identification.noise.coloured import coloured_covariance, turned
 from identification.noise.pose_noise import covariance_by_pose
@@ -34,28 +34,17 @@ DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay: far below
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A moving run, ready to be evaluated at any delay between forces and motion.
-
-    Args:
-        recording: recording with struts and a clock.
-        model: gives A.
-        machine: kinematics.
-        filter: filter for both sides.
-        rows: samples that are evaluated, counted after the filter's margin, shape (n,).
-        samples: recorded samples of the window that they stand for.
-        window: what is found about the window.
-        smoothing: whether it is estimated by how much more the forces are smoothed than the motion.
-        spoilt: filtered samples that feel damage or a gap, shape (samples of the recording less two margins,).
-    """
+    """A moving run, ready to be evaluated at any delay between forces and motion."""
 
     recording: Recording
     model: Model
     machine: Machine
     filter: Filter
-    rows: NDArray[np.int64]
-    samples: int
+    rows: NDArray[np.int64]  # samples that are evaluated, counted after the filter's margin, shape (n,)
+    samples: int  # recorded samples of the window that they stand for
     window: tuple[Finding, ...] = ()
-    smoothing: bool = False
+    smoothing: bool = False  # whether it is estimated by how much more the forces are smoothed than the motion
+    # filtered samples that feel damage or a gap, shape (samples of the recording less two margins,)
     spoilt: NDArray[np.bool_] | None = None
 
     @property

@@ -11,7 +11,7 @@ from identification.finding import Finding, Kind, warning
 from identification.findings.plausibility import Scan, bridged
 from identification.formats.checks import MOST_PUT_BACK
 from identification.hexapod import StrutsDoNotClose
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import Model, regressors
 from identification.recording import Recording
 from identification.runs.evaluation import MOST_DELAY, Run
@@ -31,12 +31,6 @@ MOST_BRIDGED = MOST_PUT_BACK
 
 def standstills(recording: Recording, case: Case, model: Model, found: Scan | None = None) -> Standstills:
     """Averaged standstills, ready to be evaluated.
-
-    Args:
-        recording: one row a standstill.
-        case: machine.
-        model: gives A.
-        found: rows to leave out.
 
     Raises:
         IdentificationError: the model needs what the recording does not have, or the struts cannot close.
@@ -64,9 +58,6 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
     """A moving run with its window found.
 
     Args:
-        recording: recording with struts and a clock.
-        case: machine and filter.
-        model: gives A.
         whole: evaluate all samples, not only the excitation.
         found: samples that may not be used; what their values did to the filter is left out with them.
 

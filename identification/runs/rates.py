@@ -60,15 +60,10 @@ def _motion(recording: Recording, case: Case) -> Stream | None:
 
 
 class Rhythm(NamedTuple):
-    """Struts that a file holds until the next ones come.
+    """Struts that a file holds until the next ones come."""
 
-    Args:
-        ratio: rows for each sample of the struts.
-        phase: their first row, 0 to ratio - 1.
-    """
-
-    ratio: int
-    phase: int
+    ratio: int  # rows for each sample of the struts
+    phase: int  # their first row, 0 to ratio - 1
 
 
 def changes_of(struts: Array) -> NDArray[np.int64]:

@@ -57,7 +57,6 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
     less than estimating it would widen them. The value of b is not looked at, so that the choice draws nothing.
 
     Args:
-        run: without.
         fit: fit of it; its values begin with u.
         basis: basis of the free parameters, shape (u, free).
         w: W for one sample, shape (6, 6).
@@ -122,7 +121,6 @@ def below(case: Case, told: Any) -> Case | None:
     """The case with a low-pass at half the mode that an estimate was told of; None where it is as low already.
 
     Args:
-        case: case with a filter.
         told: `structural_mode_Hz` of the estimate; None where none is seen.
     """
     cutoff = case.recording.filter_cutoff_Hz

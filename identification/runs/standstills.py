@@ -11,7 +11,7 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from identification.findings.plausibility import unmeasured
 from identification.formats.table import Lines
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.recording import Recording
 from identification.runs.preparation import MOVING
 
@@ -35,17 +35,12 @@ class Window(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """The averaged standstills of a run.
+    """The averaged standstills of a run."""
 
-    Args:
-        averages: one row a standstill, without a clock, each weighted by one over its scatter.
-        windows: the rows that were averaged.
-        scatter: standard deviation of the averaged forces, pooled over the channels in units of each channel's own
-            scatter, shape (n,): 1 is usual, larger is restless.
-    """
-
-    averages: Recording
-    windows: tuple[Window, ...]
+    averages: Recording  # one row a standstill, without a clock, each weighted by one over its scatter
+    windows: tuple[Window, ...]  # the rows that were averaged
+    # standard deviation of the averaged forces, pooled over the channels in units of each channel's own scatter, shape
+    # (n,): 1 is usual, larger is restless
     scatter: Array
 
 
@@ -72,7 +67,6 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     where the struts stand, less the time to settle.
 
     Args:
-        recording: recording with struts and a clock.
         settle: time after a movement that is not averaged, where there is no trigger [s].
 
     Raises:
@@ -110,7 +104,6 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
     """Means of forces and struts over each standstill.
 
     Args:
-        recording: recording with struts and a clock.
         windows: windows of at least ten rows each.
 
     Raises:
@@ -143,8 +136,6 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     """The standstills that belong to the poses of a program, in its order; those at home around them are left out.
 
     Args:
-        standing: averaged standstills.
-        case: machine.
         expected: poses of the program, in the coordinates of the machine, shape (k, n) [m or rad].
         names: the recording, for messages.
 

@@ -19,11 +19,11 @@ from identification.estimation.biases import Biases
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.finding import Finding
 from identification.findings.plausibility import bridged
-from identification.formats.clock import HOST_GAP, lost_samples
 from identification.formats.stream import Recording, Stream
+from identification.formats.table import HOST_GAP, lost_samples
 from identification.model import Model
 from identification.noise.coloured import coloured_covariance, turned
-from identification.regressor_blocks import MASS
+from identification.parameters import MASS
 from identification.runs.preparation import about_left_out, spoilt_by
 from identification.signals import Filter
 
@@ -38,28 +38,16 @@ LEAST_ROWS = 20
 
 @dataclass(frozen=True, slots=True)
 class WristRun:
-    """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion.
+    """A moving run of a wrist sensor, ready to be evaluated at any delay between forces and motion."""
 
-    Args:
-        model: gives A; without inertia or with it, without position.
-        filter: filter for the forces.
-        t: instants of the evaluated samples, shape (n,) [s].
-        forces: forces behind the filter, shape (n, 6) [N, N m].
-        recorded_forces: as recorded, shape (n, 6).
-        quaternion: quaternion of R over time, filtered.
-        specific_force: specific force in the axes of {P} over time, filtered [m/s^2].
-        samples: recorded samples that they stand for.
-        window: what is found about the window.
-    """
-
-    model: Model
+    model: Model  # gives A; without inertia or with it, without position
     filter: Filter
-    t: Array
-    forces: Array
-    recorded_forces: Array
-    quaternion: CubicSpline
-    specific_force: CubicSpline
-    samples: int
+    t: Array  # instants of the evaluated samples, shape (n,) [s]
+    forces: Array  # forces behind the filter, shape (n, 6) [N, N m]
+    recorded_forces: Array  # as recorded, shape (n, 6)
+    quaternion: CubicSpline  # quaternion of R over time, filtered
+    specific_force: CubicSpline  # specific force in the axes of {P} over time, filtered [m/s^2]
+    samples: int  # recorded samples that they stand for
     window: tuple[Finding, ...] = ()
 
     @property
@@ -166,8 +154,6 @@ def wrist_run(
 
     Args:
         recording: recording with forces, rotation matrices and an accelerometer.
-        case: gives the filter.
-        model: gives A.
         reach: largest delay that will be asked for [s].
         biases: those of the accelerometer are taken from its readings.
         cutoff: cutoff of the filter [Hz]; by default the case's.

@@ -29,25 +29,18 @@ class Plane(Enum):
 class CircularMove:
     """An arc of the origin of {P} about an axis parallel to x, y or z; the other coordinates change in proportion.
 
-    Args:
-        start: pose, shape (6,) [m, rad].
-        end_angles: roll, pitch, yaw at the end, shape (3,) [rad].
-        plane: plane in which it lies.
-        centre: along the plane's first and second axis, absolute in {B}, shape (2,) [m].
-        angle: turned about the plane's normal, positive counter-clockwise seen from its positive end; 2 pi is a full
-            circle, at most that [rad].
-        profile: time law of the share of the way covered, from 0 to 1.
-
     Raises:
         ValueError: no radius, no angle, or more than a full circle.
     """
 
-    start: Array
-    end_angles: Array
-    plane: Plane
-    centre: Array
+    start: Array  # pose, shape (6,) [m, rad]
+    end_angles: Array  # roll, pitch, yaw at the end, shape (3,) [rad]
+    plane: Plane  # plane in which it lies
+    centre: Array  # along the plane's first and second axis, absolute in {B}, shape (2,) [m]
+    # turned about the plane's normal, positive counter-clockwise seen from its positive end; 2 pi is a full circle, at
+    # most that [rad]
     angle: float
-    profile: TimeLaw
+    profile: TimeLaw  # time law of the share of the way covered, from 0 to 1
 
     def __post_init__(self) -> None:
         if not 0.0 < abs(self.angle) <= 2 * np.pi * (1 + 1e-12):
@@ -116,7 +109,6 @@ def fastest_circle(
     rate: ArrayLike,
     acceleration: ArrayLike,
     jerk: ArrayLike,
-    end_angles: ArrayLike | None = None,
 ) -> CircularMove:
     """A fast arc within limits on each coordinate, shapes (6,): near the fastest seven-segment one, never beyond.
 
@@ -130,23 +122,16 @@ def fastest_circle(
         rate: limits, shape (6,).
         acceleration: limits, shape (6,).
         jerk: limits, shape (6,).
-        end_angles: roll, pitch, yaw at the end, shape (3,) [rad]; those of the start where None.
 
     Raises:
         ValueError: it cannot be slowed into its limits.
     """
     pose = np.asarray(start, dtype=float)
-    turned = pose[3:] if end_angles is None else np.asarray(end_angles, dtype=float)
     limits = [np.asarray(limit, dtype=float) for limit in (rate, acceleration, jerk)]
-    way = np.r_[
-        np.full(2, abs(angle) * np.hypot(*_arm(pose, plane, np.asarray(centre, dtype=float)))), turned - pose[3:]
-    ]
-    axes = [*plane.axes[:2], 3, 4, 5]
-    moves = np.abs(way) > 0.0
-    along = [float(np.min(limit[axes][moves] / np.abs(way)[moves])) for limit in limits]
-    profile = fastest_profile(1.0, *along)
+    way = abs(angle) * np.hypot(*_arm(pose, plane, np.asarray(centre, dtype=float)))
+    profile = fastest_profile(1.0, *(float(limit[list(plane.axes[:2])].min() / way) for limit in limits))
     for _ in range(60):
-        move = CircularMove(pose, turned, plane, np.asarray(centre, dtype=float), angle, profile)
+        move = CircularMove(pose, pose[3:], plane, np.asarray(centre, dtype=float), angle, profile)
         motion = move.at(np.linspace(0.0, move.duration, 4001))
         used = [
             float(np.max(np.abs(values) / limit)) ** (1 / order)

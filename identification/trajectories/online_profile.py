@@ -22,17 +22,11 @@ class UntimedMove(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class OnlineProfile:
-    """Phases of constant jerk over the share of the way covered, from rest to rest; a `TimeLaw`.
+    """Phases of constant jerk over the share of the way covered, from rest to rest; a `TimeLaw`."""
 
-    Args:
-        lengths: lengths of the phases, shape (k,) [s].
-        jerks: shape (k,) [1/s^3].
-        duration: duration in whole cycles: after the last phase the move rests until its cycle is over [s].
-    """
-
-    lengths: Array
-    jerks: Array
-    duration: float
+    lengths: Array  # lengths of the phases, shape (k,) [s]
+    jerks: Array  # shape (k,) [1/s^3]
+    duration: float  # duration in whole cycles: after the last phase the move rests until its cycle is over [s]
 
     @property
     def peak_velocity(self) -> float:

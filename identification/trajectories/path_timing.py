@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.machine import kinetic
+from identification.machines import kinetic
 from identification.motion import Motion, Trajectory
 
 Array = NDArray[np.float64]
@@ -43,19 +43,12 @@ class UntimedPath(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class RetimedMotion:
-    """A motion along a planned path at another pace; a `Trajectory`.
-
-    Args:
-        path: the planned motion.
-        shares: gridpoints of s = t / duration, shape (k,), from 0 to 1.
-        times: when the gridpoints are passed, shape (k,) [s].
-        paces: s' there, shape (k,) [1/s].
-    """
+    """A motion along a planned path at another pace; a `Trajectory`."""
 
     path: Trajectory
-    shares: Array
-    times: Array
-    paces: Array
+    shares: Array  # gridpoints of s = t / duration, shape (k,), from 0 to 1
+    times: Array  # when the gridpoints are passed, shape (k,) [s]
+    paces: Array  # s' there, shape (k,) [1/s]
 
     @property
     def duration(self) -> float:

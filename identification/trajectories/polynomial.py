@@ -17,15 +17,10 @@ SHORTEST_SEGMENT = 1e-9  # [s] below it a segment is absent
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """sum_i c_i t^i over 0 <= t <= duration in each of the six coordinates.
+    """sum_i c_i t^i over 0 <= t <= duration in each of the six coordinates."""
 
-    Args:
-        coefficients: c_0 to c_d, shape (d + 1, n) [m or rad over powers of seconds].
-        duration: [s].
-    """
-
-    coefficients: Array
-    duration: float
+    coefficients: Array  # c_0 to c_d, shape (d + 1, n) [m or rad over powers of seconds]
+    duration: float  # [s]
 
     @property
     def start(self) -> Array:
@@ -42,14 +37,11 @@ class Piece:
 class PolynomialMotion:
     """Pieces one after the other.
 
-    Args:
-        pieces: each begins where the one before it ends.
-
     Raises:
         ValueError: no pieces, a duration that is not positive, or a gap between two of them.
     """
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[Piece, ...]  # each begins where the one before it ends
     table: Array = field(init=False, repr=False, compare=False)
     """c_i of all pieces, those of lower degree filled up with zeros, shape (degree + 1, pieces, n)."""
     times: Array = field(init=False, repr=False, compare=False)
@@ -134,3 +126,44 @@ def _segments(move: StraightMove) -> Iterator[Piece]:
         coefficients = shares[:, None] * way
         coefficients[0] += move.start
         yield Piece(coefficients, float(durations[k]))
+
+
+@dataclass(frozen=True, slots=True)
+class Tabulated:
+    """Rows of pose, rates and accelerations at equal steps, from rest to rest.
+
+    Between rows the pose is the cubic that shares pose and rates with both; rates and accelerations, which a table
+    states for themselves, go straight from row to row. Jerks are the slopes of accelerations.
+
+    Raises:
+        ValueError: fewer than two rows, or shapes that do not belong together.
+    """
+
+    times: Array  # shape (k,), equal steps from 0 [s]
+    pose: Array  # coordinates, shape (k, n) [m or rad]
+    rates: Array  # shape (k, n) [m/s or rad/s]
+    accelerations: Array  # shape (k, n) [m/s^2 or rad/s^2]
+
+    def __post_init__(self) -> None:
+        shape = (len(self.times), *self.pose.shape[1:2])
+        if len(self.times) < 2 or any(v.shape != shape for v in (self.pose, self.rates, self.accelerations)):
+            raise ValueError("a table needs two rows or more, each with as many coordinates, rates and accelerations")
+
+    @property
+    def duration(self) -> float:
+        """Time of the last row [s]."""
+        return float(self.times[-1])
+
+    def at(self, t: ArrayLike) -> Motion:
+        """The motion at times t, shape (n,) [s]."""
+        time = np.asarray(t, dtype=float)
+        k = np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2)
+        step = (self.times[k + 1] - self.times[k])[:, None]
+        p = (time - self.times[k])[:, None] / step
+        start, end = self.pose[k], self.pose[k + 1]
+        pose = start * (1 + 2 * p) * (1 - p) ** 2 + end * p**2 * (3 - 2 * p)
+        pose += step * p * (1 - p) * (self.rates[k] * (1 - p) - self.rates[k + 1] * p)
+        rates = self.rates[k] * (1 - p) + self.rates[k + 1] * p
+        accelerations = self.accelerations[k] * (1 - p) + self.accelerations[k + 1] * p
+        jerks = (self.accelerations[k + 1] - self.accelerations[k]) / step
+        return Motion(time, pose, rates, accelerations, np.ascontiguousarray(jerks))

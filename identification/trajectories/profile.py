@@ -40,18 +40,12 @@ class Profile(NamedTuple):
     """Jerk +j, 0, -j, 0, -j, 0, +j over the times jerk, hold, jerk, cruise, jerk, hold, jerk.
 
     Without a jerk limit the times with jerk are 0: accelerations step, a trapezoid of velocity.
-
-    Args:
-        acceleration: peak of the acceleration [1/s^2 of the unit of the distance].
-        jerk_time: duration of each segment with jerk; 0 where the acceleration steps [s].
-        hold_time: duration of each segment of constant acceleration [s].
-        cruise_time: duration of the segment of constant velocity [s].
     """
 
-    acceleration: float
-    jerk_time: float
-    hold_time: float
-    cruise_time: float
+    acceleration: float  # peak of the acceleration [1/s^2 of the unit of the distance]
+    jerk_time: float  # duration of each segment with jerk; 0 where the acceleration steps [s]
+    hold_time: float  # duration of each segment of constant acceleration [s]
+    cruise_time: float  # duration of the segment of constant velocity [s]
 
     @property
     def lengths(self) -> tuple[float, ...]:
@@ -132,17 +126,11 @@ def limits_along(way: Array, *limits: ArrayLike) -> list[float]:
 
 @dataclass(frozen=True, slots=True)
 class StraightMove:
-    """A straight line in the coordinates from rest to rest, all coordinates in step.
+    """A straight line in the coordinates from rest to rest, all coordinates in step."""
 
-    Args:
-        start: shape (n,) [m or rad].
-        end: shape (n,) [m or rad], different from start.
-        profile: time law of the share of the way covered, from 0 to 1.
-    """
-
-    start: Array
-    end: Array
-    profile: TimeLaw
+    start: Array  # shape (n,) [m or rad]
+    end: Array  # shape (n,) [m or rad], different from start
+    profile: TimeLaw  # time law of the share of the way covered, from 0 to 1
 
     @classmethod
     def fastest(

@@ -2,7 +2,7 @@
 
 For given angles and angular rates d is convex in x, y and the six accelerations, and depends on nothing else: its
 maximum lies at one of their 256 corners. Over a cell of angles and rates d is convex in the features, and these lie in
-the hull of the control points of `planner.bounds.enclosure`: the largest value at a control point, plus what the
+the hull of the control points of `planner.bounds.branch`: the largest value at a control point, plus what the
 interpolation misses, is an upper bound. Corners of cells are states of the box: their values are lower bounds.
 Rounding (1e-12 of d) is not enclosed.
 """
@@ -14,8 +14,7 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.bounds.branch import Bounded
-from planner.bounds.enclosure import WIDEST, enclose
+from planner.bounds.branch import WIDEST, Bounded, enclose
 from planner.bounds.features import CORNER_COORDINATES, CORNERS, GIBBS, PRODUCTS, Features
 
 Array = NDArray[np.float64]
@@ -46,15 +45,10 @@ def first_cells(features: Features) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class BoxDerivative:
-    """Bounds of d over cells of angles and angular rates; see `planner.bounds.branch.Bounding`.
-
-    Args:
-        features: features of the case and model.
-        form: Q of the design.
-    """
+    """Bounds of d over cells of angles and angular rates; see `planner.bounds.branch.Bounding`."""
 
     features: Features
-    form: Array
+    form: Array  # Q of the design
 
     @cached_property
     def _error_norms(self) -> tuple[float, float]:

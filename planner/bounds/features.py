@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model
+from identification.parameters import State
 from identification.pose import gibbs, rotation, twist, twist_rate
-from identification.regressor_blocks import State
 
 Array = NDArray[np.float64]
 
@@ -31,19 +31,12 @@ CORNERS = len(CORNER_COORDINATES)
 
 @dataclass(frozen=True)
 class Features:
-    """Features of a case and model.
+    """Features of a case and model."""
 
-    Args:
-        coefficients: W^1/2 A = sum_k y_k coefficients[k], in reference scaling, shape (21, 6, u).
-        table: angles (3,) -> T, shape (21, 15).
-        middle: middle of the box: x, y, z, roll, pitch, yaw, then 12 zeros, shape (18,) [m, rad].
-        half: half widths of the box, shape (18,) [SI].
-    """
-
-    coefficients: Array
-    table: ca.Function
-    middle: Array
-    half: Array
+    coefficients: Array  # W^1/2 A = sum_k y_k coefficients[k], in reference scaling, shape (21, 6, u)
+    table: ca.Function  # angles (3,) -> T, shape (21, 15)
+    middle: Array  # middle of the box: x, y, z, roll, pitch, yaw, then 12 zeros, shape (18,) [m, rad]
+    half: Array  # half widths of the box, shape (18,) [SI]
 
     def form(self, inverse: Array) -> Array:
         """Q of d = y^T Q y, shape (21, 21).
@@ -74,8 +67,6 @@ def box_features(case: Case, model: Model, scaling: Array) -> Features:
     """The features of a case and model.
 
     Args:
-        case: gives the box.
-        model: gives A.
         scaling: reference scaling, shape (u,).
 
     Raises:

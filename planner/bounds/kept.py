@@ -18,14 +18,13 @@ import numpy as np
 from platformdirs import user_cache_path
 
 from cases.basis import bound_hash
-from cases.errors import FileProblem, HexciteError
+from cases.errors import CaseError, FileProblem, HexciteError
 from cases.files import json_text, read_json, write_text
 from cases.schema import Case
 from identification.model import Model, full_model, identification_model
 from identification.reference import reference_scaling
-from planner.bounds.design import Design, optimal_design
+from planner.bounds.design import Design, optimal_design, searched_design
 from planner.bounds.features import box_features
-from planner.bounds.searched import searched_design
 from planner.bounds.tight import tight_design
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
@@ -49,26 +48,18 @@ TIME_LIMIT = 120.0  # [s] of processor time, so that answers do not depend on wh
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """An upper bound of log det of the mean information, in reference scaling.
+    """An upper bound of log det of the mean information, in reference scaling."""
 
-    Args:
-        logdet: the bound, log det F + u log(dmax / u).
-        dmax: largest directional derivative over the box, of the tighter bound largest Lagrangian: proven, or the
-            largest that was met.
-        parameters: u.
-        method: how the design and dmax were found.
-        certified: whether the bound is proven; otherwise it is an estimate.
-        design_logdet: log det F of the design that was found; the best lies between it and the bound.
-        proven_logdet: what is proven in any case; `logdet` where certified, looser otherwise. None where nothing is:
-            for machines whose coordinates are not a pose.
-    """
-
-    logdet: float
+    logdet: float  # the bound, log det F + u log(dmax / u)
+    # largest directional derivative over the box, of the tighter bound largest Lagrangian: proven, or the largest that
+    # was met
     dmax: float
-    parameters: int
-    method: str
-    certified: bool
-    design_logdet: float
+    parameters: int  # u
+    method: str  # how the design and dmax were found
+    certified: bool  # whether the bound is proven; otherwise it is an estimate
+    design_logdet: float  # log det F of the design that was found; the best lies between it and the bound
+    # what is proven in any case; `logdet` where certified, looser otherwise. None where nothing is: for machines whose
+    # coordinates are not a pose
     proven_logdet: float | None
 
     def efficiency(self, logdet: float) -> float:
@@ -81,12 +72,7 @@ class Bound:
 
     @classmethod
     def of_json(cls, data: Mapping[str, Any], parameters: int) -> "Bound":
-        """From `plan.json`; earlier versions wrote fewer entries. Raises TypeError or KeyError where one is damaged.
-
-        Args:
-            data: its entry.
-            parameters: number u of the model.
-        """
+        """From `plan.json`; earlier versions wrote fewer entries. Raises TypeError or KeyError where one is damaged."""
         absent = {"parameters": parameters, "design_logdet": data["logdet"], "proven_logdet": data["logdet"]}
         return cls(**(absent | dict(data)))
 
@@ -107,12 +93,8 @@ def box_bound(
     """The bound of a case and model, from the cache if it was computed before.
 
     Args:
-        case: gives the box.
-        model: gives A.
         cache: folder of the cache; the user's cache folder unless given.
         time_limit: processor time after which the answer is an estimate [s].
-        renew: compute an estimate of the cache again.
-        progress: told the state of things now and then.
 
     Raises:
         CaseError: the case has no machine or no limits.
@@ -150,13 +132,19 @@ def bound(
         progress: told the state of things now and then.
 
     Raises:
-        HexciteError: no duration, an unknown model, or a case without machine or limits.
+        HexciteError: no duration, an unknown model, a case without machine or limits, or `tight` of sensors in struts.
     """
     require_time(time_limit)
     case.need_motion("the information limit")
     found = identification_model(case, full_model(case) if model is None else model)
     if tight:
         case.need_machine("the tight information limit")
+        if found.struts is not None:
+            raise CaseError(
+                f"case {case.name}",
+                "sensor_frame.struts",
+                "the tight information limit is for sensors in a frame of their own; use bound without --tight",
+            )
         return tight_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
     return box_bound(case, found, time_limit=time_limit, renew=renew, progress=progress)
 

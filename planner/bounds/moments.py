@@ -59,16 +59,11 @@ class Moments:
 
     Every constraint is the mean of one linear combination of a_j, q_i a_j, v_i v_j (angles only) and a_i^2, less a
     constant, in shares: equal to zero, or at most zero.
-
-    Args:
-        equal: coefficients, shape (m, 6 + 36 + 9 + 6).
-        at_most: coefficients, shape (k, 6 + 36 + 9 + 6).
-        constant: constant of `at_most`, shape (k,).
     """
 
-    equal: Array
-    at_most: Array
-    constant: Array
+    equal: Array  # coefficients, shape (m, 6 + 36 + 9 + 6)
+    at_most: Array  # coefficients, shape (k, 6 + 36 + 9 + 6)
+    constant: Array  # constant of `at_most`, shape (k,)
 
     @staticmethod
     def monomials(shares: Array) -> Array:
@@ -112,21 +107,13 @@ def motion_moments(case: Case, features: Features) -> Moments:
 
 @dataclass(frozen=True)
 class Multipliers:
-    """Lagrange multipliers, summed up as one function of the state: its mean is at most 0 for every such motion.
+    """Lagrange multipliers, summed up as one function of the state: its mean is at most 0 for every such motion."""
 
-    Args:
-        linear: coefficients of a_j, shape (6,).
-        mixed: of q_i a_j, shape (6, 6).
-        rates: rates of v_i v_j of the angles, shape (3, 3).
-        squares: coefficients of a_i^2, shape (6,).
-        constant: added.
-    """
-
-    linear: Array
-    mixed: Array
-    rates: Array
-    squares: Array
-    constant: float
+    linear: Array  # coefficients of a_j, shape (6,)
+    mixed: Array  # of q_i a_j, shape (6, 6)
+    rates: Array  # rates of v_i v_j of the angles, shape (3, 3)
+    squares: Array  # coefficients of a_i^2, shape (6,)
+    constant: float  # added
 
     def of(self, shares: Array) -> Array:
         """The function at states given as shares, shape (n,)."""
@@ -138,7 +125,6 @@ def combined(moments: Moments, of_equal: Array, of_at_most: Array) -> Multiplier
     """One function from multipliers of each constraint; those of inequalities below 0 are rounding and become 0.
 
     Args:
-        moments: the constraints.
         of_equal: multipliers of the equalities, shape (equalities,).
         of_at_most: multipliers of the inequalities, shape (inequalities,).
     """

@@ -42,21 +42,13 @@ _ACTIVE = (0, 1, 2, 3, 4, 5, 9, 10, 11, 12, 13, 14, 15, 16, 17)  # rates of x, y
 
 @dataclass(frozen=True, slots=True)
 class TightDesign:
-    """What was found.
+    """What was found."""
 
-    Args:
-        logdet: log det F of the dual point that gives the bound.
-        attained: log det of the best design that was found.
-        dmax: largest h: proven, or the largest that was met.
-        proven: proven largest h.
-        certified: whether `dmax` is proven.
-    """
-
-    logdet: float
-    attained: float
-    dmax: float
-    proven: float
-    certified: bool
+    logdet: float  # log det F of the dual point that gives the bound
+    attained: float  # log det of the best design that was found
+    dmax: float  # largest h: proven, or the largest that was met
+    proven: float  # proven largest h
+    certified: bool  # whether `dmax` is proven
 
 
 def tight_design(
@@ -71,11 +63,8 @@ def tight_design(
     """Finds the design, its bound and, as far as time allows, the proof.
 
     Args:
-        case: gives the limits.
-        features: features of the case and model.
         gap: how far the proven maximum may lie above the largest value that was met, as a share, to count as proven.
         deadline: `time.process_time()` at which to stop [s]; the last part is kept for the proof.
-        progress: told the state of things now and then.
         rounds: rounds of the exchange, at most; each makes the bound tighter.
         aim: the gap at which search and proof end before their time; by default `gap`.
     """
@@ -162,7 +151,6 @@ def climb(derivative: TightDerivative, known: Array, draw: np.random.Generator) 
     """Distinct local maxima of h, coordinate by coordinate from many starts.
 
     Args:
-        derivative: h.
         known: states to start from too, as shares of the box, shape (k, 18).
         draw: function that draws the other starts.
 

@@ -2,7 +2,7 @@
 
 The function is h = d - l, d = y^T Q y the directional derivative, l that of `planner.bounds.moments.Multipliers`. Over
 a cell of angles, angular rates and accelerations it is convex in x, y, z (corners); features and products of rates lie
-in the hull of control points (`planner.bounds.enclosure`); and in the accelerations a = m + e, |e_i| <= h_i, it is
+in the hull of control points (`planner.bounds.branch`); and in the accelerations a = m + e, |e_i| <= h_i, it is
 quadratic. There mixed terms are bounded by 2 C_ij e_i e_j <= |C_ij| (e_i^2 h_j / h_i + e_j^2 h_i / h_j), after which
 every acceleration has its maximum by itself, in closed form.
 """
@@ -13,9 +13,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.bounds.branch import Bounded
+from planner.bounds.branch import CONTROL, Bounded, Enclosure, enclose
 from planner.bounds.certificate import BoxDerivative, first_cells
-from planner.bounds.enclosure import CONTROL, Enclosure, enclose
 from planner.bounds.features import Features
 from planner.bounds.moments import Multipliers
 
@@ -36,16 +35,10 @@ def first_tight_cells(features: Features) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class TightDerivative:
-    """Bounds of h over cells; see `planner.bounds.branch.Bounding`.
-
-    Args:
-        features: features of the case and model.
-        form: Q of the design.
-        multipliers: multipliers of the constraints.
-    """
+    """Bounds of h over cells; see `planner.bounds.branch.Bounding`."""
 
     features: Features
-    form: Array
+    form: Array  # Q of the design
     multipliers: Multipliers
 
     def at(self, shares: Array) -> Array:

@@ -36,7 +36,7 @@ def compare(
     check_folder(place, COMPARISON, folders, overwrite)
     with status("comparing", json):
         found = compared(folders, None if case is None else load_case(case), stale)
-        save_with_page(found, COMPARISON, place, overwrite, plots=True)
+        save_with_page(found, COMPARISON, place, overwrite)
     answer = {"report": str(place / "report.html")} | found.to_json()
     if json:
         print_json(answer)
@@ -56,6 +56,6 @@ def _show(answer: dict[str, Any], found: "Comparison") -> None:
         print_table("Planned and executed", EXECUTION, rows)
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
+    print(f"report written: {answer['report']}")
     for sentence in answer["recommendation"]["sentences"]:
         print(f"recommendation: {sentence}")
-    print(f"report written: {answer['report']}")

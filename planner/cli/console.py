@@ -24,7 +24,6 @@ EVERY = 10.0  # [s] between two lines of progress where there is no terminal
 WIDEST = 1000  # characters that a table may take
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-Plots = Annotated[bool, typer.Option("--plots", help="Write figures for papers too, as SVG and PNG.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace what an earlier run wrote there.")]
 Stale = Annotated[
     bool, typer.Option("--stale", help="Go on although the case has changed since; what is written says so.")
@@ -177,18 +176,16 @@ def limit_rows(limits: dict[str, dict[str, Any]]) -> list[list[str]]:
 LIMIT_COLUMNS = ("limit", "worst", "allowed", "unit", "used", "status")
 
 
-def save_with_page(value: "Shown", kind: "FolderKind", folder: Path, overwrite: bool, plots: bool) -> None:
-    """Writes a value with its page report.html and, where asked for, figures for papers in plots/.
+def save_with_page(value: "Shown", kind: "FolderKind", folder: Path, overwrite: bool) -> None:
+    """Writes a value with its page report.html.
 
     Raises:
         FileProblem: the folder is somebody's, or cannot be written.
     """
     from cases.files import atomic_folder
     from planner.reports.page import render
-    from planner.reports.report import figures, page
+    from planner.reports.report import page
 
     with atomic_folder(folder, kind, overwrite) as part:
         value.write(part)
         (part / "report.html").write_text(render(page(value)), encoding="utf-8")
-        if plots:
-            figures(value, part / "plots")

@@ -11,7 +11,6 @@ from planner.cli.console import (
     Criterion,
     Json,
     Overwrite,
-    Plots,
     limit_rows,
     print_json,
     print_table,
@@ -91,7 +90,6 @@ def plan(
         float | None, typer.Option(help="Time for the search in s; by default until more starts stop paying.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
-    plots: Plots = False,
     output: Out = None,
     overwrite: Overwrite = False,
     json: Json = False,
@@ -105,9 +103,9 @@ def plan(
     from identification.model import full_model
     from planner.cli.console import save_with_page
     from planner.families.settings import family_class
+    from planner.infeasible import require_plannable
     from planner.interruption import first_ctrl_c_calls
     from planner.library import planned
-    from planner.readiness import require_plannable
     from planner.request import Request, read_payloads
 
     kind, options = family_class(family), context.params
@@ -137,7 +135,7 @@ def plan(
     with remarks("searching" if optimised else "timing", json) as remark:
         found = planned(request, loaded, remark)
     with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
-        save_with_page(found, PLAN, folder, overwrite, plots)
+        save_with_page(found, PLAN, folder, overwrite)
     answer = answer_of_plan(found, folder)
     if json:
         print_json(answer)
@@ -182,17 +180,6 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     fewer = len(answer["limits"]) - len(shown)
     title = f"Limits used to {100 * MOST_USED:g} % or more; {fewer} others are proven too and stand in the report"
     print_table(title, LIMIT_COLUMNS, limit_rows(shown))
-    kind = "certified" if answer["bound"]["certified"] else "an estimate"
-    print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
-    if any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
-        print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
-    elif answer["d_efficiency_tight"] is None:
-        command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
-        print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
-    else:
-        kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
-        value = answer["d_efficiency_tight"]
-        print(f"D-efficiency {value:.3f} against motions of limited jerk from rest to rest ({kind})")
     for note in answer["notes"]:
         print(f"note: {note}")
     noise = f"{answer['assumed_noise_N']:g} N white force noise"
@@ -206,12 +193,23 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
         print(f"  {line}")
     first, last = (plan.case.words(answer[f"{which}_pose_m_rad"]) for which in ("first", "last"))
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
-    starts = f"; {len(answer['starts'])} starts" if answer["starts"] else ""
+    starts = f"; {len(answer['starts'])} start{'s' * (len(answer['starts']) > 1)}" if answer["starts"] else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
+    if any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
+        print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
+    elif answer["d_efficiency_tight"] is None:
+        command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"
+        print(f"{command} finds the tighter bound of motions from rest to rest; later plans are rated against it too")
+    else:
+        kind = "certified" if answer["bound_tight"]["certified"] else "an estimate"
+        value = answer["d_efficiency_tight"]
+        print(f"D-efficiency {value:.3f} against motions of limited jerk from rest to rest ({kind})")
     print(
         f"plan written: {answer['plan']} ({answer['family']}, {answer['duration_s']:g} s), with its report "
         f"{answer['report']}"
     )
+    kind = "certified" if answer["bound"]["certified"] else "an estimate"
+    print(f"D-efficiency {answer['d_efficiency']:.3f} against the box bound ({kind})")
 
 
 def _mounted(answer: dict[str, Any]) -> str:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from planner.cli.console import Criterion, Json, Overwrite, Plots, print_json, print_table, progress, status
+from planner.cli.console import Criterion, Json, Overwrite, print_json, print_table, progress, status
 
 if TYPE_CHECKING:
     from planner.plans import Plan
@@ -32,7 +32,6 @@ def poses(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Folder to write; named after the case by default.")
     ] = None,
-    plots: Plots = False,
     overwrite: Overwrite = False,
     json: Json = False,
 ) -> None:
@@ -61,7 +60,7 @@ def poses(
     with progress("choosing poses", steps, json) as counted:
         plan = poses_planned(request, loaded, lambda left: counted(f"{left} poses"), own)
     with status("writing", json):
-        save_with_page(plan, PLAN, folder, overwrite, plots)
+        save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()
     answer.pop("moves")
     if json:
@@ -86,10 +85,6 @@ def _show(answer: dict[str, Any], plan: "Plan") -> None:
     print_table("Standard deviations", ("parameter", "std", "unit"), rows)
     print(f"{answer['count']} poses of {answer['candidates']} candidates ({answer['remark']})")
     print(
-        f"D-efficiency {answer['efficiency']:.3f} of the best design over the candidates (lower bound), "
-        f"{answer['efficiency_space']:.3f} over the whole pose space (estimate)"
-    )
-    print(
         f"condition {answer['condition']:.3g} in reference scaling; {answer['fewest_poses']} of these poses keep rank"
     )
     print(
@@ -97,3 +92,7 @@ def _show(answer: dict[str, Any], plan: "Plan") -> None:
         f"({answer['travel_in_order_of_choice_s']:.1f} s in the order of choice), settling and averaging the rest"
     )
     print(f"plan written: {answer['plan']} (chosen in {answer['select_s']:.1f} s), with its report {answer['report']}")
+    print(
+        f"D-efficiency {answer['efficiency']:.3f} of the best design over the candidates (lower bound), "
+        f"{answer['efficiency_space']:.3f} over the whole pose space (estimate)"
+    )

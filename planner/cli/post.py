@@ -8,7 +8,6 @@ import typer
 from planner.cli.console import LIMIT_COLUMNS, Json, Overwrite, Stale, limit_rows, print_json, print_table, status
 
 if TYPE_CHECKING:
-    from planner.plans import Plan
     from postprocessors.program_file import Program
 
 Accept = Annotated[
@@ -28,10 +27,6 @@ def post(
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,
     accept: Accept = None,
-    ptp_struts: Annotated[
-        bool,
-        typer.Option("--ptp-struts", help="Moves straight in the struts (PTP, #PTP ON): another path than planned."),
-    ] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Program to write; by default the plan's name.")
     ] = None,
@@ -45,7 +40,6 @@ def post(
     """
     from cases.files import check_file, output_place
     from planner.plans import Plan
-    from planner.runs.followed import changed_motion
     from planner.runs.written import language_of, write
     from postprocessors.dialects import DIALECTS
 
@@ -61,16 +55,13 @@ def post(
     file = output_place(output, Path(f"{loaded.name}{language.suffix}"), overwrite)
     check_file(file, language.suffixes, [plan, *plan.glob("*")], overwrite)
     with status(f"writing and proving {file.name}", json):
-        program = write(loaded, language.name, speed=speed, accept=accept or (), file=file, in_struts=ptp_struts)
-        changed = changed_motion(program, loaded.case, loaded.model) if ptp_struts else {}
+        program = write(loaded, language.name, speed=speed, accept=accept or (), file=file)
     program.save(file, overwrite)
-    answer = answer_of_program(program) | changed
+    answer = answer_of_program(program)
     if json:
         print_json(answer)
         return
     show_program(answer)
-    if ptp_struts:
-        print(_sentence_of(answer, loaded))
 
 
 def answer_of_program(program: "Program") -> dict[str, Any]:
@@ -98,16 +89,6 @@ def show_program(answer: dict[str, Any]) -> None:
     print(f"limits: {answer['verdict']}{' (accepted)' if answer['relies_on'] else ''}")
     for remark in answer["remarks"]:
         print(remark)
-
-
-def _sentence_of(answer: dict[str, Any], plan: "Plan") -> str:
-    where = f"up to {answer['off_path_mm']:.2g} mm and {answer['off_path_deg']:.2g} deg from the planned path"
-    if answer["d_efficiency"] is None:
-        return f"moves straight in the struts lead {where}"
-    return (
-        f"moves straight in the struts lead {where}; the excitation takes {answer['excitation_s']:.2f} s, D-efficiency "
-        f"{answer['d_efficiency']:.3f} (planned {plan.of_motion[1].d_efficiency:.3f})"
-    )
 
 
 def check(

@@ -61,7 +61,7 @@ def retime(
         if output is not None:
             told("writing")
             made = retimed_plan(found, request, plan.case, source, seconds, plan.stale)
-            save_with_page(made, PLAN, output, overwrite, plots=False)
+            save_with_page(made, PLAN, output, overwrite)
     answer = {
         "source": str(source),
         "method": str(found.method),

@@ -129,3 +129,5 @@ def show_result(answer: dict[str, Any]) -> None:
     for warning in answer["warnings"]:
         print(f"warning: {warning}")
     print(f"result written: {answer['result']}, with its report {answer['report']}")
+    name, value, deviation, *_, unit = rows[0]
+    print(f"{name}: {value} +- {deviation} {unit}")

@@ -76,7 +76,7 @@ def validate(
     if recordings is not None:
         named = None if methods is None else [name.strip() for name in methods.split(",")]
         found = validate_recordings(loaded, recordings, named)
-        save_with_page(found, VALIDATION, place, overwrite, plots=True)
+        save_with_page(found, VALIDATION, place, overwrite)
     else:
         loaded.need_machine("a validation")  # before anything is made
         disturbances_of(loaded, settings, undisturbed)
@@ -85,7 +85,7 @@ def validate(
                 found = carried_out(
                     loaded, wanted, mounted, settings, undisturbed=undisturbed, folder=work, count=count
                 )
-            save_with_page(found, VALIDATION, place, overwrite, plots=True)
+            save_with_page(found, VALIDATION, place, overwrite)
     answer = {"report": str(place / "report.html")} | found.to_json()
     if json:
         print_json(answer)
@@ -120,6 +120,6 @@ def _show(answer: dict[str, Any], validation: "Validation") -> None:
         print_table(title, OFF_COLUMNS, rows)
     if rows := [row for remedy in validation.remedies for row in remedy.rows()]:
         print_table("The same recordings with the mode estimated too (identify --flexible)", REMEDY_COLUMNS, rows)
+    print(f"report written: {answer['report']}")
     for finding in validation.findings:
         print(finding.sentence())
-    print(f"report written: {answer['report']}")

@@ -78,19 +78,12 @@ def _listed(told: Iterable[tuple[str, Entry]]) -> str:
 
 
 class Recommendation(NamedTuple):
-    """Which one to prefer.
+    """Which one to prefer."""
 
-    Args:
-        best: its name; None where nothing can be compared.
-        level: what the figures are: planned, executed or identified.
-        ratios: geometric mean of the standard deviations of each, over the best one's.
-        sentences: why.
-    """
-
-    best: str | None
-    level: str
-    ratios: Mapping[str, float]
-    sentences: tuple[str, ...]
+    best: str | None  # its name; None where nothing can be compared
+    level: str  # what the figures are: planned, executed or identified
+    ratios: Mapping[str, float]  # geometric mean of the standard deviations of each, over the best one's
+    sentences: tuple[str, ...]  # why
 
 
 def recommend(found: Sequence[Sequence[Entry]]) -> Recommendation:
@@ -225,15 +218,10 @@ def _times(best: Entry, second: Entry) -> str:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Comparison:
-    """Excitations before and after running them.
+    """Excitations before and after running them."""
 
-    Args:
-        groups: what belongs together: a plan, its runs and their results.
-        advice: which one to prefer.
-    """
-
-    groups: tuple[tuple[Entry, ...], ...]
-    advice: Recommendation
+    groups: tuple[tuple[Entry, ...], ...]  # what belongs together: a plan, its runs and their results
+    advice: Recommendation  # which one to prefer
 
     @property
     def entries(self) -> list[Entry]:

@@ -14,17 +14,11 @@ from planner.search.problem import mean_information
 
 
 class Beside(NamedTuple):
-    """The hand-made motion's figures.
+    """The hand-made motion's figures."""
 
-    Args:
-        duration: [s].
-        std: predicted standard deviation of each physical parameter, of one whole run [SI].
-        averaging: whether errors average out where it is repeated; those that depend on the pose do not.
-    """
-
-    duration: float
-    std: dict[str, float]
-    averaging: bool = True
+    duration: float  # [s]
+    std: dict[str, float]  # predicted standard deviation of each physical parameter, of one whole run [SI]
+    averaging: bool = True  # whether errors average out where it is repeated; those that depend on the pose do not
 
     def at_equal_time(self, duration: float) -> dict[str, float]:
         """Deviations if the motion were repeated, or broken off, after another duration [s]."""

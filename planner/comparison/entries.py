@@ -25,10 +25,9 @@ from identification.runs.preparation import moving_run, standstills
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
 from planner.deviations import predicted_std
-from planner.noise import expected_noise
+from planner.noise import PoseErrors, expected_noise
 from planner.plan_folder import fingerprint, load_plan
 from planner.plans import Plan
-from planner.pose_errors import PoseErrors
 from planner.poses.pose_criteria import pose_regressors
 from planner.runs.recorded import standing_of
 from planner.search.problem import mean_information
@@ -55,46 +54,27 @@ class Told(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One thing that is compared.
+    """One thing that is compared."""
 
-    Args:
-        name: as the user named it.
-        level: plan, run or result.
-        case: case of it.
-        model: number in Table 2.
-        family: family of the plan, or what the recording says.
-        duration: measuring time [s]; None where nothing tells.
-        samples: samples of forces that count.
-        criteria: A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown.
-        parameters: parameters by name.
-        s0: s0 of an identified one [N].
-        notes: figures of the execution, by name.
-        hashes: fingerprints of the recordings that it is or was made of.
-        plan: fingerprint of the plan that it is or followed; None where nothing says.
-        noise: noise of a force sample that predictions assume [N]; None for identified ones.
-        load: mass of the weights that are mounted [kg]; None where nothing tells.
-        machine: machine that was measured, in words; None for plans, and where nothing tells.
-        warnings: warnings that its evaluation gave.
-        vibration: vibration of a planned motion on a machine with a structural mode; None where the case states none.
-    """
-
-    name: str
-    level: Level
+    name: str  # as the user named it
+    level: Level  # plan, run or result
     case: Case
-    model: int
-    family: str
-    duration: float | None
-    samples: int
+    model: int  # number in Table 2
+    family: str  # family of the plan, or what the recording says
+    duration: float | None  # measuring time [s]; None where nothing tells
+    samples: int  # samples of forces that count
+    # A, D, K, N and condition of the mean information in the reference scaling; empty where it is unknown
     criteria: Mapping[str, float]
-    parameters: Mapping[str, Told]
-    s0: float | None
-    notes: Mapping[str, float]
-    hashes: frozenset[str]
-    plan: str | None = None
-    noise: float | None = None
-    load: float | None = None
-    machine: str | None = None
-    warnings: tuple[str, ...] = ()
+    parameters: Mapping[str, Told]  # parameters by name
+    s0: float | None  # s0 of an identified one [N]
+    notes: Mapping[str, float]  # figures of the execution, by name
+    hashes: frozenset[str]  # fingerprints of the recordings that it is or was made of
+    plan: str | None = None  # fingerprint of the plan that it is or followed; None where nothing says
+    noise: float | None = None  # noise of a force sample that predictions assume [N]; None for identified ones
+    load: float | None = None  # mass of the weights that are mounted [kg]; None where nothing tells
+    machine: str | None = None  # machine that was measured, in words; None for plans, and where nothing tells
+    warnings: tuple[str, ...] = ()  # warnings that its evaluation gave
+    # vibration of a planned motion on a machine with a structural mode; None where the case states none
     vibration: Vibration | None = None
 
     def to_json(self) -> dict[str, Any]:
@@ -122,7 +102,6 @@ def read_entry(path: Path, case: Case | None = None, stale: bool = False) -> Ent
     """Reads a plan, recording or result folder.
 
     Args:
-        path: the folder.
         case: instead of the one that the folder names.
         stale: read it although its case has changed since; a warning says so.
 

@@ -47,6 +47,16 @@ class Family(Protocol):
         ...
 
     @property
+    def shipped(self) -> str:
+        """Name of the motion that comes with hexcite from which a search begins."""
+        ...
+
+    @property
+    def iterations(self) -> int:
+        """Largest number of the solver's that explore from a start."""
+        ...
+
+    @property
     def duration(self) -> float:
         """Of the excitation [s]."""
         ...

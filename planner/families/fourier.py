@@ -9,16 +9,15 @@ coefficients, and a quintic leads from rest in the middle of its circle into it 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
 from planner.families.family import Layout
-from planner.families.fourier_motion import FourierMotion
+from planner.families.fourier_motion import FourierMotion, run_in, run_out
 from planner.families.linear import linear_layout
-from planner.families.run_in import run_in, run_out
 from planner.search.states import Peak
 
 Array = NDArray[np.float64]
@@ -75,10 +74,17 @@ class FourierFamily:
         led = order == 1
         return cls(order, period, periods - led, middle, half, centred, period / 2 if led else 0.0)
 
+    iterations: ClassVar[int] = 30
+
     @property
     def name(self) -> str:
         """As the command line calls it."""
         return "fourier"
+
+    @property
+    def shipped(self) -> str:
+        """One for every machine."""
+        return self.name
 
     @property
     def duration(self) -> float:

@@ -9,7 +9,7 @@ The last move need not end where the first begins: a way back would cost moves t
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -19,9 +19,8 @@ from cases.schema import Case
 from identification.motion import Joined
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.families.family import Layout, box_middle
-from planner.search.kernel import Kernel
 from planner.search.rows import BlockRows, LinearRows
-from planner.search.states import KernelStates, LinearStates, Peak, state_size
+from planner.search.states import Kernel, KernelStates, LinearStates, Peak, state_size
 
 Array = NDArray[np.float64]
 
@@ -123,10 +122,17 @@ class PointToPointFamily:
         limits = [box.rate, box.acceleration, *([box.jerk] if box.limits_jerk else [])]
         return cls(moves, duration, cycle, middle, half, np.array(limits))
 
+    iterations: ClassVar[int] = 60
+
     @property
     def name(self) -> str:
         """As the command line calls it."""
         return "ptp"
+
+    @property
+    def shipped(self) -> str:
+        """One for moves with limited jerk, one for moves whose accelerations step."""
+        return "ptp, steps" if self.steps else self.name
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -1,21 +1,26 @@
 """Motions of plans as JSON and back: series, moves and polynomial pieces, with SI units in the keys."""
 
+import json
+from functools import cache
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cases.chain import MOST_JOINTS
 from cases.parts import LARGEST
+from cases.schema import Case
+from identification.machines import machine_of
 from identification.motion import Joined, Measurement, Standstill, Trajectory
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.polynomial import Piece, PolynomialMotion
 from identification.trajectories.profile import Profile, StraightMove
+from planner.families.family import Array, Family
 from planner.families.fourier_motion import FourierMotion
 from planner.families.ptp import unit_profile
 
-Array = NDArray[np.float64]
+FILE = Path(__file__).with_name("shipped.json")
 
 
 def motion_entries(motion: Trajectory) -> dict[str, Any]:
@@ -172,3 +177,22 @@ def _read_piece(entry: dict[str, Any]) -> Piece:
     if coefficients.ndim != 2 or not 1 <= len(coefficients) <= 6:
         raise ValueError("coefficients_SI")
     return Piece(_coordinates(entry, "coefficients_SI", len(coefficients)), _positive(entry, "duration_s"))
+
+
+def shipped_start(family: Family, case: Case) -> Array | None:
+    """Unknowns of a family from which a search begins, limits of the machine apart; None where nothing fits it.
+
+    Good motions of different machines are alike: in half widths of their boxes (Fourier series, splines), in longest
+    steps (point-to-point). A search that begins from one ends higher than from random starts, and sooner; random starts
+    follow. `tests/bench/shipped_starts.py` has searched for them on the built-in hexapod.
+    """
+    if not machine_of(case).of_pose or family.shipped not in _shipped():
+        return None
+    return family.like(_shipped()[family.shipped])
+
+
+@cache
+def _shipped() -> dict[str, Array]:
+    """Names of families -> their tables, shape (n, columns)."""
+    tables = json.loads(FILE.read_text(encoding="utf-8"))
+    return {name: np.array(tables[name]["table"]) for name in tables}

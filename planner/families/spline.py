@@ -10,7 +10,7 @@ and the same, and so are the last three. It need not end where it begins.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import factorial
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,10 +83,17 @@ class SplineFamily:
         slip = np.array([4 * box.acceleration, box.jerk]) * step**2 / 8 / half
         return cls(intervals, duration, middle, half, slip)
 
+    iterations: ClassVar[int] = 50
+
     @property
     def name(self) -> str:
         """As the command line calls it."""
         return "spline"
+
+    @property
+    def shipped(self) -> str:
+        """One for every machine."""
+        return self.name
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -27,17 +27,11 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class ApproximateDesign:
-    """A design with its certificate.
+    """A design with its certificate."""
 
-    Args:
-        weights: weights of the poses, shape (n,), sum 1.
-        information: mean information, shape (u, u).
-        dmax: largest directional derivative over all poses.
-    """
-
-    weights: Array
-    information: Array
-    dmax: float
+    weights: Array  # weights of the poses, shape (n,), sum 1
+    information: Array  # mean information, shape (u, u)
+    dmax: float  # largest directional derivative over all poses
 
     @property
     def logdet_bound(self) -> float:
@@ -97,25 +91,17 @@ STARTS = 200
 
 @dataclass(frozen=True, slots=True)
 class ContinuousBound:
-    """An estimated upper bound of log det of the mean information.
+    """An estimated upper bound of log det of the mean information."""
 
-    Args:
-        logdet: the bound, in the scaling that was given.
-        dmax: largest directional derivative that was found.
-        poses: poses of the design that carry weight.
-    """
-
-    logdet: float
-    dmax: float
-    poses: int
+    logdet: float  # the bound, in the scaling that was given
+    dmax: float  # largest directional derivative that was found
+    poses: int  # poses of the design that carry weight
 
 
 def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> ContinuousBound:
     """Approximate design over the pose space.
 
     Args:
-        case: gives the space.
-        model: static.
         scaling: scaling of the columns, shape (u,).
         seeds: poses to start from, better many, together of full rank, shape (n, 6) [m, rad].
     """

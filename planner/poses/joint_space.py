@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.limits import TOLERANCE, everything, shares_at
-from identification.machine import Machine, machine_of
+from identification.machines import Machine, machine_of
 from identification.motion import StandingPoses
 from planner.search.state_limits import standing_limits
 

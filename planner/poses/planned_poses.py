@@ -9,20 +9,40 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limits import LimitReport, prove, worst_of
+from identification.model import Model
 from identification.motion import Joined, Measurement, Trajectory
 from planner.deviations import predicted_std_at_poses
 from planner.infeasible import remedy
 from planner.noise import sensor_noise, standing_model
 from planner.plans import Plan
-from planner.poses.choosing import Choice, choose, criterion_value, smallest_set
 from planner.poses.continuous import approximate_design, continuous_bound
-from planner.poses.pose_criteria import candidate_scaling, pose_regressors, require_full_rank, total_information
-from planner.poses.pose_request import PoseMethod, PoseRequest
+from planner.poses.pose_criteria import (
+    POSE_CRITERIA,
+    candidate_scaling,
+    pose_regressors,
+    require_full_rank,
+    total_information,
+)
+from planner.poses.pose_request import METHODS, PoseMethod, PoseRequest
+from planner.poses.refinement import refine
+from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change
 from planner.poses.space import Candidates, grid_candidates, sampled_candidates, space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.worth import PoseWorth
 
 Array = NDArray[np.float64]
+
+
+def smallest_set(model: Model, scaling: Array, poses: Array, letter: str) -> int:
+    """Poses that Algorithm 1 keeps of a set, shape (n, 6), before the regressor loses rank (Table 5, "Min. poses")."""
+    return len(reduce_best(pose_regressors(model, poses) * scaling, POSE_CRITERIA[letter], 1).kept)
+
+
+def criterion_value(model: Model, scaling: Array, poses: Array, letter: str) -> float:
+    """Value of a criterion of Table 4, to be maximised, of the mean information of poses, shape (n, 6), as scaled."""
+    regressors = pose_regressors(model, poses) * scaling
+    return float(POSE_CRITERIA[letter].value(total_information(regressors) / len(poses)))
+
 
 SCHEMA_VERSION = 1
 PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take about half a second
@@ -35,7 +55,6 @@ def poses_planned(
     """Chooses poses, orders, times and proves them.
 
     Args:
-        request: what to plan.
         case: machine, limits and poses.
         given: poses of one's own, for the method of this name, shape (n, k) [m or rad].
         done: called with the number of poses after each step of the choice.
@@ -55,10 +74,10 @@ def poses_planned(
     regressors = unscaled * scaling
     request.wanted(len(candidates.poses), regressors.shape[2])
     require_full_rank(regressors, model)
-    choice = choose(request, case, model, candidates.poses, regressors, scaling, done)
+    chosen_poses, remark = choose(request, case, model, candidates.poses, regressors, scaling, done)
     selected = perf_counter() - began
-    order, unordered = _ordered(case, choice)
-    poses = choice.poses[order]
+    order, unordered = _ordered(case, chosen_poses)
+    poses = chosen_poses[order]
     motion, limits = _motion(case, poses)
     travel = sum(part.duration for part in motion.parts if not isinstance(part, Measurement))
     chosen = pose_regressors(model, poses) * scaling
@@ -75,7 +94,7 @@ def poses_planned(
             "settle_s": setting.settle_s,
             "average_s": setting.average_s,
         },
-        remark=choice.remark,
+        remark=remark,
         candidates=len(candidates.poses),
         travel=travel,
         travel_unordered=unordered,
@@ -117,10 +136,10 @@ def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) 
     return sampled_candidates(case, request.candidates, request.seed)
 
 
-def _ordered(case: Case, choice: Choice) -> tuple[NDArray[np.int64], float]:
+def _ordered(case: Case, chosen: Array) -> tuple[NDArray[np.int64], float]:
     """Order of visit, and travel in the order of choice [s], both from home to home."""
     home = case.need_motion("a plan of poses")[0]
-    stations = np.vstack([home, choice.poses])
+    stations = np.vstack([home, chosen])
     times = travel_times(case, stations)
     order = shortest_order(times)
     require_ways(times, order)
@@ -156,3 +175,49 @@ def _noise(case: Case) -> float:
     sample = sensor_noise(case)
     averaged = case.need_standing("predicted standard deviations").average_s * case.recording.rate_Hz
     return float(sample / np.sqrt(max(averaged, 1.0)))
+
+
+def choose(
+    request: PoseRequest,
+    case: Case,
+    model: Model,
+    candidates: Array,
+    regressors: Array,
+    scaling: Array,
+    done: Callable[[int], None],
+) -> tuple[Array, str]:
+    """Chosen poses, shape (n, 6) [m, rad], and how the choice ended, one phrase.
+
+    Args:
+        request: method, criterion and count.
+        candidates: valid poses, shape (n, 6) [m, rad].
+        regressors: theirs, scaled, shape (n, 6, u); together of full rank.
+        scaling: scaling of the columns, shape (u,).
+        done: called with the number of poses after each step.
+
+    Raises:
+        HexciteError: more or fewer poses are asked for than is possible.
+        InfeasiblePlan: so few poses do not determine the model.
+    """
+    count = request.wanted(len(candidates), regressors.shape[2])
+    criterion = POSE_CRITERIA[request.criterion]
+    if request.method in (PoseMethod.ALL, PoseMethod.GIVEN):
+        return candidates, METHODS[PoseMethod(request.method)]
+    if request.method == PoseMethod.BACKWARD_CHANGE:
+        if len(candidates) > MOST_EXHAUSTIVE:
+            raise HexciteError(
+                f"method backward-change evaluates every removal and is meant for {MOST_EXHAUSTIVE} candidates at "
+                f"most, here are {len(candidates)}; choose backward"
+            )
+        kept = reduce_smallest_change(regressors, criterion, count, done).kept
+    else:
+        kept = reduce_best(regressors, criterion, count, done).kept
+    if len(kept) > count:
+        raise InfeasiblePlan(
+            f"{count} poses do not determine model {request.model}: Algorithm 1 ends at {len(kept)}, every further "
+            f"removal loses rank; ask for {len(kept)} or more"
+        )
+    if request.method in (PoseMethod.BACKWARD, PoseMethod.BACKWARD_CHANGE):
+        return candidates[kept], "as many as asked for"
+    refined = refine(case, model, scaling, criterion, candidates[kept])
+    return refined.poses, f"refined: {refined.status}"

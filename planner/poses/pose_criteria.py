@@ -22,7 +22,6 @@ def pose_regressors(model: Model, poses: Array) -> Array:
     """A of (21) standing still at each pose, shape (n, 6, u).
 
     Args:
-        model: without inertia.
         poses: coordinates of the machine, shape (n, k) [m or rad].
 
     Raises:

@@ -32,24 +32,15 @@ METHODS = {
 
 @dataclass(frozen=True, slots=True)
 class PoseRequest:
-    """What to plan.
+    """What to plan."""
 
-    Args:
-        criterion: letter of Table 4.
-        count: poses; None: 30.
-        method: one of METHODS.
-        model: number in Table 2, 0 to 5.
-        candidates: quasi-random candidates; None: the grid of the case.
-        seed: of these.
-        noise: standard deviation of an averaged force [N]; None: the sensors' noise, averaged as white noise.
-    """
-
-    criterion: str = "D"
-    count: int | None = None
-    method: str = PoseMethod.REFINE
-    model: int = 5
-    candidates: int | None = None
-    seed: int = 0
+    criterion: str = "D"  # letter of Table 4
+    count: int | None = None  # poses; None: 30
+    method: str = PoseMethod.REFINE  # one of METHODS
+    model: int = 5  # number in Table 2, 0 to 5
+    candidates: int | None = None  # quasi-random candidates; None: the grid of the case
+    seed: int = 0  # of these
+    # standard deviation of an averaged force [N]; None: the sensors' noise, averaged as white noise
     noise: float | None = None
 
     name: ClassVar[str] = "poses"

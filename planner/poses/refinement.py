@@ -11,8 +11,7 @@ from identification.model import Model
 from planner.poses.joint_space import JointSpace
 from planner.poses.pose_criteria import PoseCriterion, pose_regressors, total_information
 from planner.poses.space import PoseSpace, space_of
-from planner.search.information import log_determinant
-from planner.search.last_words import last_words
+from planner.search.ipopt import last_words
 
 Array = NDArray[np.float64]
 
@@ -23,27 +22,18 @@ INSIDE = 1e-7  # kept from every edge, so that rounding of the solver cannot lea
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """What refinement made of a set of poses.
+    """What refinement made of a set of poses."""
 
-    Args:
-        poses: shape (n, 6) [m, rad]; the start where nothing better was found.
-        value: value of the criterion, exact.
-        status: what the solver said.
-    """
-
-    poses: Array
-    value: float
-    status: str
+    poses: Array  # shape (n, 6) [m, rad]; the start where nothing better was found
+    value: float  # value of the criterion, exact
+    status: str  # what the solver said
 
 
 def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> Refinement:
     """Refines poses by IPOPT; K and N by a smooth p-norm of the eigenvalues, rated by their exact values.
 
     Args:
-        case: gives the space and what is valid.
-        model: static.
         scaling: scaling of the columns, shape (u,).
-        criterion: what to make large.
         poses: valid, of full rank, shape (n, 6) [m, rad].
     """
     space = space_of(case)
@@ -119,3 +109,15 @@ def _log_norm(matrix: ca.SX) -> ca.SX:
     for _ in range(POWER_SQUARINGS):
         power = power @ power
     return ca.log(scale) + ca.log(ca.trace(power)) / 2**POWER_SQUARINGS
+
+
+def _lower(size: int) -> ca.Sparsity:
+    return ca.Sparsity.lower(size)
+
+
+def log_determinant(size: int) -> ca.Function:
+    """Lower triangle of a positive definite matrix -> log det, by Cholesky factors (CasADi has no logdet)."""
+    triangle = ca.SX.sym("triangle", _lower(size).nnz())
+    lower = ca.SX(_lower(size), triangle)
+    full = lower + lower.T - ca.diag(ca.diag(lower))
+    return ca.Function("log_determinant", [triangle], [2 * ca.sum1(ca.log(ca.diag(ca.chol(full))))])

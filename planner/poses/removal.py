@@ -25,17 +25,11 @@ MOST_EXHAUSTIVE = 2500  # poses that `reduce_smallest_change` starts from: it ev
 
 @dataclass(frozen=True, slots=True)
 class Reduction:
-    """What Algorithm 1 did.
+    """What Algorithm 1 did."""
 
-    Args:
-        removed: indices of the poses in the order of their removal, shape (n - r,).
-        values: values of the criterion after each removal, shape (n - r,).
-        kept: indices of the poses that are left, ascending, shape (r,).
-    """
-
-    removed: Index
-    values: Array
-    kept: Index
+    removed: Index  # indices of the poses in the order of their removal, shape (n - r,)
+    values: Array  # values of the criterion after each removal, shape (n - r,)
+    kept: Index  # indices of the poses that are left, ascending, shape (r,)
 
 
 def full_rank(regressors: Array) -> bool:
@@ -56,8 +50,6 @@ def reduce_best(
 
     Args:
         regressors: scaled, of all poses, shape (n, 6, u); together of full rank.
-        criterion: what to keep large.
-        count: poses to keep at least.
         done: called with the number of poses that are left, after each removal.
     """
     members: Index = np.arange(len(regressors))  # of the screen; `alive` are those that are not yet removed

@@ -14,7 +14,7 @@ from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.keep_out import distances
 from identification.limits import prove
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.motion import StandingPoses
 from identification.pose import rotation, rpy
 from planner.poses.joint_space import JointSpace
@@ -26,25 +26,15 @@ SIZE = 5  # x, y, two of tilt, torsion; z stays where it is, for no static model
 
 @dataclass(frozen=True, slots=True)
 class PoseSpace:
-    """The poses among which refinement searches: a disc, all tilts up to the largest, a range of torsion.
+    """The poses among which refinement searches: a disc, all tilts up to the largest, a range of torsion."""
 
-    Args:
-        case: case with a hexapod.
-        home: position of {P} at home, shape (3,) [m].
-        radius: radius of the disc [m].
-        low: lower end of the XY range relative to home, shape (2,) [m].
-        high: upper end, shape (2,) [m].
-        tilt: tangent of half the largest tilt.
-        torsion: smallest and largest, shape (2,) [rad].
-    """
-
-    case: Case
-    home: Array
-    radius: float
-    low: Array
-    high: Array
-    tilt: float
-    torsion: Array
+    case: Case  # case with a hexapod
+    home: Array  # position of {P} at home, shape (3,) [m]
+    radius: float  # radius of the disc [m]
+    low: Array  # lower end of the XY range relative to home, shape (2,) [m]
+    high: Array  # upper end, shape (2,) [m]
+    tilt: float  # tangent of half the largest tilt
+    torsion: Array  # smallest and largest, shape (2,) [rad]
 
     @classmethod
     def of(cls, case: Case) -> "PoseSpace":
@@ -223,17 +213,11 @@ SECONDS_SQUARED = 5e-8
 
 @dataclass(frozen=True, slots=True)
 class Candidates:
-    """Valid poses to choose from.
+    """Valid poses to choose from."""
 
-    Args:
-        poses: shape (n, 6), R = Rz(yaw) Ry(pitch) Rx(roll) [m, rad].
-        considered: poses that were looked at, valid or not.
-        origin: one phrase that says where they come from.
-    """
-
-    poses: Array
-    considered: int
-    origin: str
+    poses: Array  # shape (n, 6), R = Rz(yaw) Ry(pitch) Rx(roll) [m, rad]
+    considered: int  # poses that were looked at, valid or not
+    origin: str  # one phrase that says where they come from
 
 
 def pose_of_tilt(position: Array, tilt: Array, azimuth: Array, torsion: Array) -> Array:
@@ -282,9 +266,7 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
     little, the space does not.
 
     Args:
-        case: the ranges.
         count: points that are looked at.
-        seed: of the scrambling.
 
     Raises:
         HexciteError: too many, too few, or a negative seed.

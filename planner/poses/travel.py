@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
 from identification.limits import mechanical_pace
-from identification.machine import kinetic
+from identification.machines import kinetic
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
 from planner.poses.space import space_of
 from postprocessors.execute.ruckig_law import RuckigLaw
@@ -33,7 +33,6 @@ def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
     """The fastest straight move within the limits, those of struts and torques of joints included.
 
     Args:
-        case: its limits.
         start: coordinates, shape (n,) [m or rad].
         end: different from start, shape (n,) [m or rad].
     """
@@ -57,7 +56,6 @@ def travel_times(case: Case, poses: Array) -> Array:
     Of more than a hundred poses struts are looked at in few places: good for an order, not for a proof.
 
     Args:
-        case: its limits.
         poses: shape (n, 6) [m, rad].
     """
     limits = case.need_motion("moves between poses")[1]
@@ -100,7 +98,6 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
     """By how much each move must be slowed for the struts' sake; below 1 where it need not be, shape (n,).
 
     Args:
-        case: its limits.
         start: shape (n, 6) [m, rad].
         end: shape (n, 6) [m, rad].
         laws: laws of `_laws`, for each move.

@@ -8,12 +8,12 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cases.machine import Machine
+from cases.machine import HexapodMachine
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited_chain import frames_at
 from planner.reach import Reach, StaticLimits
-from planner.reports.outlines import box_outlines, room, tool_outlines
+from planner.reports.machine import box_outlines, room, tool_outlines
 from planner.reports.reach import draw_coordinates
 
 Array = NDArray[np.float64]
@@ -99,7 +99,7 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
 
 
 def _map(
-    axes: Axes, case: Case, machine: Machine, which: tuple[int, int], sides: tuple[Array, Array], unit: float
+    axes: Axes, case: Case, machine: HexapodMachine, which: tuple[int, int], sides: tuple[Array, Array], unit: float
 ) -> QuadContourSet:
     first, second = np.meshgrid(*sides, indexing="ij")
     poses = np.tile(machine.home.vector, (first.size, 1))
@@ -115,7 +115,7 @@ def _map(
     return colours
 
 
-def _draw_machine(axes: Axes3D, case: Case, machine: Machine) -> None:
+def _draw_machine(axes: Axes3D, case: Case, machine: HexapodMachine) -> None:
     """Base, platform, struts and the bars of the sensors at home, in mm."""
     home = machine.home.vector
     turn = Rotation.from_euler("xyz", home[3:]).as_matrix()

@@ -4,12 +4,20 @@ Plotly's Python classes check each value anew, which took longer than all else o
 """
 
 import base64
+import html
 import json
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
+
+CLOSE, FAR = [1, 1.1, 1.2, 1.5, 2, 3, 4], [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]  # labels, for the largest ratio
+SPREAD = 0.7  # of the distance between two parameters, over which the markers of one stand side by side
+
+
+Array = NDArray[np.float64]
 
 AXES = ("x", "y", "z", "a", "b", "c")
 
@@ -79,3 +87,63 @@ def packed(values: NDArray[Any]) -> Any:
     little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
     coded = {"dtype": f"f{values.itemsize}", "bdata": base64.b64encode(little.tobytes()).decode("ascii")}
     return coded if values.ndim == 1 else {**coded, "shape": ", ".join(map(str, values.shape))}
+
+
+MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
+
+
+def plain(text: str) -> str:
+    """A text that plotly shows as it is: what looks like HTML in it stays text."""
+    return html.escape(text, quote=False)
+
+
+def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """A line with at most `MOST_POINTS` points that looks the same: of each stretch its lowest and its highest sample.
+
+    Args:
+        x: shape (n,).
+        y: shape (n,).
+    """
+    if len(x) <= MOST_POINTS:
+        return x.astype(np.float32), y.astype(np.float32)
+    size = -(-len(x) // (MOST_POINTS // 2))
+    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
+    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
+    kept = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
+    return x[kept].astype(np.float32), y[kept].astype(np.float32)
+
+
+class Series(NamedTuple):
+    """Standard deviations of one method."""
+
+    name: str  # name in the legend
+    deviations: Mapping[str, float]  # deviations by parameter; parameters that it does not tell are missing
+    colour: str  # colour of its markers
+    symbol: str = "circle"  # plotly's name of the marker
+
+
+def ratio_figure(series: Sequence[Series]) -> Chart:
+    """Standard deviations over the smallest of each parameter, on a logarithmic axis; 0 (a given value) is left out."""
+    names = list(dict.fromkeys(n for s in series for n in s.deviations))
+    known = {n: [s.deviations[n] for s in series if s.deviations.get(n, 0.0) > 0.0] for n in names}
+    best = {n: min(values) for n, values in known.items() if values}
+    figure = Chart()
+    for k, one in enumerate(series):
+        told = [n for n in one.deviations if n in best and one.deviations[n] > 0.0]
+        aside = SPREAD * ((k + 0.5) / len(series) - 0.5)
+        figure.add_scatter(
+            x=[names.index(n) + aside for n in told],
+            y=[one.deviations[n] / best[n] for n in told],
+            name=plain(one.name),
+            mode="markers",
+            marker={"size": 8, "color": one.colour, "symbol": one.symbol},
+            text=[f"{plain(n)}: {one.deviations[n]:.3g}" for n in told],
+            hovertemplate="%{text} (SI), %{y:.3g} times the smallest",
+        )
+    figure.update_xaxes(
+        range=[-0.6, len(names) - 0.4], showgrid=False, zeroline=False, tickvals=list(range(len(names))),
+        ticktext=[plain(n) for n in names], tickangle=-90,
+    )  # fmt: skip
+    largest = max((one.deviations[n] / best[n] for one in series for n in one.deviations if n in best), default=1.0)
+    figure.update_yaxes(title="times the smallest", type="log", tickvals=CLOSE if largest < CLOSE[-1] else FAR)
+    return figure

@@ -3,15 +3,14 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from identification.saved_result import provenance
 from planner.comparison.advising import Recommendation, warnings_of
 from planner.comparison.entries import Entry, Level, Told
 from planner.precision import parameter_words, std_text, value_text
+from planner.reports.charts import Series, ratio_figure
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Item, Note, Page, Plot, Section, Table
-from planner.reports.ratios import Series, ratio_figure
 
 
 def figure_rows(entries: Sequence[Entry]) -> list[list[str]]:
@@ -160,23 +159,3 @@ def _std_plot(groups: Sequence[Sequence[Entry]]) -> Plot:
         "motion as executed, dots identified; a plan, its runs and their results have one colour."
     )
     return Plot("std", ratio_figure(series).update_layout(height=420), note)
-
-
-def compare_figure(groups: Sequence[Sequence[Entry]]) -> Figure:
-    """Standard deviations side by side, for papers."""
-    figure = Figure(figsize=(11, 4.5), layout="constrained")
-    ax = figure.subplots()
-    entries = [e for g in groups for e in g]
-    names = list(dict.fromkeys(n for e in entries for n in e.parameters))
-    for k, (entry, colour) in enumerate(_coloured(groups)):
-        x = [names.index(n) + 0.1 * (k - len(entries) / 2) for n in entry.parameters]
-        y = [t.std for t in entry.parameters.values()]
-        hollow = "none" if entry.level == 1 else colour
-        label = f"{entry.name} ({entry.level.name.lower()})"
-        ax.plot(x, y, ("o", "D", "o")[entry.level - 1], color=colour, markerfacecolor=hollow, label=label)
-    ax.set_xticks(range(len(names)), names, rotation=60)
-    ax.set_yscale("log")
-    ax.set_ylabel("standard deviation [SI]")
-    ax.grid(alpha=0.25)
-    ax.legend(fontsize="small")
-    return figure

@@ -6,13 +6,13 @@ import numpy as np
 
 from cases.schema import Case
 from identification.motion import sample
-from identification.trajectories.path import instants
+from identification.trajectories.executed import instants
 from planner.demonstration import Demo
 from planner.precision import parameter_words, std_text, value_text
-from planner.reports.charts import Chart
+from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_plots
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
 from planner.reports.plan import pictured, starts_items
 from planner.runs.running import RunOutcome
 
@@ -24,7 +24,6 @@ def demo_page(chain: Demo, answer: dict[str, Any]) -> Page:
     """The page of a demo.
 
     Args:
-        chain: what came of it.
         answer: JSON answers of the steps: plan, post, check, run, identify, truth.
     """
     case, outcome, result = chain.plan.case, chain.outcome, chain.result

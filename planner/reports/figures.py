@@ -14,11 +14,11 @@ from cases.units import DEG, MM
 from identification.identifiability import Identifiability
 from identification.motion import Motion
 from planner.precision import bounds_text, std_text, value_text
-from planner.reports.charts import Chart
-from planner.reports.page import Item, Plot, Table, plain, thinned
+from planner.reports.charts import Chart, plain, thinned
+from planner.reports.page import Item, Plot, Table
 
 if TYPE_CHECKING:
-    from identification.runs.residuals import Residuals
+    from identification.outcome import Residuals
 
 Array = NDArray[np.float64]
 

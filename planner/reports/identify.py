@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cases.schema import Case
-from identification.outcome import TOLD_OF_RUNS, Result
-from identification.runs.residuals import Residuals
+from identification.outcome import TOLD_OF_RUNS, Residuals, Result
 from planner.precision import parameter_words, std_text, value_text, with_deviation
 from planner.reports.figures import (
     distribution_plot,

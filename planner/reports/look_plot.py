@@ -21,11 +21,7 @@ _PANEL = 2.2  # inches
 
 
 def look_figure(found: Look) -> Figure:
-    """Every column of numbers over time, or over the rows where there is no clock.
-
-    Args:
-        found: what `look` says of the file.
-    """
+    """Every column of numbers over time, or over the rows where there is no clock."""
     panels = list(_panels(found.columns))
     figure = Figure(figsize=(11, _PANEL * len(panels) + 0.6), layout="constrained")
     t, label = _time(found)

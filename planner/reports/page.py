@@ -7,7 +7,6 @@ figure passes `plain`, for plotly reads some HTML in labels.
 
 import base64
 import gzip
-import html
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,7 +43,6 @@ TERMS = {
 }
 """Words that a page explains where they stand."""
 _TERM = re.compile("|".join(rf"(?<![\w-]){re.escape(term)}(?!\w)" for term in sorted(TERMS, key=len, reverse=True)))
-MOST_POINTS = 2000  # a drawn line has; the eye sees no more, and the page stays small
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,19 +98,12 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Plot:
-    """An interactive figure.
+    """An interactive figure."""
 
-    Args:
-        name: unique on the page, also the name of the file it is saved to from the browser.
-        figure: drawn in the colours of the page, so it sets none for text, grid and background.
-        note: caption, which says what to see; also what a screen reader says of the figure.
-        half: may stand beside another one where the window is wide.
-    """
-
-    name: str
-    figure: Chart
-    note: str
-    half: bool = False
+    name: str  # unique on the page, also the name of the file it is saved to from the browser
+    figure: Chart  # drawn in the colours of the page, so it sets none for text, grid and background
+    note: str  # caption, which says what to see; also what a screen reader says of the figure
+    half: bool = False  # may stand beside another one where the window is wide
     kind: str = "plot"
 
     @property
@@ -123,15 +114,10 @@ class Plot:
 
 @dataclass(frozen=True, slots=True)
 class MachineItem:
-    """The hexapod moving in 3-D, with buttons to play and a slider to scrub.
+    """The hexapod moving in 3-D, with buttons to play and a slider to scrub."""
 
-    Args:
-        scene: what `planner.reports.machine` makes of a motion.
-        note: caption.
-    """
-
-    scene: dict[str, Any]
-    note: str = ""
+    scene: dict[str, Any]  # what `planner.reports.machine` makes of a motion
+    note: str = ""  # caption
     kind: str = "machine"
 
     @property
@@ -153,20 +139,12 @@ class Section:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """A report.
+    """A report."""
 
-    Args:
-        title: heading.
-        lead: what was done, in a sentence or two.
-        inputs: what it was done with, versions too: names and values.
-        warnings: stand first.
-        sections: sections in order.
-    """
-
-    title: str
-    lead: str
-    inputs: tuple[tuple[str, str], ...]
-    warnings: tuple[str, ...]
+    title: str  # heading
+    lead: str  # what was done, in a sentence or two
+    inputs: tuple[tuple[str, str], ...]  # what it was done with, versions too: names and values
+    warnings: tuple[str, ...]  # stand first
     sections: tuple[Section, ...]
 
 
@@ -198,27 +176,6 @@ def explained(text: str) -> Markup:
         parts.append(Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(TERMS[match[0]], match[0]))
         end = match.end()
     return Markup("").join([*parts, escape(text[end:])])
-
-
-def plain(text: str) -> str:
-    """A text that plotly shows as it is: what looks like HTML in it stays text."""
-    return html.escape(text, quote=False)
-
-
-def thinned(x: Array, y: Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """A line with at most `MOST_POINTS` points that looks the same: of each stretch its lowest and its highest sample.
-
-    Args:
-        x: shape (n,).
-        y: shape (n,).
-    """
-    if len(x) <= MOST_POINTS:
-        return x.astype(np.float32), y.astype(np.float32)
-    size = -(-len(x) // (MOST_POINTS // 2))
-    stretches = np.pad(y, (0, -len(y) % size), mode="edge").reshape(-1, size)
-    both = np.stack([stretches.argmin(axis=1), stretches.argmax(axis=1)], axis=1)
-    kept = np.unique(np.minimum(np.arange(len(stretches))[:, None] * size + both, len(x) - 1))
-    return x[kept].astype(np.float32), y[kept].astype(np.float32)
 
 
 def rows_of(rows: Sequence[Sequence[str]]) -> tuple[tuple[str, ...], ...]:

@@ -21,11 +21,11 @@ from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
 from planner.plans import Plan
 from planner.precision import parameter_words, std_text
-from planner.reports.charts import Chart
+from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots
 from planner.reports.machine import moving_machine
-from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain, thinned
-from planner.search.last_words import solver_text
+from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.search.ipopt import solver_text
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,6 @@ def plan_page(plan: Plan, manual: Beside | str) -> Page:
     """The page of `hexcite plan`.
 
     Args:
-        plan: the chosen motion.
         manual: the hand-made motion of the same case, or why there is none.
     """
     case, (request, worth) = plan.case, plan.of_motion

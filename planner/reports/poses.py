@@ -9,19 +9,14 @@ from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_request import PoseRequest
 from planner.poses.space import places
 from planner.precision import parameter_words, std_text
-from planner.reports.charts import Chart
+from planner.reports.charts import Chart, plain
 from planner.reports.figures import COLOURS, GREY, identifiability_items
 from planner.reports.machine import posing_machine
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles, plain
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
 
 
 def poses_page(plan: Plan, found: Identifiability) -> Page:
-    """The page of `hexcite poses`.
-
-    Args:
-        plan: the chosen poses.
-        found: what they determine.
-    """
+    """The page of `hexcite poses`."""
     about = plan.to_json()
     case, settings = plan.case, about["settings"]
     tiles = (

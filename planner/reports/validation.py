@@ -4,15 +4,13 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from cases.schema import Case
 from identification.saved_result import provenance
 from planner.precision import parameter_words, with_deviation
-from planner.reports.charts import Chart
+from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
-from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, plain, rows_of
-from planner.reports.ratios import Series, ratio_figure
+from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, rows_of
 from planner.validation.experiment import TABLE_3
 from planner.validation.remedy import REMEDY_COLUMNS, Remedy
 from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, MethodStep
@@ -56,8 +54,6 @@ def validation_page(
     """The page of `hexcite validate`.
 
     Args:
-        case: case with its payloads.
-        steps: steps of all methods.
         verdict: claims about the methods, answered.
         columns: runs without payload by several models; empty where they were not made.
         machine: what was used, in words.
@@ -128,8 +124,7 @@ def _warnings(steps: Sequence[MethodStep]) -> list[str]:
     for step in steps:
         for warning in step.estimate.warnings:
             run = f"{step.method} {step.load:.0f} kg"
-            told = warning.replace("; look at plots/residuals.svg", "")  # those pictures are of single results
-            given.setdefault(re.sub(r"[0-9.]+", "#", told), []).append((run, told))
+            given.setdefault(re.sub(r"[0-9.]+", "#", warning), []).append((run, warning))
     sentences = []
     for runs in given.values():
         first, warning = runs[0]
@@ -264,34 +259,3 @@ def _models(case: Case, columns: Mapping[int, Identified]) -> tuple[Item, ...]:
         "wrong, moving it does not."
     )
     return (Table(("parameter", *(f"model {n}" for n in sorted(columns))), tuple(rows)), Note(note + truth))
-
-
-def std_figure(steps: Sequence[MethodStep]) -> Figure:
-    """Standard deviations without payload, for papers: bars from zero are the reported ones, lines the true ones."""
-    bare = [s for s in steps if s.weights == 0]
-    panels = ("m", "xC", "zC", "IC33", "k0", "k1")
-    labels = [s.method if s.duration is None else f"{s.method}\n{s.duration:.0f} s" for s in bare]
-    figure = Figure(figsize=(12, 5.2), layout="constrained")
-    if any(s.scatter for s in bare):
-        told = "bars and numbers: as each run reports; lines: in truth, over machines that err with the pose otherwise"
-        figure.suptitle(told, fontsize=9, x=0.01, ha="left")
-    for ax, name in zip(figure.subplots(2, 3).ravel(), panels, strict=True):
-        scale, unit = SCALES.get(name, (1.0, ""))
-        for k, step in enumerate(bare):
-            value = step.estimate.physical.get(name)
-            height = 0.0 if value is None else value.reported * scale
-            unit = unit or ("" if value is None else value.unit)
-            ax.bar(k, height, color=(*COLOURS, GREY)[k % 7], width=0.7)
-            true = step.scatter.get(name, 0.0) * scale
-            if true > 0.0:
-                ax.plot([k - 0.42, k + 0.42], [true, true], color="black", linewidth=1.6)
-            said = "none" if value is None else f"{height:#.2g}"
-            ax.annotate(said, (k, max(height, true)), (0, 2), textcoords="offset points", ha="center", fontsize=9)
-        ax.set_xticks(range(len(bare)), labels, fontsize=8)
-        ax.set_xlim(-0.6, len(bare) - 0.4)
-        ax.margins(y=0.15)
-        ax.set_yticks([])
-        ax.tick_params(length=0)
-        ax.spines[["left", "right", "top"]].set_visible(False)
-        ax.set_title(f"standard deviation of {name} [{unit.replace('^2', '²')}]", fontsize=11, loc="left")
-    return figure

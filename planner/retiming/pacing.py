@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
-from identification.machine import kinetic
+from identification.machines import kinetic
 from identification.motion import Motion, Trajectory
-from planner.search.last_words import last_words
+from planner.search.ipopt import last_words
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -36,27 +36,16 @@ INTEGRATED = 4000.0  # [1/s] steps of the planned time in which the pace is inte
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A path and what its limits are made of, at the points at which they are held.
+    """A path and what its limits are made of, at the points at which they are held."""
 
-    Args:
-        s: places on the path, its own time, shape (n,) [s].
-        weights: weights of the integral over s, shape (n,) [s].
-        first: derivatives of the c coordinates and of the lengths of k struts with respect to s, shape (n, c + k).
-        second: shape (n, c + k).
-        third: third derivatives of the coordinates, shape (n, c).
-        velocity: limits, shape (c + k,).
-        acceleration: shape (c + k,).
-        jerk: shape (c,).
-    """
-
-    s: Array
-    weights: Array
-    first: Array
-    second: Array
-    third: Array
-    velocity: Array
-    acceleration: Array
-    jerk: Array
+    s: Array  # places on the path, its own time, shape (n,) [s]
+    weights: Array  # weights of the integral over s, shape (n,) [s]
+    first: Array  # derivatives of the c coordinates and the lengths of k struts with respect to s, shape (n, c + k)
+    second: Array  # shape (n, c + k)
+    third: Array  # third derivatives of the coordinates, shape (n, c)
+    velocity: Array  # limits, shape (c + k,)
+    acceleration: Array  # shape (c + k,)
+    jerk: Array  # shape (c,)
 
     @classmethod
     def of(cls, path: Trajectory, case: Case, margin: float) -> "Course":
@@ -111,17 +100,11 @@ def _basis(duration: float) -> "BSpline":
 
 @dataclass(frozen=True)
 class PacedMotion:
-    """A motion along a path at another pace, with finite jerks; a `Trajectory`.
-
-    Args:
-        path: the planned motion.
-        pace: p over the planned time.
-        solver: what the optimiser said.
-    """
+    """A motion along a path at another pace, with finite jerks; a `Trajectory`."""
 
     path: Trajectory
-    pace: "BSpline"
-    solver: str = field(default="", compare=False)
+    pace: "BSpline"  # p over the planned time
+    solver: str = field(default="", compare=False)  # what the optimiser said
 
     @cached_property
     def _clock(self) -> tuple[Array, Array]:
@@ -165,7 +148,6 @@ def paced(path: Trajectory, course: Course, most: float, held: tuple[Array, Arra
     """The fastest motion along a path inside all kinetic limits, as IPOPT finds it from the largest constant pace.
 
     Args:
-        path: path from rest to rest.
         course: course of that path.
         most: times the planned pace, at most.
         held: shares of the limits of accelerations and of jerks that may be used at each point of the course, each of

@@ -36,17 +36,12 @@ PACED = ("velocity", "acceleration", "jerk", "sensor force", "sensor moment", "j
 
 
 class RetimedPath(NamedTuple):
-    """A path at another pace.
+    """A path at another pace."""
 
-    Args:
-        motion: proven inside all limits, with a margin; the path itself where its own pace is as good as any found.
-        off_path: largest distance from the path, of the position [m] and of an angle [rad].
-        solver: what the optimiser said.
-    """
-
+    # proven inside all limits, with a margin; the path itself where its own pace is as good as any found
     motion: Trajectory
-    off_path: tuple[float, float]
-    solver: str
+    off_path: tuple[float, float]  # largest distance from the path, of the position [m] and of an angle [rad]
+    solver: str  # what the optimiser said
 
 
 def retimed_path(
@@ -55,10 +50,7 @@ def retimed_path(
     """The path at the fastest pace that keeps all limits.
 
     Args:
-        path: path from rest to rest.
-        case: gives the limits.
         fastest: up to `FASTEST` times the planned pace; otherwise never faster than planned.
-        told: how it is getting on.
 
     Raises:
         InfeasiblePlan: no pace keeps all limits; the message names the one in the way.
@@ -169,7 +161,6 @@ def fitted_spline(motion: Trajectory, step: float) -> PolynomialMotion:
     interval.
 
     Args:
-        motion: motion from rest to rest.
         step: step of the intervals, at most [s].
     """
     from scipy.interpolate import BSpline

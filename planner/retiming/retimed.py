@@ -47,39 +47,24 @@ class RetimingMethod(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class PaceRating:
-    """What a motion is worth and whether it keeps the limits.
+    """What a motion is worth and whether it keeps the limits."""
 
-    Args:
-        duration: [s].
-        criteria: A, D, K, N in reference scaling, better the larger they are.
-        d_efficiency: against the box bound; may be above 1 for a motion that leaves the box.
-        limits: proof at 10 kHz.
-    """
-
-    duration: float
-    criteria: dict[str, float]
-    d_efficiency: float
-    limits: LimitReport
+    duration: float  # [s]
+    criteria: dict[str, float]  # A, D, K, N in reference scaling, better the larger they are
+    d_efficiency: float  # against the box bound; may be above 1 for a motion that leaves the box
+    limits: LimitReport  # proof at 10 kHz
 
 
 @dataclass(frozen=True, slots=True)
 class Retimed:
-    """A motion before and after.
-
-    Args:
-        method: what re-timed it.
-        motion: the motion after.
-        before: value of the motion as it was.
-        after: value of the motion after.
-        remarks: what the method says of it.
-        off_path: largest distance from the planned path, of the position [m] and of an angle [rad].
-    """
+    """A motion before and after."""
 
     method: RetimingMethod
     motion: Trajectory
     before: PaceRating
     after: PaceRating
-    remarks: tuple[str, ...]
+    remarks: tuple[str, ...]  # what the method says of it
+    # largest distance from the planned path, of the position [m] and of an angle [rad]
     off_path: tuple[float, float] = (0.0, 0.0)
 
 
@@ -262,10 +247,7 @@ def retimed_plan(
     """The plan of a motion after re-timing.
 
     Args:
-        found: the motion before and after.
         request: family, criterion, model and payload of the plan that it comes from.
-        case: machine and limits.
-        source: the plan before.
         seconds: spent on re-timing [s].
         stale: what has changed in the case since the plan before, where the user went on.
 

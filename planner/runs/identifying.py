@@ -17,11 +17,10 @@ from identification.hexapod import StrutsDoNotClose
 from identification.identify import default_model, identifiability
 from identification.identify import identify as estimate_parameters
 from identification.model import Model, identification_model
-from identification.outcome import TOLD_OF_RUNS, Result
+from identification.outcome import TOLD_OF_RUNS, Result, residuals_of
 from identification.recording import Recording, files_of, read
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
-from identification.runs.residuals import residuals_of
 from identification.samples import USUAL, Conditioning
 from identification.saved_result import provenance
 from planner.plans import Plan
@@ -30,21 +29,13 @@ from planner.runs.recorded import UNSAID, StandstillWish, fitting_case, shorter_
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What is asked of an identification.
+    """What is asked of an identification."""
 
-    Args:
-        model: number in Table 2; None for what the run can carry.
-        how: estimator, and what is known beforehand, for a model.
-        terms: forms of the error compensation instead of the model's: K1 to K5.
-        conditioning: what is done to a moving run beforehand.
-        still: what is known of standstills in a run with a clock.
-    """
-
-    model: int | None = None
-    how: Callable[[Model], Method] = lambda model: GAUSS_MARKOV
-    terms: tuple[str, ...] = ()
+    model: int | None = None  # number in Table 2; None for what the run can carry
+    how: Callable[[Model], Method] = lambda model: GAUSS_MARKOV  # estimator, and what is known beforehand, for a model
+    terms: tuple[str, ...] = ()  # forms of the error compensation instead of the model's: K1 to K5
     conditioning: Conditioning = USUAL
-    still: StandstillWish = UNSAID
+    still: StandstillWish = UNSAID  # what is known of standstills in a run with a clock
 
 
 def identify(
@@ -82,14 +73,7 @@ def identify(
 
 
 def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, ...] = ()) -> Result:
-    """`identify` for what is asked as one value.
-
-    Args:
-        recording: the run.
-        case: case of the machine.
-        wish: what is asked.
-        stale: what has changed in the case since the run.
-    """
+    """`identify` for what is asked as one value."""
     whole = replace(on_one_clock(recording, case), case=case, paths=recording.paths, record=recording.record)
     run, standing = standing_of(whole, case, wish.still)
     number = default_model(run, case) if wish.model is None else wish.model
@@ -107,15 +91,7 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
 def result_of(
     run: Recording, case: Case, estimate: Estimate, standing: dict[str, Any] | None, stale: tuple[str, ...]
 ) -> Result:
-    """The result of an estimate.
-
-    Args:
-        run: as it was identified.
-        case: case of the machine.
-        estimate: estimate of its parameters.
-        standing: what is to be said of averaged standstills.
-        stale: what has changed in the case since the run.
-    """
+    """The result of an estimate."""
     changed = tuple(warning(Kind.CASE, sentence) for sentence in stale)
     estimate = replace(estimate, findings=(*estimate.findings, *changed))
     record = {

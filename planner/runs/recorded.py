@@ -8,17 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.basis import Artefact, recording_basis
-from cases.errors import FileProblem, HexciteError, RecordingError
+from cases.errors import ExecutionError, FileProblem, HexciteError, RecordingError
 from cases.files import another_kind
 from cases.loading import CASE_FILE, built_in_cases, find_case, load_case
 from cases.schema import Case
 from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod
+from identification.motion import Joined, Standstill, Trajectory
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
 from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.saved_result import load_result
 from planner.plan_folder import load_plan
+from postprocessors.execute.executed_run import ExecutedRun
+from postprocessors.proving.guarantees import Guarantees
+from postprocessors.proving.predicted import predicted
+from postprocessors.proving.stretches import Stretch, Timed, Untimed
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter
 Array = NDArray[np.float64]
@@ -26,15 +31,10 @@ RESTLESS = 3.0  # times the usual scatter of an averaged force
 
 
 class StandstillWish(NamedTuple):
-    """What a user says about standstills in a run that was recorded with a clock.
+    """What a user says about standstills in a run that was recorded with a clock."""
 
-    Args:
-        poses: whose standstills the run holds, shape (n, 6) [m, rad].
-        asked: average standstills without knowing the poses.
-    """
-
-    poses: Array | None = None
-    asked: bool = False
+    poses: Array | None = None  # whose standstills the run holds, shape (n, 6) [m, rad]
+    asked: bool = False  # average standstills without knowing the poses
 
 
 UNSAID = StandstillWish()
@@ -46,9 +46,7 @@ def case_of(
     """The case that was named, or the one of a recording folder; and what has changed in it since, with `stale`.
 
     Args:
-        path: path of the recording.
         case: as it was named, which is taken as it is now; None where the folder knows.
-        stale: go on although the case has changed since.
         result: folder of a result, whose case is taken where the recording names none.
 
     Raises:
@@ -144,10 +142,6 @@ def standing_of(
 def poses_of_plan(folder: Path, case: Case) -> Array:
     """Poses of a plan in the order of visit, shape (n, k) [m or rad].
 
-    Args:
-        folder: folder of the plan.
-        case: case of the recording.
-
     Raises:
         FileProblem: no plan there, or damaged.
         HexciteError: no plan of poses.
@@ -160,10 +154,6 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
 
 def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
     """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
-
-    Args:
-        record: what `recording.json` says.
-        coordinates: number of coordinates of the machine.
 
     Raises:
         FileProblem: the entry is damaged.
@@ -178,3 +168,58 @@ def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None
     if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
         raise FileProblem(f"recording.json: poses_m_rad: are not poses of {coordinates} numbers; run the program again")
     return poses
+
+
+STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it settles for some cycles
+
+
+class Stood(NamedTuple):
+    """How a run went."""
+
+    duration: float  # duration from the first movement to the last [s]
+    off: float  # largest distance of a standstill from its pose of the program [m]
+
+
+def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:
+    """The whole way of a program that measures standing still, from home on, as its controller is expected to go it."""
+    home, limits = case.need_motion("a run")
+    here, way = home, list[Trajectory]()
+    for part in parts:
+        motion: Trajectory | None
+        if isinstance(part, Timed):
+            motion = part.points
+        elif isinstance(part, Untimed):
+            motion = predicted(part, limits, guarantees)
+        else:
+            motion = Standstill(here, part.duration) if part.duration > 0.0 else None
+        if motion is not None:
+            way.append(motion)
+            here = motion.at([motion.duration]).pose[0]
+    return Joined(tuple(way))
+
+
+def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
+    """How long it took from home to home, and how far the machine stood from the program's poses, shape (n, k).
+
+    Raises:
+        ExecutionError: the trigger did not come on once at each pose, or the machine moved while it was on.
+    """
+    if len(run.trigger) != len(poses):
+        raise ExecutionError(
+            program,
+            f"the trigger came on {len(run.trigger)} times for {len(poses)} poses on {run.controller}",
+            "report this",
+        )
+    for k, (start, end) in enumerate(run.trigger, 1):
+        within = run.execution.struts(np.arange(start, end, 1e-3))
+        if (way := float(np.ptp(within, axis=0).max())) > STANDS:
+            raise ExecutionError(
+                program,
+                f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}",
+                "run again",
+            )
+    there = run.execution.kinematics(run.trigger.mean(axis=1)).pose
+    t = np.arange(0.0, run.execution.duration, 1e-3)
+    moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
+    off = float(np.linalg.norm(there[:, :3] - run.execution.machine.positions(poses), axis=1).max())
+    return Stood(float(t[moving[-1] + 1] - t[moving[0]]), off)

@@ -11,17 +11,15 @@ from numpy.typing import NDArray
 from cases.errors import ExecutionError, HexciteError, ProgramError
 from cases.schema import Case
 from identification.loaded import UNDISTURBED, Circumstances, circumstances
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import full_model, identification_model
 from identification.motion import Trajectory
 from identification.recording import Recording, about_case
 from identification.reference import reference_scaling
 from identification.simulate import simulate_recording
-from identification.trajectories.executed import DriveExecution, executed_peaks
-from identification.trajectories.path import executed_information, path_error
+from identification.trajectories.executed import DriveExecution, executed_information, executed_peaks, path_error
 from planner.bounds.kept import Bound, box_bound
-from planner.runs.followed import planned_excitation
-from planner.runs.stood import stood, way_of
+from planner.runs.recorded import stood, way_of
 from planner.runs.written import plan_of_program, written_for_another
 from planner.search.problem import mean_information
 from postprocessors.execute.executed_run import TIME_TOLERANCE, ExecutedRun, moving_windows, slowest_path, windows
@@ -30,8 +28,8 @@ from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.program_file import Program, read_program
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.measured import measured_poses, measures_at_poses
-from postprocessors.proving.stretches import Stretch, stretches
+from postprocessors.proving.predicted import planned_excitation
+from postprocessors.proving.stretches import Stretch, measured_poses, measures_at_poses, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")
 SLOWER = 4.0  # speed-up of a second session
@@ -39,23 +37,14 @@ NOTICEABLE = 0.01  # of a run
 
 
 class RunRating(NamedTuple):
-    """Planned against executed.
+    """Planned against executed."""
 
-    Args:
-        planned: duration of the excitation in the program [s].
-        executed: with the controller [s].
-        path_error: [m].
-        efficiency_planned: D-efficiency of the program's excitation; None where it measures standing still.
-        efficiency: efficiency of the executed one, behind the filter of the evaluation; None as before.
-        peaks: largest share of each kinetic limit in the whole run, approach and return included.
-    """
-
-    planned: float
-    executed: float
-    path_error: float
-    efficiency_planned: float | None
-    efficiency: float | None
-    peaks: dict[str, float]
+    planned: float  # duration of the excitation in the program [s]
+    executed: float  # with the controller [s]
+    path_error: float  # [m]
+    efficiency_planned: float | None  # D-efficiency of the program's excitation; None where it measures standing still
+    efficiency: float | None  # efficiency of the executed one, behind the filter of the evaluation; None as before
+    peaks: dict[str, float]  # largest share of each kinetic limit in the whole run, approach and return included
 
     @property
     def peak_acceleration(self) -> float:
@@ -65,28 +54,18 @@ class RunRating(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RunOutcome:
-    """A run with its recording.
-
-    Args:
-        run: what the controller did.
-        recording: what was measured, simulated.
-        rating: planned against executed.
-        planned: the excitation that the program asks for, or the way through the poses that it measures.
-        program_hash: fingerprint of the program that ran.
-        guarantees: what the controller that it was written for answers for.
-        around: what was mounted and what disturbed.
-        poses: poses at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad].
-        plan_hash: fingerprint of the plan that the program says it was written from; None where it says nothing.
-    """
+    """A run with its recording."""
 
     run: ExecutedRun
-    recording: Recording
+    recording: Recording  # what was measured, simulated
     rating: RunRating
-    planned: Trajectory
-    program_hash: str
-    guarantees: Guarantees
+    planned: Trajectory  # the excitation that the program asks for, or the way through the poses that it measures
+    program_hash: str  # fingerprint of the program that ran
+    guarantees: Guarantees  # what the controller that it was written for answers for
     around: Circumstances
+    # poses at which it measures standing still, shape (k, 6), empty for moving excitations [m, rad]
     poses: NDArray[np.float64]
+    # fingerprint of the plan that the program says it was written from; None where it says nothing
     plan_hash: str | None = None
 
 
@@ -114,13 +93,6 @@ def require_seed(seed: int) -> None:
 
 def execute(program: Program, case: Case, on: str, seed: int, around: Circumstances = UNDISTURBED) -> RunOutcome:
     """Proves a program, runs it and simulates the recording.
-
-    Args:
-        program: as it was read or written.
-        case: case with a simulated machine.
-        on: `virtual` or `linuxcnc`.
-        seed: of the sensors' noise.
-        around: what is mounted and what disturbs.
 
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.
@@ -164,11 +136,6 @@ def read_to_run(file: Path, case: Case) -> Program:
 
 def carried_out(program: Program, case: Case, on: str) -> tuple[tuple[Stretch, ...], ExecutedRun]:
     """Proves a program and runs it: its stretches, and what the controller did.
-
-    Args:
-        program: as it was read or written.
-        case: the machine.
-        on: `virtual` or `linuxcnc`.
 
     Raises:
         HexciteError: unknown controller, a program that is not proven, a run that failed: the reason in one line.

@@ -13,13 +13,12 @@ from planner.families.settings import PointToPoint
 from planner.plan_folder import DIGITS, fingerprint
 from planner.plans import Plan
 from planner.request import Request
-from postprocessors.dialects import DIALECTS, Dialect, dialect_of_file
+from postprocessors.dialects import Dialect, dialect_of_file
 from postprocessors.dialects import dialect as dialect_named
 from postprocessors.program_file import Program
 from postprocessors.writing import proven_program
 
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
-IN_STRUTS = "point-to-point moves are straight in the struts: another path than planned"
 
 
 def write(
@@ -29,7 +28,6 @@ def write(
     speed: float = 1.0,
     accept: Collection[str] = (),
     file: Path | str | None = None,
-    in_struts: bool = False,
 ) -> Program:
     """The plan as a program for a controller, read back and proven; nothing is written to disk.
 
@@ -40,7 +38,6 @@ def write(
         speed: share of the planned speed; 0.1 for a first try.
         accept: limits that the controller does not enforce and that the caller answers for, such as `("jerk",)`.
         file: name of the program, for messages; its suffix says how a table of set points is written.
-        in_struts: point-to-point moves become straight in the struts, another path than planned.
 
     Raises:
         ProgramError: the text, as read back, is not the planned motion, exceeds a limit, or relies on one that nobody
@@ -51,11 +48,6 @@ def write(
     path = Path(f"{plan.name}{language.suffix}" if file is None else file)
     if not SLOWEST <= speed <= 1.0:
         raise HexciteError(f"speed {speed:g} is outside {SLOWEST:g} to 1; choose 0.1 for a first try")
-    if in_struts and not language.in_struts:
-        able = ", ".join(d.name for d in DIALECTS.values() if d.in_struts)
-        raise HexciteError(
-            f"{language.name} has no moves straight in the struts; leave out --ptp-struts, or use {able}"
-        )
     remarks: tuple[str, ...] = ()
     if isinstance(plan.request, Request) and isinstance(plan.request.family, PointToPoint):
         where = plan.name if plan.saved is None else str(plan.saved.folder)
@@ -67,10 +59,9 @@ def write(
         plan_line(plan),
         *plan.stale,
         language.start,
-        *([IN_STRUTS] if in_struts else []),
     )
     words = language.load(path.suffix.lower())
-    written = proven_program(plan.motion, plan.case, words, str(path), header, speed, accept, in_struts)
+    written = proven_program(plan.motion, plan.case, words, str(path), header, speed, accept)
     guarantees = words.guarantees(written.reading, plan.case)
     return Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))
 

@@ -1,6 +1,6 @@
 """The information that errors of the pose leave, by the states of a motion: value and derivatives.
 
-With y = A X, X = M^-1 F, and r = R X, R_i = sum_j C_ij w_j A_j (see `planner.pose_errors`), a change dA of the
+With y = A X, X = M^-1 F, and r = R X, R_i = sum_j C_ij w_j A_j (see `planner.noise`), a change dA of the
 regressor of state i, of share w_i, and a change dC of its correlations change S = F M^-1 F by w_i (B + B^T), where
 B = y^T (dA - h) + (A - y - r)^T dA X and h = sum_j dC_ij w_j A_j X: a product of rows with slopes, like that of F.
 """
@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identification.noise.pose_field import squared_distances
-from planner.pose_errors import PoseErrors
-from planner.search.kernel import Kernel
-from planner.search.states import SHARE, state_size
+from planner.noise import PoseErrors
+from planner.search.states import SHARE, Kernel, state_size
 
 Array = NDArray[np.float64]
 

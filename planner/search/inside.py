@@ -12,7 +12,7 @@ from identification.limits import TOLERANCE, LimitReport, prove
 from identification.model import Model
 from planner.families.family import Family
 from planner.infeasible import remedy
-from planner.pose_errors import PoseErrors
+from planner.noise import PoseErrors
 from planner.search.problem import information_of
 
 Array = NDArray[np.float64]

@@ -1,8 +1,8 @@
 """When a search has had enough starts.
 
-It ends when starts stop paying: after `FEWEST` of them, as soon as the last `IDLE` did not raise the best by
-`WORTHWHILE`. They are counted in an order that does not depend on which of them was done first. `--starts N` asks for N
-of them instead, `--seconds S` for as many as that time allows.
+It ends when starts stop paying: as soon as the last ones, two or what the family says, did not raise the best by
+`WORTHWHILE`, or the first `FAILURES` all failed. They are counted in an order that does not depend on which of them was
+done first. `--starts N` asks for N of them instead, `--seconds S` for as many as that time allows.
 """
 
 import math
@@ -14,7 +14,7 @@ from planner.request import Request
 from planner.search.solving import Failed, Start
 
 MOST = 40  # starts, by default; with `--seconds` there is no such end
-FEWEST, IDLE = 3, 2
+FAILURES = 3  # in a row from the first on
 WORTHWHILE = 0.005  # of an efficiency
 EXPLORING = 0.6  # share of `--seconds` that goes into explorations, where their best are refined afterwards
 ENDLESS = 1000
@@ -31,6 +31,7 @@ class Patience:
         until: when to stop, on the monotonic clock [s]; None where time does not count.
         exploring_until: when to stop exploring.
         counts: whether the round ends when starts stop paying.
+        idle: starts in a row without a gain that end it then.
         refined: how many of the explored motions are refined.
     """
 
@@ -40,6 +41,7 @@ class Patience:
     until: float | None
     exploring_until: float | None
     counts: bool
+    idle: int
     refined: int
 
     @classmethod
@@ -53,7 +55,8 @@ class Patience:
             share = EXPLORING if refined else 1.0
             until, exploring = now + request.seconds, now + share * request.seconds
         counts = request.starts is None and request.seconds is None
-        return cls(request.criterion, parameters, most, until, exploring, counts, refined)
+        idle = request.family.idle(request.criterion)
+        return cls(request.criterion, parameters, most, until, exploring, counts, idle, refined)
 
     def exploring(self) -> "Patience":
         """For the explorations."""
@@ -71,14 +74,14 @@ class Patience:
         """
         if len(results) >= self.most:
             return True
-        if not self.counts or len(results) < FEWEST:
+        if not self.counts:
             return False
         best, since = -math.inf, 0
         for result in results:
             since += 1
             if isinstance(result, Start) and gain(self.criterion, self.parameters, best, result.promise) >= WORTHWHILE:
                 best, since = result.promise, 0
-        return since >= IDLE
+        return since >= (FAILURES if best == -math.inf else self.idle)
 
 
 def gain(criterion: str, parameters: int, old: float, new: float) -> float:

@@ -12,7 +12,7 @@ from identification.limited import Box
 from identification.model import Model
 from identification.motion import Trajectory
 from planner.families.family import Family, Layout, box_middle
-from planner.pose_errors import PoseErrors, of_estimate
+from planner.noise import PoseErrors, of_estimate
 from planner.search.by_pose import FieldByStates
 from planner.search.program import Program, regressor_kernel
 from planner.search.rows import LinearRows, Rows, StateRows

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from identification.model import Model
 from planner.search.by_pose import Felt, FieldByStates
 from planner.search.criterion import Local, criterion_at
-from planner.search.kernel import Kernel
 from planner.search.rows import Blocks, Rows, pulled_back
-from planner.search.states import SHARE, States, state_size
+from planner.search.states import SHARE, Kernel, States, state_size
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.search.kernel import Kernel
-from planner.search.states import States
+from planner.search.states import Kernel, States
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -20,8 +20,7 @@ from identification.reference import reference_scaling
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
 from planner.infeasible import require_rest
-from planner.noise import expected_noise, seen_through
-from planner.pose_errors import PoseErrors
+from planner.noise import PoseErrors, expected_noise, seen_through
 from planner.search.annealing import annealed_start
 from planner.search.inside import MARGIN, Inside, Rating, keep_limits, rate
 from planner.search.ipopt import Watch, solve
@@ -38,8 +37,7 @@ FINER = 1e-4  # of that, for what slips between the instants of the quick look
 TIGHTER = 2  # times at most that limits are constrained at more instants, and tightened by what is left
 NEAR = 0.8  # share of a limit from which its instants are then constrained
 DRAWN_BACK = 0.98  # a motion that had to shrink to less than this is searched for once more, from inside
-EXPLORE = {"fourier": 30, "spline": 50, "ptp": 60}  # iterations at most
-REFINE, GLANCE = 25, 25  # the same of refinements, and of a glance at another family than moves
+REFINE, GLANCE = 25, 25  # iterations at most of refinements, and of a glance at another family than moves
 SHARPER = (2, 5, 8)  # halvings of the p-norms of K and N, one round after the other: p = 8, 64, 512
 
 
@@ -171,7 +169,7 @@ def _stages(task: Task, close: bool) -> Iterator[_Stage]:
     if close:
         yield at_hand
     elif task.step is Step.EXPLORE:
-        yield _Stage("D", 0, not task.moves, EXPLORE[task.family.name], afar)
+        yield _Stage("D", 0, not task.moves, task.family.iterations, afar)
         if not task.moves:
             return
     if task.criterion == "D" and task.step is Step.REFINE:

@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.machine import machine_of
+from identification.machines import machine_of
 from identification.model import identification_model
 from identification.overload import SHARE
 from identification.parameters import nominal_parameters
 from planner.families.family import box_middle
-from planner.search.kernel import Kernel
-from planner.search.states import Peak, state_size
+from planner.search.states import Kernel, Peak, state_size
 
 Array = NDArray[np.float64]
 

@@ -49,7 +49,6 @@ def open_study(folder: Path, about: dict[str, Any]) -> None:
     """Makes a study folder, or finds that an older one is of the same study.
 
     Args:
-        folder: folder of the study.
         about: what study.json holds; `name` and what was used of the case must be those of the study there.
 
     Raises:
@@ -81,7 +80,6 @@ def check_study(folder: Path, about: dict[str, Any]) -> None:
 
     Args:
         folder: folder of the study; need not exist.
-        about: as for `open_study`.
 
     Raises:
         FileProblem: another study's folder, or somebody else's.

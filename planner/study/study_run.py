@@ -15,9 +15,9 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from identification.model import full_model
 from planner.request import Request
+from planner.study.cluster import TaskEnd, run_tasks
 from planner.study.spec import Spec, cell_key, request_of, settings_of
 from planner.study.store import DONE, FAILED, PLANNED, keep, open_study, read_rows
-from planner.study.tasks import TaskEnd, run_tasks
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -27,19 +27,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One cell's work.
+    """One cell's work."""
 
-    Args:
-        case: machine and limits, and a simulated machine where runs are asked for.
-        request: what to plan, from one start.
-        noise_seeds: noise seeds of the recordings to identify; none: the plan alone.
-        disturbed: whether the simulated machine vibrates, ripples and errs with the pose.
-    """
-
-    case: Case
-    request: Request
-    noise_seeds: tuple[int, ...]
-    disturbed: bool = False
+    case: Case  # machine and limits, and a simulated machine where runs are asked for
+    request: Request  # what to plan, from one start
+    noise_seeds: tuple[int, ...]  # noise seeds of the recordings to identify; none: the plan alone
+    disturbed: bool = False  # whether the simulated machine vibrates, ripples and errs with the pose
 
 
 def work(job: Job) -> list[dict[str, Any]]:
@@ -155,9 +148,6 @@ def missing(cells: list[Cell], spec: Spec, folder: Path, retry: bool = False) ->
     """Cells with rows that are not in the folder yet, and the noise seeds of these rows.
 
     Args:
-        cells: cells of the study.
-        spec: spec of the study.
-        folder: folder of the study.
         retry: whether cells that failed count as missing.
 
     Raises:
@@ -208,9 +198,6 @@ def run_study(
     """Computes the rows that a study folder lacks, and keeps each as it arrives.
 
     Args:
-        client: client of the cluster.
-        spec: the study.
-        case: machine and limits.
         folder: folder of the study; continued where it holds rows.
         done: told of each cell.
         retry: whether to try cells again that failed.

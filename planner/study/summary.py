@@ -20,29 +20,17 @@ GROUPED = tuple(name for name in SETTINGS if name != "seed")
 
 @dataclass(frozen=True, slots=True)
 class SettingsGroup:
-    """Cells that differ in their seed only.
+    """Cells that differ in their seed only."""
 
-    Args:
-        settings: settings that they share.
-        cells: how many.
-        done: number of these that are done.
-        converged: share of those done whose solver said so.
-        scores: scores of the criterion, those done, shape (k,); the larger the better.
-        seconds: mean of a cell.
-        iterations: mean of a cell.
-        intervals: 95 % intervals of identified parameters, over all seeds of the noise.
-        inside: share of these that hold the truth; NaN without any.
-    """
-
-    settings: dict[str, Any]
-    cells: int
-    done: int
-    converged: float
-    scores: np.ndarray
-    seconds: float
-    iterations: float
-    intervals: int
-    inside: float
+    settings: dict[str, Any]  # settings that they share
+    cells: int  # how many
+    done: int  # number of these that are done
+    converged: float  # share of those done whose solver said so
+    scores: np.ndarray  # scores of the criterion, those done, shape (k,); the larger the better
+    seconds: float  # mean of a cell
+    iterations: float  # mean of a cell
+    intervals: int  # 95 % intervals of identified parameters, over all seeds of the noise
+    inside: float  # share of these that hold the truth; NaN without any
 
     @property
     def median(self) -> float:
@@ -56,16 +44,13 @@ class SettingsGroup:
 
 
 def groups(table: "pa.Table") -> list[SettingsGroup]:
-    """Groups of cells that differ in their seed only, in the order in which they first appear.
-
-    Args:
-        table: rows of a study.
-    """
+    """Groups of cells that differ in their seed only, in the order of their settings."""
     columns = {name: table[name].to_pylist() for name in table.schema.names}
     members: dict[tuple[Any, ...], list[int]] = {}
     for row, key in enumerate(zip(*(columns[name] for name in GROUPED), strict=True)):
         members.setdefault(key, []).append(row)
-    return [_group(key, rows, columns) for key, rows in members.items()]
+    ordered = sorted(members, key=lambda key: [(value is not None, value) for value in key])
+    return [_group(key, members[key], columns) for key in ordered]
 
 
 def _group(key: tuple[Any, ...], rows: list[int], columns: dict[str, list[Any]]) -> SettingsGroup:
@@ -107,12 +92,7 @@ MOST_REASONS = 20
 
 
 def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
-    """The page of a study folder.
-
-    Args:
-        about: its study.json.
-        table: its rows.
-    """
+    """The page of a study folder."""
     found = groups(table)
     failures = _failures(table)
     lost = sum(count for _, count in failures)

@@ -20,15 +20,14 @@ from planner.plans import Plan
 from planner.poses.planned_poses import poses_planned
 from planner.poses.pose_request import PoseMethod, PoseRequest
 from planner.request import Request
+from planner.runs.recorded import stood
 from planner.runs.running import carried_out
-from planner.runs.stood import stood
 from planner.runs.written import write
 from planner.validation.experiment import METHODS, Excitation, steps
 from planner.validation.remedy import Remedy, remedy_of
 from planner.validation.step import MethodStep
 from postprocessors.program_file import Program
-from postprocessors.proving.measured import measured_poses, measures_at_poses
-from postprocessors.proving.stretches import stretches
+from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
 
 # LinuxCNC has no limits for these, and no metal moves: the machine is simulated. Programs for the virtual controller
 # are SINUMERIK's, whose point-to-point moves limit jerk as the paper's machine does, but for moves with steps.

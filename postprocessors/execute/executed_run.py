@@ -17,21 +17,13 @@ STILL = 1e-9  # [m] a cycle: 1 um/s
 
 @dataclass(frozen=True, slots=True)
 class ExecutedRun:
-    """A run.
+    """A run."""
 
-    Args:
-        controller: name and version.
-        execution: the motion, continuous in time.
-        trigger: start and end of each time the trigger was on, shape (k, 2) [s].
-        real: whether a real controller ran it (the machine is simulated in any case).
-        remark: what to know about this run; empty where there is nothing.
-    """
-
-    controller: str
-    execution: DriveExecution
-    trigger: Array
-    real: bool
-    remark: str = ""
+    controller: str  # name and version
+    execution: DriveExecution  # the motion, continuous in time
+    trigger: Array  # start and end of each time the trigger was on, shape (k, 2) [s]
+    real: bool  # whether a real controller ran it (the machine is simulated in any case)
+    remark: str = ""  # what to know about this run; empty where there is nothing
 
     @property
     def excitation(self) -> float:
@@ -70,27 +62,19 @@ def moving_windows(on: NDArray[np.bool_], struts: Array, period: float) -> Array
 class ControllerLog:
     """What a controller did, one row a cycle. Arrays are copied and read-only.
 
-    Args:
-        controller: name and version of the controller, as it gave them itself.
-        period: duration of a cycle [s].
-        drives: commanded positions of struts or joints, shape (n, k) [m or rad].
-        poses: commanded coordinates, shape (n, k) [m or rad].
-        trigger: the recording output, shape (n,).
-        lines: the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the
-            controller reports it so (LinuxCNC), shape (n,).
-        left_out: cycles of standstill that are not in it, because only the computer's clock made them.
-
     Raises:
         ValueError: a shape is wrong, a value is not finite, or the log is empty.
     """
 
-    controller: str
-    period: float
-    drives: Array
-    poses: Array
-    trigger: NDArray[np.bool_]
+    controller: str  # name and version of the controller, as it gave them itself
+    period: float  # duration of a cycle [s]
+    drives: Array  # commanded positions of struts or joints, shape (n, k) [m or rad]
+    poses: Array  # commanded coordinates, shape (n, k) [m or rad]
+    trigger: NDArray[np.bool_]  # the recording output, shape (n,)
+    # the program line being executed, counted from 1; 0 while nothing moves; a cycle late where the controller reports
+    # it so (LinuxCNC), shape (n,)
     lines: NDArray[np.int64]
-    left_out: int = 0
+    left_out: int = 0  # cycles of standstill that are not in it, because only the computer's clock made them
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.period) and self.period > 0.0):
@@ -127,17 +111,11 @@ CYCLES = 30
 
 
 class PathTime(NamedTuple):
-    """A timed path and how long it took.
+    """A timed path and how long it took."""
 
-    Args:
-        line: line of the program at which it ends.
-        planned: duration in the program [s].
-        taken: time that the controller took [s].
-    """
-
-    line: int
-    planned: float
-    taken: float
+    line: int  # line of the program at which it ends
+    planned: float  # duration in the program [s]
+    taken: float  # time that the controller took [s]
 
     def sentence(self) -> str:
         """One phrase for people."""
@@ -149,7 +127,6 @@ def slowest_path(reading: Reading, log: ControllerLog) -> PathTime | None:
 
     Args:
         reading: the program that was run.
-        log: log of every cycle.
     """
     worst: PathTime | None = None
     for part in stretches(reading):

@@ -16,15 +16,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class RuckigLaw:
-    """A way of 1 from rest to rest in segments of constant jerk.
+    """A way of 1 from rest to rest in segments of constant jerk."""
 
-    Args:
-        ends: when each segment ends, shape (7,) [s].
-        states: position, velocity, acceleration and jerk at the start of each segment, shape (4, 7).
-    """
-
-    ends: Array
-    states: Array
+    ends: Array  # when each segment ends, shape (7,) [s]
+    states: Array  # position, velocity, acceleration and jerk at the start of each segment, shape (4, 7)
 
     @classmethod
     def within(cls, velocity: float, acceleration: float, jerk: float) -> "RuckigLaw":

@@ -35,15 +35,10 @@ def window_of(case: Case) -> SignalWindow:
 
 @dataclass(frozen=True, slots=True)
 class Sources:
-    """C99 text.
+    """C99 text."""
 
-    Args:
-        header: declarations.
-        source: definitions.
-    """
-
-    header: str
-    source: str
+    header: str  # declarations
+    source: str  # definitions
 
 
 def c_sources(calibration: Calibration, name: str) -> Sources:

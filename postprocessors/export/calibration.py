@@ -28,31 +28,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """The calibrated measurement model.
-
-    Args:
-        result: identified parameters.
-        case: the machine that they belong to, unchanged since.
-        model: the identification model.
-        hexapod: kinematics, None where the case has no machine.
-        physical: physical parameters by name.
-        recording: what they were identified from, and what the offsets were tared with.
-        samples: how many samples that were.
-        s0: (27).
-        result_hash: fingerprint of the file of the result.
-        warnings: warnings that the result carries.
-    """
+    """The calibrated measurement model."""
 
     result: SavedResult
-    case: Case
+    case: Case  # the machine that they belong to, unchanged since
     model: Model
-    hexapod: Hexapod | None
-    physical: dict[str, Value]
-    recording: str
-    samples: int
-    s0: float
-    result_hash: str
-    warnings: tuple[str, ...]
+    hexapod: Hexapod | None  # kinematics, None where the case has no machine
+    physical: dict[str, Value]  # physical parameters by name
+    recording: str  # what they were identified from, and what the offsets were tared with
+    samples: int  # how many samples that were
+    s0: float  # (27)
+    result_hash: str  # fingerprint of the file of the result
+    warnings: tuple[str, ...]  # warnings that the result carries
 
     @property
     def deviations(self) -> Array:
@@ -83,7 +70,6 @@ def load_calibration(path: Path, case_name: str | None, force: bool, stale: bool
     Args:
         path: `result.json` or the folder that holds it.
         case_name: built-in name, folder or file of the case; by default the one that the result names.
-        force: export in spite of warnings.
         stale: export although the case has changed since; the file says so.
 
     Raises:

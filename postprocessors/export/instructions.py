@@ -43,23 +43,15 @@ INFIX = {
 
 @dataclass(frozen=True, slots=True)
 class CodeLanguage:
-    """How a language spells instructions.
+    """How a language spells instructions."""
 
-    Args:
-        operations: format string of each operation.
-        temporary: an intermediate value, from its number (each is assigned once) and its slot (reused when free).
-        assign: an assignment to an intermediate value, from its name and an expression.
-        store: an assignment to an element of an output, from its name and an expression.
-        element: element k of the argument called name.
-        literal: a number inside an expression.
-    """
-
-    operations: dict[str, str]
+    operations: dict[str, str]  # format string of each operation
+    # an intermediate value, from its number (each is assigned once) and its slot (reused when free)
     temporary: Callable[[int, int], str]
-    assign: str
-    store: str
-    element: Callable[[str, int], str]
-    literal: Callable[[float], str]
+    assign: str  # an assignment to an intermediate value, from its name and an expression
+    store: str  # an assignment to an element of an output, from its name and an expression
+    element: Callable[[str, int], str]  # element k of the argument called name
+    literal: Callable[[float], str]  # a number inside an expression
 
 
 def number(value: float) -> str:
@@ -84,7 +76,6 @@ def statements(function: ca.Function, language: CodeLanguage) -> Iterator[str]:
 
     Args:
         function: an SX function with dense inputs and outputs.
-        language: spells them.
 
     Raises:
         ValueError: a sparse output, or an operation that has no spelling.
@@ -112,17 +103,11 @@ def statements(function: ca.Function, language: CodeLanguage) -> Iterator[str]:
 
 
 class Mechanics(NamedTuple):
-    """What turns strut motion into platform motion.
+    """What turns strut motion into platform motion."""
 
-    Args:
-        struts: pose -> lengths (6,), jacobian (6, 6): J_Hex^-1 of (8).
-        newton: pose, correction (6,) -> stepped (6,): the pose after a step of the forward kinematics (7).
-        drift: pose, twist -> drift (6,): d/dt(J_Hex^-1) twist of (9).
-    """
-
-    struts: ca.Function
-    newton: ca.Function
-    drift: ca.Function
+    struts: ca.Function  # pose -> lengths (6,), jacobian (6, 6): J_Hex^-1 of (8)
+    newton: ca.Function  # pose, correction (6,) -> stepped (6,): the pose after a step of the forward kinematics (7)
+    drift: ca.Function  # pose, twist -> drift (6,): d/dt(J_Hex^-1) twist of (9)
 
 
 def measurement(model: Model) -> ca.Function:

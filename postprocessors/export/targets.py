@@ -1,33 +1,89 @@
 """From a calibration to files: which targets there are, what each is called, and how it appears as a whole or not."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import permutations, product
 from pathlib import Path
+from typing import NamedTuple
 
-from cases.errors import FileProblem, HexciteError
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from cases.errors import FileProblem, HexciteError, IdentificationError
 from cases.files import FolderKind, atomic_file, atomic_folder, check_file, check_folder, output_place
+from cases.units import DEG, MM
 from identification.outcome import Result
+from identification.parameters import INERTIA
 from postprocessors.export.c99 import c_sources, linuxcnc_component
-from postprocessors.export.calibration import Calibration, calibration_of, checked_name, default_name
+from postprocessors.export.calibration import (
+    Calibration,
+    calibration_of,
+    checked_name,
+    comment_lines,
+    default_name,
+    environment,
+    shared_values,
+)
 from postprocessors.export.document import json_document
-from postprocessors.export.isg import isg_load
-from postprocessors.export.structured_text import structured_text
-from postprocessors.export.urscript import urscript_payload
+from postprocessors.export.instructions import INFIX, CodeLanguage, functions_of, number, operand, signature, statements
+
+
+def structured_text(calibration: Calibration, name: str) -> str:
+    """The text of a model called `name`: structure, constants, functions and function block."""
+    machine = calibration.case.hexapod
+    camel = "".join(part.capitalize() for part in name.split("_"))
+    return (
+        environment()
+        .get_template("model.st.jinja")
+        .render(
+            name=name,
+            Name=camel,
+            origin=comment_lines(calibration),
+            home=["0.0"] * 6 if machine is None else [number(v) for v in machine.home.vector],
+            force_units="N, N m" if calibration.case.sensor_frame.has_moments else "N",
+            functions=[
+                _function(f, camel, calibration.model.names)
+                for f in functions_of(calibration.model, calibration.hexapod)
+            ],
+            **shared_values(calibration),
+        )
+    )
+
+
+def _function(function: ca.Function, camel: str, parameters: list[str]) -> dict[str, object]:
+    def element(argument: str, k: int) -> str:
+        return f"u.{parameters[k]}" if argument == "u" else f"{argument}[{k}]"
+
+    operations = INFIX | {
+        "sqrt": "SQRT({0})",
+        "sin": "SIN({0})",
+        "cos": "COS({0})",
+        "atan2": f"F_{camel}Atan2({{0}}, {{1}})",
+    }
+    language = CodeLanguage(operations, lambda _, slot: f"t[{slot}]", "{} := {};", "{} := {};", element, operand)
+    arguments = [
+        f"u : ST_{camel}Parameters;" if n == "u" else f"{n} : ARRAY[0..{function.numel_in(k) - 1}] OF LREAL;"
+        for k, n in enumerate(function.name_in())
+    ]
+    arguments += [f"{n} : ARRAY[0..{function.numel_out(k) - 1}] OF LREAL;" for k, n in enumerate(function.name_out())]
+    return {
+        "name": function.name(),
+        "comment": signature(function),
+        "arguments": arguments,
+        "slots": function.sz_w(),
+        "statements": statements(function, language),
+    }
 
 
 @dataclass(frozen=True, slots=True)
 class SingleFile:
-    """A target that is one file.
+    """A target that is one file."""
 
-    Args:
-        suffix: suffix of the file, where none is given.
-        text: what it holds, from the calibration and the name of the model.
-        named: whether the file's name becomes the name of the model.
-    """
-
-    suffix: str
-    text: Callable[[Calibration, str], str]
-    named: bool
+    suffix: str  # suffix of the file, where none is given
+    text: Callable[[Calibration, str], str]  # what it holds, from the calibration and the name of the model
+    named: bool  # whether the file's name becomes the name of the model
 
 
 SINGLE_FILES = {
@@ -97,3 +153,130 @@ def _c_folder(calibration: Calibration, output: Path | None, overwrite: bool) ->
         (part / names[0]).write_text(sources.source, encoding="ascii")
         (part / names[1]).write_text(sources.header, encoding="ascii")
     return [folder / n for n in names]
+
+
+LARGEST = 133.0  # [kg m^2] of an element of the inertia
+
+
+def urscript_payload(calibration: Calibration) -> str:
+    """A URScript program that sets the identified body as payload.
+
+    Script manual: mass, centre of gravity from the tool flange in metres, inertia about the centre of gravity along the
+    flange's axes, in the order Ixx, Iyy, Izz, Ixy, Ixz, Iyz. The command zeroes the robot's own force sensor.
+
+    Raises:
+        IdentificationError: a static model, which has no inertia, or a body that is none or too large.
+    """
+    body = identified_load(calibration, "set_target_payload")
+    elements = [body.inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    if max(map(abs, elements)) > LARGEST:
+        raise IdentificationError(
+            f"{calibration.result.source}: an inertia of {max(map(abs, elements)):.4g} kg m^2 is above what a robot "
+            f"takes ({LARGEST:g}); is this the load of a robot?"
+        )
+    lines = [
+        *(f"# {line}" for line in comment_lines(calibration)),
+        "# payload: everything that the force sensor carries; add what is between flange and sensor, and the sensor",
+        "# tool flange = sensor frame {P} of the case; m from it, kg m^2 about the centre of gravity",
+        f"set_target_payload({body.mass:.4f}, {_list(body.centre, 5)}, {_list(elements, 6)})",
+    ]
+    return "def payload():\n" + "".join(f"  {line}\n" for line in lines) + "end\n"
+
+
+def _list(values: Iterable[float], decimals: int) -> str:
+    return f"[{', '.join(f'{float(v) + 0.0:.{decimals}f}' for v in values)}]"
+
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-9  # of the largest principal inertia: what the triangle inequality may miss by rounding
+
+
+class PrincipalAxes(NamedTuple):
+    """Principal moments of inertia, shape (3,) [kg m^2], and the rotation from their axes to {P}, shape (3, 3)."""
+
+    moments: Array
+    turn: Array
+
+
+def principal_axes(inertia: Array) -> PrincipalAxes:
+    """Principal axes of a tensor, shape (3, 3) [kg m^2], in the order and sense that turn them least from {P}'s."""
+    moments, axes = np.linalg.eigh(inertia)
+    best = PrincipalAxes(moments, axes)
+    largest = -np.inf
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            turn = axes[:, order] * signs
+            if np.linalg.det(turn) > 0.0 and np.trace(turn) > largest:  # trace = 1 + 2 cos(angle)
+                largest, best = float(np.trace(turn)), PrincipalAxes(moments[list(order)], turn)
+    return best
+
+
+class IdentifiedLoad(NamedTuple):
+    """What the force sensors carry, as a rigid body in {P}."""
+
+    mass: float  # [kg]
+    centre: Array  # of gravity, shape (3,) [m]
+    inertia: Array  # about the centre of gravity, shape (3, 3) [kg m^2]
+    principal: PrincipalAxes
+
+
+def identified_load(calibration: Calibration, command: str) -> IdentifiedLoad:
+    """The identified body, for a controller's command of some name.
+
+    Raises:
+        IdentificationError: a static model, which has no inertia, an inertia that no body has, or sensors in struts at
+            the drive, whose body is the platform with the rods.
+    """
+    source, number = calibration.result.source, calibration.model.number
+    if INERTIA not in calibration.model.blocks:
+        raise IdentificationError(
+            f"{source}: model {number} has no inertia, which {command} needs; identify model 6, 7, 8 or 9"
+        )
+    struts = calibration.model.struts
+    if struts is not None and struts.sensors.at == "drive":
+        raise IdentificationError(
+            source,
+            f"{command} describes a load, and sensors at the drives' end of the struts cannot tell it from the rods",
+            "export --to c, linuxcnc or st",
+        )
+    value = {name: v.value for name, v in calibration.physical.items()}
+    xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    principal = principal_axes(inertia)
+    smallest, middle, largest = np.sort(principal.moments)
+    if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING):
+        raise IdentificationError(
+            f"{source}: no body has the principal inertias {', '.join(f'{v:.4g}' for v in principal.moments)} kg m^2; "
+            "identify from a run that turns the machine more"
+        )
+    return IdentifiedLoad(value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia, principal)
+
+
+def isg_load(calibration: Calibration) -> str:
+    """NC code that defines the identified body as load 1 and selects it.
+
+    Beckhoff infosys, TF5200: P-CHAN-00763 to 00772 (mass, centre of gravity, rotation, main moments of inertia) and
+    00776 (ID), diagnosis 22209 (form of the command); ISG kernel documentation, "Load parameterisation" (frames,
+    rotation, IDX).
+
+    Raises:
+        IdentificationError: a static model, which has no inertia, or an inertia that no body has.
+    """
+    body = identified_load(calibration, "#LIMIT LOAD")
+    rx, ry, rz = Rotation.from_matrix(body.principal.turn).as_euler("xyz") / DEG
+    words = [f"{letter}={v:.4f}" for letter, v in zip("XYZ", body.centre / MM, strict=True)]
+    words += [f"{letter}={v:.4f}" for letter, v in zip(("RX", "RY", "RZ"), (rx, ry, rz), strict=True)]
+    words += [f"{letter}={v:.6f}" for letter, v in zip(("IX", "IY", "IZ"), body.principal.moments, strict=True)]
+    words.append(f"MASS={body.mass:.4f}")
+    load = " ".join(words)
+    comments = [
+        *comment_lines(calibration),
+        "load: everything that the force sensors carry, as a rigid body",
+        "flange coordinate system = platform frame {P} of the case",
+        "X Y Z: centre of gravity [mm]; RX RY RZ: principal axes, R = Rz Ry Rx [degrees]",
+        "IX IY IZ: principal moments of inertia about the centre of gravity [kg m^2]; MASS [kg]",
+        f"kernels that count loads from 0: #LIMIT LOAD [IDX=0 {load}]",
+    ]
+    code = ["G71", f"#LIMIT LOAD DEF [{load} ID=1]", "#LIMIT LOAD [ID=1]"]
+    return "".join(f"; {line}\n" for line in comments) + "".join(f"{line}\n" for line in code)

@@ -19,7 +19,6 @@ from identification.motion import Array, Motion, Trajectory
 from identification.overload import PAIRS, Loads
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
-from identification.trajectories.strut_move import StrutMove
 
 SAMPLES = 64  # of a move: forces change with the pose alone, by less than a hundredth from one to the next
 PATH_SAMPLES = 1000  # of a timed path
@@ -48,17 +47,11 @@ class Steady(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ForceBounds:
-    """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits.
-
-    Args:
-        loads: the constants.
-        limits: limits of rates and accelerations, which the controller keeps.
-        chain: the machine, where it is one; else a hexapod.
-    """
+    """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits."""
 
     loads: Loads
-    limits: Box
-    chain: Chain | None = None
+    limits: Box  # limits of rates and accelerations, which the controller keeps
+    chain: Chain | None = None  # the machine, where it is one; else a hexapod
 
     @classmethod
     def of(cls, case: Case) -> "ForceBounds | None":
@@ -116,13 +109,10 @@ class ForceBounds:
             most += np.abs(share) * rate[i] * rate[j]
         return self._checks(most, t + clock)
 
-    def along(
-        self, move: StraightMove | CircularMove | StrutMove, feed: float | None, clock: float
-    ) -> tuple[LimitCheck, ...]:
+    def along(self, move: StraightMove | CircularMove, feed: float | None, clock: float) -> tuple[LimitCheck, ...]:
         """In a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
 
         Args:
-            move: its way.
             feed: largest speed of the share of the way, besides the limits [1/s].
             clock: when it starts [s].
         """
@@ -178,9 +168,7 @@ def _crossed_axes(angles: Array) -> dict[tuple[int, int], Array]:
     }
 
 
-def _fastest(
-    move: StraightMove | CircularMove | StrutMove, tangent: Array, bend: Array, limits: Box
-) -> tuple[float, float]:
+def _fastest(move: StraightMove | CircularMove, tangent: Array, bend: Array, limits: Box) -> tuple[float, float]:
     """Largest speed and acceleration of the share of the way under the limits of each coordinate [1/s, 1/s^2]."""
     way = np.abs(tangent).max(axis=0)
     rates, accelerations = limits.rate.copy(), limits.acceleration.copy()

@@ -1,10 +1,14 @@
 """What a controller answers for, beyond what a program's text fixes: limits of its own, its time law, its accuracy."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from typing import Protocol
 
-from identification.hexapod import Hexapod
+from cases.schema import Case
+from identification.limited import Box
+from identification.limits import LimitCheck, Status
 from identification.trajectories.profile import Profile, TimeLaw
+from postprocessors.proving.forces import ForceBounds
 
 
 class Law(Protocol):
@@ -30,70 +34,33 @@ class ArcLaw(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class StrutDrives:
-    """What the struts do at most where the controller moves them in proportion.
-
-    Args:
-        hexapod: hexapod on them.
-        velocity: velocity of each [m/s].
-        acceleration: acceleration of each [m/s^2].
-        jerk: jerk of each [m/s^3].
-        rapid: whether the program moves them as fast as they can; else a block's time does.
-    """
-
-    hexapod: Hexapod
-    velocity: float
-    acceleration: float
-    jerk: float
-    rapid: bool
-
-
-@dataclass(frozen=True, slots=True)
 class Guarantees:
-    """A controller as set up for one case and one program.
+    """A controller as set up for one case and one program."""
 
-    Args:
-        controller: its name, for messages.
-        shortest_block: a timed block must not be shorter: the controller's cycle [s].
-        longest_block: a timed block must not be longer: beyond it nothing is known of its time law [s].
-        follows_paths: whether it passes timed points at their times along the assumed curve between them; then what a
-            timed path reaches is proven from the text, else only its geometry and rates are.
-        even_blocks: whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all
-            coordinates, at one feed): then rates are proven also where it does not follow the assumed curve.
-        enforced: families of limits that it keeps by itself, whatever the program asks for; see `family`.
-        law: its time law in straight moves that it times itself, under the limits of the case.
-        arc_law: the same in arcs.
-        jerk_time: within this time its accelerations step where its law has no jerk limit; 0 where it has one [s].
-        drives: drives of the struts in moves that are straight in them; None where there are none or nothing is known.
-        rounding: how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them.
-        block_key: setting that the length of timed blocks comes from.
-    """
-
-    controller: str
-    shortest_block: float
-    longest_block: float
+    controller: str  # its name, for messages
+    shortest_block: float  # a timed block must not be shorter: the controller's cycle [s]
+    longest_block: float  # a timed block must not be longer: beyond it nothing is known of its time law [s]
+    # whether it passes timed points at their times along the assumed curve between them; then what a timed path reaches
+    # is proven from the text, else only its geometry and rates are
     follows_paths: bool
+    # whether it covers each timed block at that block's mean rates, or nearly so (a straight line in all coordinates,
+    # at one feed): then rates are proven also where it does not follow the assumed curve
     even_blocks: bool
-    enforced: frozenset[str]
-    law: Law
+    enforced: frozenset[str]  # families of limits that it keeps by itself, whatever the program asks for; see `family`
+    law: Law  # its time law in straight moves that it times itself, under the limits of the case
     arc_law: ArcLaw
-    jerk_time: float
-    drives: StrutDrives | None = None
+    jerk_time: float  # within this time its accelerations step where its law has no jerk limit; 0 where it has one [s]
+    # how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them
     rounding: tuple[float, float] = (0.0, 0.0)
-    block_key: str = "controller.block_ms"
+    block_key: str = "controller.block_ms"  # setting that the length of timed blocks comes from
 
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """What a controller will make of a program's time, told before it runs.
+    """What a controller will make of a program's time, told before it runs."""
 
-    Args:
-        stretch: predicted duration over planned duration of the excitation's timed paths.
-        remarks: what to know about it and what to change, one sentence each.
-    """
-
-    stretch: float = 1.0
-    remarks: tuple[str, ...] = ()
+    stretch: float = 1.0  # predicted duration over planned duration of the excitation's timed paths
+    remarks: tuple[str, ...] = ()  # what to know about it and what to change, one sentence each
 
 
 def family(name: str) -> str:
@@ -101,11 +68,52 @@ def family(name: str) -> str:
     return name.split(" (")[0].split(",")[0].removeprefix("angular ")
 
 
-IN_STRUTS = frozenset({"strut velocity", "strut acceleration"})
-"""Families that a controller can keep in a move straight in the struts: it plans the axes, not the platform."""
-
 KINETIC = (
     "velocity", "acceleration", "jerk", "strut velocity", "strut acceleration", "sensor force", "sensor moment",
     "joint torque", "joint force",
 )  # fmt: skip
 """Families of limits that depend on a controller's time law; those of geometry do not."""
+
+
+UNTIMED = ", untimed moves"  # names apart what a controller does by itself, lest it hide what is proven
+
+
+@dataclass(frozen=True, slots=True)
+class Answering:
+    """What a program is judged by."""
+
+    case: Case
+    guarantees: Guarantees
+    file: str  # name of the program, for messages
+    forces: ForceBounds | None  # bounds of the sensor forces; None where the case has no range or body
+
+    @property
+    def limits(self) -> Box:
+        """Of excitations."""
+        return self.case.need_motion("the check of a program")[1]
+
+    def answer(self, name: str) -> Status:
+        """Who keeps a limit, by its name in a report, in a motion that the controller times."""
+        return Status.ENFORCED if family(name) in self.guarantees.enforced else Status.NOT_ENFORCED
+
+    def own(self, check: LimitCheck, where: str = UNTIMED, status: Status | None = None) -> LimitCheck:
+        """A limit in a move that the controller times: a prediction, for which the text is not answerable."""
+        found = self.answer(check.name) if status is None else status
+        return replace(check, name=_renamed(check.name, where), status=found, binding=False)
+
+    def forces_kept(
+        self, kind: str, bound: Callable[[ForceBounds], Iterable[LimitCheck]], where: str = ""
+    ) -> LimitCheck | None:
+        """Proven sensor forces or moments; None where what the controller lets pass could be too much for the sensors.
+
+        No controller knows forces of sensors. They are bounded where it keeps velocities and accelerations.
+        """
+        if self.forces is None or not {"velocity", "acceleration"} <= self.guarantees.enforced:
+            return None
+        check = next(c for c in bound(self.forces) if family(c.name) == kind)
+        return replace(check, name=_renamed(check.name, where)) if check.ratio <= 1.0 else None
+
+
+def _renamed(name: str, addition: str) -> str:
+    kind, _, where = name.partition(" (")
+    return f"{kind}{addition} ({where}" if where else f"{kind}{addition}"

@@ -10,8 +10,7 @@ from cases.units import DEG, MM
 from identification.limited import Box
 from identification.limits import LimitCheck, Status, prove
 from identification.motion import Array, Standstill
-from postprocessors.proving.answering import Answering
-from postprocessors.proving.guarantees import KINETIC, family
+from postprocessors.proving.guarantees import KINETIC, Answering, family
 from postprocessors.proving.stretches import Untimed
 
 WAY_HOME = ", way home"
@@ -27,8 +26,6 @@ def way_home(part: Untimed, by: Answering, clock: float) -> Iterable[LimitCheck]
     known. A, B and C of a pose turn as fast as they must, and only the controller limits them.
 
     Args:
-        part: the move.
-        by: what it is judged by.
         clock: when it starts [s].
     """
     for check in prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger).checks:

@@ -17,8 +17,6 @@ def joint_checks(motion: PolynomialMotion, limits: Box, cycle: float, clock: flo
     step da of an acceleration is a jerk of da / c.
 
     Args:
-        motion: pieces one after the other.
-        limits: limits of rates and accelerations.
         cycle: cycle of the controller [s].
         clock: when the motion starts [s].
     """

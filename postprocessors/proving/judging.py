@@ -4,32 +4,34 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cases.errors import ProgramError
+from cases.schema import Case
 from identification.limits import (
     PROOF_RATE,
     LimitCheck,
+    Limited,
     LimitReport,
     Status,
+    of_coordinates,
+    of_mechanics,
     of_velocities,
     prove,
     prove_at,
+    shares_at,
     worst_case,
     worst_of,
 )
 from identification.motion import Standstill, Trajectory
 from identification.trajectories.circle import CircularMove
-from identification.trajectories.polynomial import PolynomialMotion
+from identification.trajectories.polynomial import PolynomialMotion, Tabulated
 from identification.trajectories.profile import StraightMove
-from identification.trajectories.strut_move import NoStrutMove, StrutMove
-from identification.trajectories.tabulated import Tabulated
-from postprocessors.proving.answering import UNTIMED, Answering
 from postprocessors.proving.forces import Steady
-from postprocessors.proving.guarantees import IN_STRUTS, family
+from postprocessors.proving.guarantees import UNTIMED, Answering, family
 from postprocessors.proving.homing import way_home
 from postprocessors.proving.joints import joint_checks
 from postprocessors.proving.predicted import predicted
-from postprocessors.proving.sampling import prove_path
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
 
 FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration
@@ -53,12 +55,7 @@ def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, floa
         return LimitReport(()), part.duration
     if part.start is None:
         return LimitReport(tuple(way_home(part, by, clock))), 0.0
-    if part.in_struts:
-        by = replace(by, guarantees=replace(by.guarantees, enforced=by.guarantees.enforced & IN_STRUTS))
-    try:
-        motion = predicted(part, by.limits, by.guarantees)
-    except NoStrutMove as error:
-        raise ProgramError(by.file, part.line, 0, f"{error}, or move straight in the coordinates") from error
+    motion = predicted(part, by.limits, by.guarantees)
     if motion is None:
         return prove(Standstill(part.end, 0.0), by.case, 1.0, clock, part.trigger), 0.0
     return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
@@ -112,9 +109,7 @@ def _timed(part: Timed, by: Answering, clock: float) -> Iterable[LimitCheck]:
             yield check
 
 
-def _own_time(
-    part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
-) -> Iterable[LimitCheck]:
+def _own_time(part: Untimed, motion: StraightMove | CircularMove, by: Answering, clock: float) -> Iterable[LimitCheck]:
     """Geometry and programmed speed are proven; what follows from the controller's law is predicted.
 
     Where the text states the acceleration too, the law is the text's, and all but the jerk is proven.
@@ -165,9 +160,7 @@ def _jerk(check: LimitCheck, motion: Trajectory, by: Answering) -> LimitCheck:
     return by.own(replace(check, worst=float(steps[k]), limit=float(limit[k]), ratio=ratio))
 
 
-def _asked(
-    part: Untimed, motion: StraightMove | CircularMove | StrutMove, by: Answering, clock: float
-) -> Iterable[LimitCheck]:
+def _asked(part: Untimed, motion: StraightMove | CircularMove, by: Answering, clock: float) -> Iterable[LimitCheck]:
     """Velocities if the programmed feed held from end to end: the text asks for them, whoever would slow it down.
 
     Of a rapid those at the limits of the coordinates, if the controller keeps these.
@@ -183,3 +176,55 @@ def _asked(
     t = np.linspace(0.0, steady.duration, FEWEST + 1)
     for quantity in of_velocities(steady.at(t), by.case):
         yield worst_case(quantity, t + clock)
+
+
+Array = NDArray[np.float64]
+
+FINE, ROUGH, ROUGH_RATE = 100, 10, 4000.0
+"""Most instants in a block, and a second: a few show a polynomial of degree 5 but for some per cent."""
+
+NEAR_LIMIT, WORST_BLOCKS = 0.9, 30
+"""Looked at finely are blocks that use this share of any limit, and as many that use most of each."""
+
+
+def prove_path(motion: Trajectory, times: Array, case: Case, offset: float, in_box: bool) -> LimitReport:
+    """Checks every limit of a timed path, at most at 10 kHz and at a hundred instants a block.
+
+    Slow programs need no finer grid. Blocks that stay far from a limit, and from what the path reaches elsewhere, are
+    judged by a tenth of that: those of the coordinates and those of the mechanics, which rarely come near together.
+
+    Args:
+        times: ends of its blocks, shape (k,), from 0 [s].
+        offset: start of the path on the clock that the report uses [s].
+        in_box: whether it must keep the pose box of `[limits.motion]`.
+
+    Raises:
+        CaseError: the case has no machine.
+    """
+    reports = []
+    for limited in (of_coordinates, of_mechanics):
+        instants = _telling_instants(motion, times, case, in_box, limited)
+        reports.append(prove_at(motion, case, instants, offset, in_box, limited))
+    return worst_of(reports)
+
+
+def _telling_instants(motion: Trajectory, times: Array, case: Case, in_box: bool, limited: Limited) -> Array:
+    """Instants among which lie the worst of each limit and all that is near one, shape (n,) [s]."""
+    rough, starts = _grid(times, ROUGH, ROUGH_RATE)
+    shares = np.maximum.reduceat(shares_at(motion, case, rough, in_box, limited), starts, axis=0)
+    blocks = np.asarray((shares >= NEAR_LIMIT).any(axis=1))
+    blocks[np.argsort(shares, axis=0)[-WORST_BLOCKS:]] = True
+    fine, starts = _grid(times, FINE, PROOF_RATE)
+    counts = np.diff(np.append(starts, len(fine) - 1))
+    chosen = np.append(np.repeat(blocks, counts), True)
+    chosen[np.append(starts[1:], len(fine) - 1)[blocks]] = True  # both ends of a block belong to it
+    return np.asarray(fine[chosen])
+
+
+def _grid(times: Array, most: int, rate: float) -> tuple[Array, NDArray[np.int64]]:
+    """Instants at a rate [1/s], but at most `most` a block, and the index of the first of each block."""
+    steps = np.diff(times)
+    counts = np.clip(np.ceil(steps * rate - 1e-9), 1, most).astype(np.int64)
+    starts = np.cumsum(counts) - counts
+    share = (np.arange(counts.sum()) - np.repeat(starts, counts)) / np.repeat(counts, counts)
+    return np.append(np.repeat(times[:-1], counts) + share * np.repeat(steps, counts), times[-1]), starts

@@ -5,13 +5,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from cases.controller import PointToPointDrives
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.hexapod import Hexapod
 from identification.motion import Array
+from identification.trajectories.polynomial import PolynomialMotion
 from identification.trajectories.profile import TimeLaw, fastest_profile
-from postprocessors.proving.guarantees import Guarantees, StrutDrives
+from postprocessors.polynomials import Pieces, path_speed_deviation
+from postprocessors.proving.guarantees import Forecast, Guarantees
+from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Polynomial, Reading
 
 ALONG, ACROSS = math.sqrt(0.75), 0.5
@@ -40,13 +41,6 @@ def _seven_segment_arc(velocity: float, acceleration: float, jerk: float, angle:
 def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
     turning = math.sqrt(ACROSS * acceleration / angle)
     return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration)
-
-
-def _drives(ptp: PointToPointDrives | None, case: Case) -> StrutDrives | None:
-    if ptp is None:
-        return None
-    limits = ptp.strut_velocity_m_s, ptp.strut_acceleration_m_s2, ptp.strut_jerk_m_s3
-    return StrutDrives(Hexapod.of(case), *limits, rapid=ptp.feed == "rapid")
 
 
 def _of_own_axes(controller: str, keeps: Iterable[str], smooth: bool, step: float) -> Guarantees:
@@ -82,7 +76,6 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_seven_segments,
         arc_law=_seven_segment_arc,
         jerk_time=0.0,
-        drives=_drives(settings.ptp, case),
         rounding=(settings.contour_tolerance_mm * MM, settings.orientation_tolerance_deg * DEG),
         block_key="controller.sinumerik.poly_block_ms" if polynomial else "controller.block_ms",
     )
@@ -115,7 +108,6 @@ def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_seven_segments if smooth else _trapezoid,
         arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
         jerk_time=0.0 if smooth else settings.shortest_block,
-        drives=_drives(settings.ptp, case),
         rounding=(0.0, 0.0) if settings.path == "akima" else tolerance,
     )
 
@@ -164,3 +156,29 @@ def setpoint_guarantees(reading: Reading, case: Case) -> Guarantees:
         arc_law=_seven_segment_arc,
         jerk_time=settings.cycle,
     )
+
+
+def sinumerik_forecast(reading: Reading, case: Case) -> Forecast:
+    """What is known of the time within POLY blocks: each ends in time, how it passes is the controller's."""
+    found = [s.points for s in stretches(reading) if isinstance(s, Timed) and isinstance(s.points, PolynomialMotion)]
+    if not found:
+        return Forecast()
+    off = [path_speed_deviation(_pieces(motion), motion) for motion in found]
+    position, angle = max(o.position for o in off), max(o.angle for o in off)
+    return Forecast(
+        1.0,
+        (
+            f"time within a POLY block is the controller's: at constant path speed in each block it strays up to "
+            f"{position / MM:.2g} mm and {angle / DEG:.2g} deg from the plan; a shorter controller.sinumerik."
+            "poly_block_ms leaves it less",
+        ),
+    )
+
+
+def _pieces(motion: PolynomialMotion) -> Pieces:
+    degree = max(len(p.coefficients) for p in motion.pieces)
+    coefficients = np.zeros((len(motion.pieces), degree, 6))
+    for k, piece in enumerate(motion.pieces):
+        powers = piece.duration ** np.arange(len(piece.coefficients))
+        coefficients[k, : len(powers)] = piece.coefficients * powers[:, None]
+    return Pieces(motion.times, coefficients)

@@ -1,34 +1,32 @@
 """Proves a program's text inside the limits of a case, or says at which line it is not."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from cases.errors import ProgramError
 from cases.schema import Case
+from cases.units import DEG, MM
+from identification.limited import Box
 from identification.limits import LimitCheck, LimitReport, Status, worst_of
-from postprocessors.proving.answering import Answering
+from identification.motion import Array
 from postprocessors.proving.forces import ForceBounds
-from postprocessors.proving.guarantees import KINETIC, Guarantees, family
+from postprocessors.proving.guarantees import KINETIC, Answering, Guarantees, family
 from postprocessors.proving.homing import FEED_TO_HOME
 from postprocessors.proving.judging import judge
-from postprocessors.proving.remarks import remarks
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed, stretches
-from postprocessors.reading.words import Reading
+from postprocessors.reading.words import Reading, Stand, Switch
 
 AT_A_SPEED = (*KINETIC, FEED_TO_HOME)  # limits that a slower program keeps
 
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A limit that the program passes.
+    """A limit that the program passes."""
 
-    Args:
-        line: line of the program.
-        check: which limit, and by how much.
-    """
-
-    line: int
-    check: LimitCheck
+    line: int  # line of the program
+    check: LimitCheck  # which limit, and by how much
 
     def sentence(self) -> str:
         """Line, value and limit."""
@@ -37,27 +35,16 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class ProgramProof:
-    """What the proof found.
+    """What the proof found."""
 
-    Args:
-        file: the program.
-        controller: controller that would run it.
-        blocks: lines that hold words.
-        duration: duration of everything whose duration is known [s].
-        excitation: duration of the motion with the trigger on [s].
-        limits: worst case of each limit.
-        violations: limits that are passed, the worst first.
-        remarks: what no limit says: where it begins and ends.
-    """
-
-    file: str
-    controller: str
-    blocks: int
-    duration: float
-    excitation: float
-    limits: LimitReport
-    violations: tuple[Violation, ...]
-    remarks: tuple[str, ...]
+    file: str  # the program
+    controller: str  # controller that would run it
+    blocks: int  # lines that hold words
+    duration: float  # duration of everything whose duration is known [s]
+    excitation: float  # duration of the motion with the trigger on [s]
+    limits: LimitReport  # worst case of each limit
+    violations: tuple[Violation, ...]  # limits that are passed, the worst first
+    remarks: tuple[str, ...]  # what no limit says: where it begins and ends
 
     @property
     def ok(self) -> bool:
@@ -127,11 +114,6 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
     controller's are proven in their geometry and feed; the rest is predicted from that law
     and says who answers for it.
 
-    Args:
-        reading: the program.
-        case: machine and limits.
-        guarantees: what the controller answers for.
-
     Raises:
         ProgramError: the motion is not defined, or a timed block is shorter or longer than the controller can time.
         CaseError: the case has no machine.
@@ -164,3 +146,58 @@ def prove_program(reading: Reading, case: Case, guarantees: Guarantees) -> Progr
 
 def _line(part: Stretch, time: float) -> int:
     return part.line_at(time) if isinstance(part, Timed) else part.line
+
+
+AT_HOME = 1e-5 * MM, 1e-6 * DEG  # the last decimal of a program
+
+
+def remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> tuple[str, ...]:
+    """One sentence each.
+
+    Raises:
+        CaseError: the case has no machine.
+    """
+    return tuple(_remarks(reading, program, case))
+
+
+def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterator[str]:
+    home, limits = case.need_motion("the check of a program")
+    moves = [part for part in program if not isinstance(part, Still)]
+    if not moves:
+        return
+    first = moves[0]
+    if isinstance(first, Untimed) and first.start is None:
+        yield (
+            f"line {first.line}: from wherever the machine stands its way is not known, and neither are struts, joints "
+            "and boxes on it; keep it clear"
+        )
+        if away := _away(first.end, home, limits):
+            yield f"line {first.line}: the first move does not go home, {away}"
+    elif isinstance(reading.events[0], Stand):
+        yield "the machine must stand at home when it starts"
+    if away := _away(_end_of(moves[-1]), home, limits):
+        yield f"it does not end at home, {away}"
+    if reading.unsaid:
+        yield (
+            f"{', '.join(reading.unsaid)} missing before the first move: offsets that another program left would shift "
+            "every pose"
+        )
+    switches = [event for event in reading.events if isinstance(event, Switch)]
+    if not any(event.on for event in switches):
+        yield "the trigger is never switched on: a recording would not know what to evaluate"
+    elif switches[-1].on:
+        yield f"line {switches[-1].line}: the trigger is never switched off again"
+
+
+def _end_of(part: Timed | Untimed) -> Array:
+    return part.end if isinstance(part, Untimed) else part.points.at([part.points.duration]).pose[0]
+
+
+def _away(pose: Array, home: Array, limits: Box) -> str:
+    off = np.abs(pose - home) / np.where(limits.turns, AT_HOME[1], AT_HOME[0])
+    if np.all(off <= 1.0):
+        return ""
+    k = int(np.argmax(off))
+    unit, name = (DEG, "deg") if limits.turns[k] else (MM, "mm")
+    label = limits.labels[k].upper() if len(limits.labels[k]) == 1 else limits.labels[k]
+    return f"where {label} is {home[k] / unit:g} {name}, but to {pose[k] / unit:g} {name}"

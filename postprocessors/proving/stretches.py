@@ -1,6 +1,6 @@
 """A program that was read, as stretches of motion between standstills: what the proof judges and controllers run."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from cases.errors import ProgramError
 from identification.motion import TimedPoints
-from identification.trajectories.polynomial import Piece, PolynomialMotion
-from identification.trajectories.tabulated import Tabulated
+from identification.trajectories.polynomial import Piece, PolynomialMotion, Tabulated
 from postprocessors.reading.words import Move, Pause, Polynomial, Reading, Stand, Switch, TableRows, Timing, Turn
 
 Array = NDArray[np.float64]
@@ -19,17 +18,11 @@ STILL = 1e-9  # [m, rad] below the last decimal of any program
 
 @dataclass(frozen=True, slots=True)
 class Timed:
-    """A path whose time the program states block by block.
+    """A path whose time the program states block by block."""
 
-    Args:
-        lines: line of the program that ends each block, shape (k - 1,).
-        points: the motion through the k poses, from rest to rest.
-        trigger: whether the trigger is on.
-    """
-
-    lines: tuple[int, ...]
-    points: TimedPoints | PolynomialMotion | Tabulated
-    trigger: bool
+    lines: tuple[int, ...]  # line of the program that ends each block, shape (k - 1,)
+    points: TimedPoints | PolynomialMotion | Tabulated  # the motion through the k poses, from rest to rest
+    trigger: bool  # whether the trigger is on
 
     def line_at(self, time: float) -> int:
         """Line of the program whose block runs at `time` after the start of the stretch [s]."""
@@ -39,39 +32,24 @@ class Timed:
 
 @dataclass(frozen=True, slots=True)
 class Untimed:
-    """A straight move or an arc from standstill to standstill whose time law is the controller's.
+    """A straight move or an arc from standstill to standstill whose time law is the controller's."""
 
-    Args:
-        line: line of the program.
-        start: shape (6,) [m, rad], or None where the program cannot know it.
-        end: shape (6,) [m, rad].
-        feed: along XYZ [m/s] or ABC [rad/s]; None for a rapid.
-        linear: whether the feed counts XYZ.
-        turn: the arc; None for a straight move.
-        trigger: whether the trigger is on.
-        in_struts: straight in the struts; the feed is then a share of the way [1/s].
-        counted: indices of the coordinates of a chain whose way the feed counts; None as `linear` says.
-        acceleration: acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or
-            rad/s^2].
-    """
-
-    line: int
-    start: Array | None
-    end: Array
-    feed: float | None
-    linear: bool
-    turn: Turn | None
-    trigger: bool
-    in_struts: bool = False
+    line: int  # line of the program
+    start: Array | None  # shape (6,) [m, rad], or None where the program cannot know it
+    end: Array  # shape (6,) [m, rad]
+    feed: float | None  # along XYZ [m/s] or ABC [rad/s]; None for a rapid
+    linear: bool  # whether the feed counts XYZ
+    turn: Turn | None  # the arc; None for a straight move
+    trigger: bool  # whether the trigger is on
+    # indices of the coordinates of a chain whose way the feed counts; None as `linear` says
     counted: tuple[int, ...] | None = None
+    # acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2]
     acceleration: float | None = None
 
     @property
     def length(self) -> float:
-        """Way that the feed counts, from a known start [m], [rad] where only angles move, 1 where struts do."""
+        """Way that the feed counts, from a known start [m], [rad] where only angles move."""
         assert self.start is not None
-        if self.in_struts:
-            return 1.0
         way = self.end - self.start
         if self.turn is not None:
             first, second, _ = self.turn.plane.axes
@@ -94,17 +72,11 @@ class Untimed:
 
 @dataclass(frozen=True, slots=True)
 class Still:
-    """A dwell.
+    """A dwell."""
 
-    Args:
-        line: line of the program.
-        duration: [s].
-        trigger: whether the trigger is on.
-    """
-
-    line: int
-    duration: float
-    trigger: bool
+    line: int  # line of the program
+    duration: float  # [s]
+    trigger: bool  # whether the trigger is on
 
 
 Stretch = Timed | Untimed | Still
@@ -210,8 +182,26 @@ class _Grouping:
             if start is None:
                 raise self.error(move.line, "an arc starts from an unknown pose; first move home at a feed")
             return Untimed(move.line, start, move.end, move.value, True, move, self.trigger)
-        if start is None and move.in_struts:
-            raise self.error(move.line, "a point-to-point move starts from an unknown pose; first move home at a feed")
         feed = None if move.timing is Timing.RAPID else move.value
         law = (move.counted, move.acceleration)
-        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, move.in_struts, *law)
+        return Untimed(move.line, start, move.end, feed, move.linear, None, self.trigger, *law)
+
+
+def measures_at_poses(program: Sequence[Stretch]) -> bool:
+    """Whether the trigger is on while the machine stands, and never while it moves."""
+    on = [part for part in program if part.trigger and not (isinstance(part, Still) and part.duration == 0.0)]
+    return bool(on) and all(isinstance(part, Still) for part in on)
+
+
+def measured_poses(program: Sequence[Stretch]) -> Array:
+    """Poses at which the trigger is on, in order, shape (k, n) [m or rad]; of programs that measure standing still."""
+    here: Array | None = None
+    poses: list[Array] = []
+    for part in program:
+        if isinstance(part, Untimed):
+            here = part.end
+        elif isinstance(part, Timed):
+            here = part.points.at([part.points.duration]).pose[0]
+        elif part.trigger and part.duration > 0.0 and here is not None:
+            poses.append(here)
+    return np.array(poses)

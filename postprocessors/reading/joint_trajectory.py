@@ -29,9 +29,7 @@ def read_joint_trajectory(content: bytes, file: str, case: Case) -> Reading:
     The recording has no trigger: the whole motion counts as the excitation.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
-        case: its chain names the joints.
 
     Raises:
         ProgramError: anything that is not such a message, with its line; points out of order, a motion that does not
@@ -132,7 +130,6 @@ def _quintic(before: Array, after: Array, duration: float) -> Array:
 
     Args:
         before: position, rate and acceleration, shape (3, joints).
-        after: the same at its end.
         duration: [s].
     """
     scale = duration ** np.arange(3)[:, None]

@@ -175,7 +175,6 @@ def read_linuxcnc_bytes(content: bytes, file: str, case: Case) -> Reading:
     """Reads a file as it is, byte by byte: no notion of lines but the controller's own (line feed).
 
     Args:
-        content: content of the file.
         file: its name, for messages.
         case: its chain names the axes, where it has one.
 
@@ -190,7 +189,6 @@ def read_linuxcnc(text: str, file: str, chain: Chain | None = None) -> Reading:
     """Reads a program.
 
     Args:
-        text: text of the program.
         file: its name, for messages.
         chain: whose joints are the axes; without one the axes are the pose of a platform.
 

@@ -30,21 +30,13 @@ class PlaneProblem(Exception):
 
 
 class ArcWords(NamedTuple):
-    """What a block says.
+    """What a block says."""
 
-    Args:
-        plane: plane in which it lies.
-        counter_clockwise: G3, seen from the positive end of the plane's normal; else G2.
-        start: shape (6,) [mm, deg].
-        end: shape (6,) [mm, deg].
-        centres: I, J, K as written, relative to the start [mm].
-    """
-
-    plane: Plane
-    counter_clockwise: bool
-    start: Array
-    end: Array
-    centres: dict[str, float]
+    plane: Plane  # plane in which it lies
+    counter_clockwise: bool  # G3, seen from the positive end of the plane's normal; else G2
+    start: Array  # shape (6,) [mm, deg]
+    end: Array  # shape (6,) [mm, deg]
+    centres: dict[str, float]  # I, J, K as written, relative to the start [mm]
 
 
 def arc_through(asked: ArcWords) -> tuple[Array, float]:
@@ -86,45 +78,28 @@ PLANES = {"G17": Plane.XY, "G18": Plane.ZX, "G19": Plane.YZ}
 
 
 class Word(NamedTuple):
-    """One word.
+    """One word."""
 
-    Args:
-        name: address, keyword or command in capitals; of G and M with the number: G1, G162, M30. `%` is the program's
-            name, `N` a block number.
-        column: where it begins, counted from 1.
-        value: its number.
-        arguments: what stands in parentheses or brackets behind it.
-        selector: what stands in brackets before its value; of a synchronised action, its condition.
-    """
-
+    # address, keyword or command in capitals; of G and M with the number: G1, G162, M30. `%` is the program's name, `N`
+    # a block number
     name: str
-    column: int
-    value: float | None = None
-    arguments: tuple[str, ...] | None = None
-    selector: str | None = None
+    column: int  # where it begins, counted from 1
+    value: float | None = None  # its number
+    arguments: tuple[str, ...] | None = None  # what stands in parentheses or brackets behind it
+    selector: str | None = None  # what stands in brackets before its value; of a synchronised action, its condition
 
 
 class Spelling(NamedTuple):
-    """How a controller writes what all of them have.
+    """How a controller writes what all of them have."""
 
-    Args:
-        name: name of the language, for messages.
-        groups: words of which one is active at a time, and one may stand in a block.
-        last: the word that ends a program.
-        rapid: the word of the fastest move.
-        straight: the word of a straight move at a feed.
-        block_time: F under G93, for messages.
-        inverse_time: whether that F is one over minutes; else seconds.
-        feed_group: command that names the axes whose path F counts, with {} for them; empty: X, Y, Z where they move.
-    """
-
-    name: str
-    groups: tuple[tuple[str, ...], ...]
-    last: str
-    rapid: str
-    straight: str
-    block_time: str
-    inverse_time: bool
+    name: str  # name of the language, for messages
+    groups: tuple[tuple[str, ...], ...]  # words of which one is active at a time, and one may stand in a block
+    last: str  # the word that ends a program
+    rapid: str  # the word of the fastest move
+    straight: str  # the word of a straight move at a feed
+    block_time: str  # F under G93, for messages
+    inverse_time: bool  # whether that F is one over minutes; else seconds
+    # command that names the axes whose path F counts, with {} for them; empty: X, Y, Z where they move
     feed_group: str = ""
 
 
@@ -271,9 +246,9 @@ class ModalState(ABC):
             command = self.spelling.feed_group.format(",".join(counted))
             self.fail(first, f"F counts {', '.join(counted)} in this move only after {command}; add it before")
 
-    def straight(self, end: Array, timing: Timing, value: float, exact: bool, in_struts: bool = False) -> Move:
+    def straight(self, end: Array, timing: Timing, value: float, exact: bool) -> Move:
         """A straight move to coordinates, shape (k,) as written, in which the machine stands then."""
-        move = Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end), in_struts)
+        move = Move(self.line, end * self.scale, timing, value, exact, self.moves_origin(end))
         self.pose = end
         return move
 

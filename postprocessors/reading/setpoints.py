@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cases.controller import Setpoints
 from cases.errors import ProgramError
-from cases.machine import Machine
+from cases.machine import HexapodMachine
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.limited import strut_motion
@@ -53,24 +53,17 @@ def units_of(columns: tuple[str, ...]) -> Array:
 
 
 class SetpointTable(NamedTuple):
-    """A table as read.
+    """A table as read."""
 
-    Args:
-        first: line of its first row (Parquet: 1).
-        header: keys and values.
-        values: one row a cycle, the columns of `columns_of`, in the units of their names.
-    """
-
-    first: int
-    header: dict[str, str]
-    values: Array
+    first: int  # line of its first row (Parquet: 1)
+    header: dict[str, str]  # keys and values
+    values: Array  # one row a cycle, the columns of `columns_of`, in the units of their names
 
 
 def read_table(content: bytes, file: str, most: int, columns: tuple[str, ...]) -> SetpointTable:
     """The numbers of a table.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
         most: rows that the controller's memory holds.
         columns: columns that the table must have.
@@ -167,6 +160,7 @@ def _parquet(content: bytes, file: str, columns: tuple[str, ...]) -> SetpointTab
 
 
 ROUNDING = np.array([1e-9, 1e-6]) * MM  # of poses and rates: a thousand times the last decimal of a table
+JERK_ROUNDING = 1e-3  # share of a jerk by which motions within its limit may be off in a table
 STRUT_ROUNDING = np.array([1e-6, 1e-4, 1e-2]) * MM
 SAME_TIME = 1e-9  # [s]
 AT_HOME = 1e-9  # [m, rad]
@@ -221,13 +215,24 @@ class _Rows:
             self._require_struts(case.hexapod)
 
     def _require_sequence(self, jerk: Array) -> None:
-        """Taylor's remainder: what a jerk within its limit can make of a row by the next one."""
+        """What a jerk within its limit J can make of a row by the next one, of the same mean jerk q J.
+
+        Rates and poses differ from those of a constant jerk by a weighted mean of the jerk. It is largest where the
+        jerk is J as long as its weight is large, and -J otherwise: J h^2 (1 - q^2) / 4 for rates, J h^3 (1 - q^2)
+        (3 - q) / 24 for poses. A table whose mean jerk is beyond J follows from itself; the proof judges it.
+        """
         h = self.cycle
         p, v, a = self.pose, self.rates, self.accelerations
+        mean = (a[1:] - a[:-1]) / h
+        most = np.where(np.abs(mean) <= jerk, jerk, 2.0 * np.abs(mean))
+        q = mean / most
+        rates = v[1:] - v[:-1] - h * (a[1:] + a[:-1]) / 2
+        poses = p[1:] - p[:-1] - h * v[:-1] - h**2 * (2 * a[:-1] + a[1:]) / 6
+        varied = most * (1.0 - q**2) * (1.0 + JERK_ROUNDING)
         left = {
-            "rates": (v[1:] - v[:-1] - h * (a[1:] + a[:-1]) / 2, jerk * h**2 / 2, ROUNDING[1]),
-            "pose": (p[1:] - p[:-1] - h * v[:-1] - h**2 * (2 * a[:-1] + a[1:]) / 6, jerk * h**3 / 3, ROUNDING[0]),
-        }  # differences of accelerations are the jerk, which the proof judges
+            "rates": (rates, h**2 * varied / 4, ROUNDING[1]),
+            "pose": (poses, h**3 * varied * (3.0 - np.sign(poses) * q) / 24, ROUNDING[0]),
+        }
         for name, (error, bound, rounding) in left.items():
             bad = ~(np.abs(error) <= bound + rounding)
             if bad.any():
@@ -237,7 +242,7 @@ class _Rows:
                     row + 1, column, "does not follow from the row before with its rate and acceleration; correct it"
                 )
 
-    def _require_struts(self, machine: Machine) -> None:
+    def _require_struts(self, machine: HexapodMachine) -> None:
         none = np.zeros_like(self.pose)
         motion = Motion(self.time.copy(), self.pose.copy(), self.rates.copy(), self.accelerations.copy(), none)
         exact = np.hstack(strut_motion(motion, machine))

@@ -22,7 +22,6 @@ from postprocessors.reading.sinumerik_words import (
     polynomial,
     sinumerik_words,
 )
-from postprocessors.reading.strut_moves import read_strut_move
 from postprocessors.reading.words import Event, Pause, Reading, Switch, Timing, program_lines
 
 SPELLING = Spelling(
@@ -62,8 +61,6 @@ class _SinumerikInterpreter(ModalState):
         if name in NEUTRAL or name in ("G4", "M2", "M30"):
             return
         if name in MODAL:
-            if name == "PTP":
-                self._into_struts(word)
             self.activate(name)
         elif name in self.axes or name in ("F", "PL=", "I", "J", "K"):
             largest = LARGEST_FEED if name == "F" else LARGEST
@@ -85,14 +82,6 @@ class _SinumerikInterpreter(ModalState):
             self.transformed = False
         else:
             self._refuse(name, word)
-
-    def _into_struts(self, word: Word) -> None:
-        if self.settings.ptp is None:
-            self.fail(word, "PTP is straight in the struts, whose drives are not known; add controller.sinumerik.ptp")
-        if not self.transformed:
-            self.fail(
-                word, f"PTP without transformation is not a move of the platform; write {self.settings.transformation}"
-            )
 
     def _refuse(self, name: str, word: Word) -> NoReturn:
         angles = self.settings.orientation_words
@@ -162,8 +151,6 @@ class _SinumerikInterpreter(ModalState):
             return
         first = polynomials[0] if polynomials else seen[named[0]]
         self._require_ready(first)
-        if self.active("PTP") and (polynomials or self.active("POLY", "G2", "G3", "COMPCAD")):
-            self.fail(first, "PTP makes straight moves alone; write CP before")
         if polynomials or self.active("POLY"):
             self._move(polynomial(self, self.settings, seen, polynomials, first))
         elif self.active("G2", "G3"):
@@ -195,12 +182,6 @@ class _SinumerikInterpreter(ModalState):
             if other is not None or not self.active("G1"):
                 self.fail(other or first, "the compressor takes nothing but G1, coordinates and F; write COMPOF before")
         end = self.end_of(seen, first)
-        if self.active("PTP"):
-            if not self.active("G60"):
-                self.fail(first, "a move under PTP is blended into the next (G64), its path is not known; write G60")
-            self._require_standing(first)
-            self._move(read_strut_move(self, self.settings.ptp, "PTP", seen, first, end))
-            return
         timing, value = self.timing(seen, end, first)
         exact = self.active("G60")
         if timing is Timing.DURATION and exact and not np.isnan(self.pose).any():
@@ -241,7 +222,6 @@ def read_sinumerik(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
         case: gives the words of the machine's transformation and the limits of its program memory.
 

@@ -39,7 +39,7 @@ GROUPS: tuple[tuple[str, ...], ...] = (
 NEUTRAL = {"G40", "FFWON", "FFWOF", "DYNNORM", "DYNPOS", "MSG", "N"}
 MODAL = {
     *("G0", "G1", "G2", "G3", "POLY", "G17", "G18", "G19", "G90", "G710", "G93", "G94", "G60", "G64", "G642"),
-    *("G500", "COMPOF", "COMPCAD", "SOFT", "ORIWKS", "ORIRPY", "ORIAXES", "PTP", "CP"),
+    *("G500", "COMPOF", "COMPCAD", "SOFT", "ORIWKS", "ORIRPY", "ORIAXES", "CP"),
 }
 
 REMEDY = {
@@ -61,7 +61,8 @@ REMEDY = {
     "ORIMKS": "relative to the machine, not the workpiece; write ORIWKS",
     "ORIVECT": "a turn on a great circle, not along the angles; write ORIAXES",
     "ORIPLANE": "a turn on a great circle, not along the angles; write ORIAXES",
-    "PTPG0": "straight in the machine's axes in rapid moves alone; write PTP",
+    "PTP": "straight in the machine's axes, another path; write CP",
+    "PTPG0": "straight in the machine's axes in rapid moves; write CP",
     "STAT=": "a choice among assemblies, of which a hexapod has one; remove it",
     "TU=": "a choice among turns, of which struts have none; remove it",
     "RTLIOF": "ignored while a transformation is active; remove it",
@@ -192,9 +193,6 @@ def polynomial(
 
     Args:
         state: state of the controller; its pose becomes the piece's end.
-        settings: settings of the case.
-        seen: words of the block but PO.
-        pieces: the PO words.
         first: word of the motion, for messages.
 
     Raises:

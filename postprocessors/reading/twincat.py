@@ -12,7 +12,6 @@ from cases.controller import TWINCAT_NAME, TwinCat
 from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
-from postprocessors.reading.strut_moves import read_strut_move
 from postprocessors.reading.twincat_words import (
     GROUPS,
     LONGEST_LINE,
@@ -40,7 +39,6 @@ class _TwinCatInterpreter(ModalState):
         self.slope = self.kinematics = False
         self.path = PointPath(self, settings)
         self.messages = 0
-        self.in_struts = False  # #PTP ON
 
     def read(self, words: list[Word]) -> None:
         seen = self.once_each(words)
@@ -81,8 +79,6 @@ class _TwinCatInterpreter(ModalState):
 
     def _mode(self, name: str, word: Word) -> None:
         if name == "G261":
-            if self.in_struts:
-                self.fail(word, f"{name} under #PTP ON; write #PTP OFF before")
             self.path.open("CONTOUR", word)
         elif name == "G260":
             self.path.close("CONTOUR", word)
@@ -99,15 +95,7 @@ class _TwinCatInterpreter(ModalState):
         name, s = word.name, self.settings
         if self.path.kind and name not in ("#SPLINE OFF", "#HSC OFF"):
             self.fail(word, f"{name} within a path of points; end it first")
-        if self.in_struts and name not in ("#PTP OFF", "#MSG", "#MSG SYN", "#TIME"):
-            self.fail(word, f"{name} under #PTP ON; write #PTP OFF before")
         match name:
-            case "#PTP ON":
-                self._equal(word, (), "alone")
-                self._into_struts(word)
-            case "#PTP OFF":
-                self._equal(word, (), "alone")
-                self.in_struts = False
             case "#SLOPE":
                 self._equal(word, (f"TYPE={s.slope}",), f"[TYPE={s.slope}]")
                 self.slope = True
@@ -149,15 +137,6 @@ class _TwinCatInterpreter(ModalState):
     def _equal(self, word: Word, wanted: tuple[str, ...], written: str) -> None:
         if (word.arguments or ()) != wanted or word.value is not None:
             self.fail(word, f"{word.name} is not what the case says; write {word.name}{written.replace('alone', '')}")
-
-    def _into_struts(self, word: Word) -> None:
-        if self.settings.ptp is None:
-            self.fail(word, "#PTP ON is straight in the struts, whose drives are not known; add controller.twincat.ptp")
-        if not self.transformed:
-            self.fail(word, "#PTP ON without transformation (error 21527); write #TRAFO ON before")
-        if self.flowing:
-            self.fail(word, "#PTP ON while the machine moves on; write G60 in the block before")
-        self.in_struts = True
 
     def _pause(self, word: Word, seconds: float | None) -> None:
         if seconds is None or not 0.0 <= seconds <= LARGEST:
@@ -211,11 +190,6 @@ class _TwinCatInterpreter(ModalState):
         self.refuse_centres(seen, "G02 or G03")
         end = self.end_of(seen, first)
         unsure = "whether the machine stops after this move is not known; write G60 in its block"
-        if self.in_struts:
-            if not exact:
-                self.fail(first, unsure)
-            self.events.append(read_strut_move(self, self.settings.ptp, "#PTP ON", seen, first, end))
-            return
         timing, value = self.timing(seen, end, first)
         if timing is Timing.DURATION:
             self.path.point(first, exact)
@@ -231,8 +205,6 @@ class _TwinCatInterpreter(ModalState):
     def _arc(self, seen: dict[str, Word], first: Word, exact: bool) -> None:
         if not self.active("G162"):
             self.fail(first, "an arc needs relative centres; write G162")
-        if self.in_struts:
-            self.fail(first, "an arc under #PTP ON; write #PTP OFF before")
         if self.path.kind or not exact:
             self.fail(first, "whether the machine stops after this arc is not known; write G60 in its block, no curve")
         self.events.append(self.turn(seen, first, exact))
@@ -240,8 +212,6 @@ class _TwinCatInterpreter(ModalState):
     def _end(self, word: Word | None) -> None:
         if self.path.kind:
             self.fail(word, "a path of points is still open at the end; close it")
-        if self.in_struts:
-            self.fail(word, "#PTP ON is still on at the end; write #PTP OFF before")
         if self.transformed:
             self.fail(word, "the transformation is still on; write #TRAFO OFF before")
         self.ended = True
@@ -251,7 +221,6 @@ def read_twincat(content: bytes, file: str, case: Case) -> Reading:
     """Reads a program.
 
     Args:
-        content: content of the file.
         file: its name, for messages.
         case: gives kinematics, sign of B, M functions and the limits of the program memory.
 

@@ -44,6 +44,7 @@ REMEDY = {
     "G161": "absolute arc centres; write G162",
     "G150": "written #SPLINE OFF here",
     "G151": "written #SPLINE ON here",
+    "#PTP ON": "straight in the machine's axes, another path; remove it",
     "G40": "the default; remove it",
     "G49": "unknown here; remove it",
     "G54": "a zero offset that the proof does not know; remove it",

@@ -29,68 +29,40 @@ class Timing(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """A straight move in the six coordinates, or in the six struts.
+    """A straight move in the six coordinates."""
 
-    Args:
-        line: line of the program, counted from 1.
-        end: pose at its end, shape (6,) [m, rad].
-        timing: what `value` means.
-        value: see `Timing`.
-        exact_stop: whether the controller comes to rest at the end.
-        linear: whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles.
-        in_struts: straight in the struts (point to point), not in the coordinates; a feed is a share of the way [1/s].
-        counted: indices of the coordinates of a chain whose way a feed counts; None as `linear` says.
-        acceleration: acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or
-            rad/s^2].
-    """
-
-    line: int
-    end: Array
+    line: int  # line of the program, counted from 1
+    end: Array  # pose at its end, shape (6,) [m, rad]
     timing: Timing
-    value: float
-    exact_stop: bool
-    linear: bool
-    in_struts: bool = False
+    value: float  # see `Timing`
+    exact_stop: bool  # whether the controller comes to rest at the end
+    linear: bool  # whether X, Y or Z moves by the controller's own measure: then a feed counts them, else the angles
+    # indices of the coordinates of a chain whose way a feed counts; None as `linear` says
     counted: tuple[int, ...] | None = None
+    # acceleration of that way, where the text states it: its time law is then the text's [m/s^2 or rad/s^2]
     acceleration: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """A circular move of the origin in a coordinate plane; the other coordinates change in proportion.
+    """A circular move of the origin in a coordinate plane; the other coordinates change in proportion."""
 
-    Args:
-        line: line of the program.
-        end: pose at its end, shape (6,) [m, rad].
-        plane: plane in which it lies.
-        centre: along the plane's first and second axis, absolute in {B}, shape (2,) [m].
-        angle: turned about the plane's normal, positive counter-clockwise, at most a full circle [rad].
-        value: feed along the arc [m/s].
-        exact_stop: whether the controller comes to rest at the end.
-    """
-
-    line: int
-    end: Array
-    plane: Plane
-    centre: Array
-    angle: float
-    value: float
-    exact_stop: bool
+    line: int  # line of the program
+    end: Array  # pose at its end, shape (6,) [m, rad]
+    plane: Plane  # plane in which it lies
+    centre: Array  # along the plane's first and second axis, absolute in {B}, shape (2,) [m]
+    angle: float  # turned about the plane's normal, positive counter-clockwise, at most a full circle [rad]
+    value: float  # feed along the arc [m/s]
+    exact_stop: bool  # whether the controller comes to rest at the end
 
 
 @dataclass(frozen=True, slots=True)
 class Polynomial:
-    """A polynomial piece in the six coordinates: sum_i c_i p^i for p from 0 to 1.
+    """A polynomial piece in the six coordinates: sum_i c_i p^i for p from 0 to 1."""
 
-    Args:
-        line: line of the program.
-        coefficients: c_0 (where the machine stands) to c_d, shape (d + 1, 6) [m, rad].
-        duration: if p is passed evenly over it [s].
-    """
-
-    line: int
-    coefficients: Array
-    duration: float
+    line: int  # line of the program
+    coefficients: Array  # c_0 (where the machine stands) to c_d, shape (d + 1, 6) [m, rad]
+    duration: float  # if p is passed evenly over it [s]
 
     @property
     def end(self) -> Array:
@@ -100,34 +72,21 @@ class Polynomial:
 
 @dataclass(frozen=True, slots=True)
 class Stand:
-    """The machine must stand here before the program starts: the program itself does not bring it there.
+    """The machine must stand here before the program starts: the program itself does not bring it there."""
 
-    Args:
-        line: line of the program.
-        pose: shape (6,) [m, rad].
-    """
-
-    line: int
-    pose: Array
+    line: int  # line of the program
+    pose: Array  # shape (6,) [m, rad]
 
 
 @dataclass(frozen=True, slots=True)
 class TableRows:
-    """A path given row by row, from rest to rest.
+    """A path given row by row, from rest to rest."""
 
-    Args:
-        line: line of the program that holds its first row; the others follow line by line.
-        cycle: time from row to row [s].
-        poses: shape (k, 6) [m, rad].
-        rates: shape (k, 6) [m/s, rad/s].
-        accelerations: shape (k, 6) [m/s^2, rad/s^2].
-    """
-
-    line: int
-    cycle: float
-    poses: Array
-    rates: Array
-    accelerations: Array
+    line: int  # line of the program that holds its first row; the others follow line by line
+    cycle: float  # time from row to row [s]
+    poses: Array  # shape (k, 6) [m, rad]
+    rates: Array  # shape (k, 6) [m/s, rad/s]
+    accelerations: Array  # shape (k, 6) [m/s^2, rad/s^2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,17 +99,11 @@ class Pause:
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """The trigger goes on or off.
+    """The trigger goes on or off."""
 
-    Args:
-        line: line of the program.
-        on: what it becomes.
-        at_once: now, once all motion before has ended; else with the start of the next move.
-    """
-
-    line: int
-    on: bool
-    at_once: bool
+    line: int  # line of the program
+    on: bool  # what it becomes
+    at_once: bool  # now, once all motion before has ended; else with the start of the next move
 
 
 Event = Stand | Move | Turn | Polynomial | TableRows | Pause | Switch
@@ -158,18 +111,12 @@ Event = Stand | Move | Turn | Polynomial | TableRows | Pause | Switch
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A program as read.
+    """A program as read."""
 
-    Args:
-        file: its name, for messages.
-        events: events in order.
-        blocks: number of lines that hold words.
-        unsaid: words that are missing before its first move, without which what another program left shifts its poses.
-    """
-
-    file: str
-    events: tuple[Event, ...]
-    blocks: int
+    file: str  # its name, for messages
+    events: tuple[Event, ...]  # events in order
+    blocks: int  # number of lines that hold words
+    # words that are missing before its first move, without which what another program left shifts its poses
     unsaid: tuple[str, ...] = ()
 
 
@@ -223,10 +170,7 @@ def each_word(
     """What stands in a line from a position on, word by word.
 
     Args:
-        text: text of the line.
         position: where to begin.
-        pattern: pattern of a word with blanks before it.
-        found: makes something of a match and its column.
         unreadable: makes an error of the column and the first characters of what is not a word.
 
     Raises:

@@ -19,7 +19,7 @@ from cases.loading import load_case
 from cases.machine import Ring
 from cases.schema import Case
 from identification.model import identification_model
-from identification.regressor_blocks import OFFSETS
+from identification.parameters import OFFSETS
 from planner.poses.pose_criteria import pose_regressors
 from planner.poses.space import grid_candidates
 from tests.bench.table_5 import PUBLISHED, group_deviations

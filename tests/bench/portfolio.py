@@ -150,6 +150,7 @@ def portfolio(names: Sequence[str] = tuple(DESIGNED), families: Sequence[str] = 
                     continue
                 efficiency = done.answer["d_efficiency"]
                 best = best_known(name, case.hash, family, done.answer["duration_s"])
+                keep_if_better(name, done.answer, shlex.join(words[2:]))
                 if best is not None:
                     shares.append(efficiency / best)
                 share = "-" if best is None else f"{efficiency / best:.3f}"

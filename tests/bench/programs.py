@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from subprocess import CalledProcessError
 
 from cases.loading import load_case
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing, run_linuxcnc
@@ -39,16 +38,6 @@ def point_to_point(folder: Path, command: Command) -> list[list[str]]:
         ]
     if "linuxcnc" in took:
         rows.append(["  LinuxCNC / virtual duration", f"{took['linuxcnc'] / took['virtual']:.4f}", "0.95 to 1.05"])
-    accept = ["--accept", "acceleration,jerk,sensor-force", "-o", str(folder / "ptp.nc"), "--json"]
-    try:
-        bent = json.loads(command("post", str(folder / "ptp"), "--dialect", "twincat", "--ptp-struts", *accept)[1])
-    except CalledProcessError as error:  # between far poses such a path can leave a limit: a refusal is an answer too
-        said = f"refused: {error.stderr.strip().splitlines()[-1].split(': ', 2)[-1][:90]}"
-    else:
-        said = (
-            f"{bent['off_path_mm']:.1f} mm off, {bent['excitation_s']:.2f} s, D-efficiency {bent['d_efficiency']:.3f}"
-        )
-    rows.append(["the same straight in the struts (#PTP ON)", said, ""])
     return rows
 
 

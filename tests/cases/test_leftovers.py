@@ -14,7 +14,7 @@ from cases.loading import built_in_cases, load_case
 from cases.scaffold import NEEDS, readiness
 from cases.schema import Case
 from planner.families.settings import Fourier
-from planner.readiness import require_plannable
+from planner.infeasible import require_plannable
 from planner.request import Request
 from tests.planner.command_line import call, refused
 

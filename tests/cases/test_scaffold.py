@@ -41,6 +41,14 @@ def test_each_key_of_a_controller_is_explained_above_it(tmp_path: Path) -> None:
     assert not any("which 20 of the 49" in line for line in lines)  # about the built-in case's source
 
 
+def test_the_controller_that_plans_are_made_for_is_a_line_to_uncomment(tmp_path: Path) -> None:
+    file = new_case("mill", "hexapod", tmp_path / "mill")
+    file.write_text(file.read_text().replace('# plan_for = "linuxcnc"', 'plan_for = "linuxcnc"'))
+    controller = load_case(str(file.parent)).controller
+    assert controller is not None
+    assert controller.plan_for == "linuxcnc"
+
+
 def test_a_case_that_is_there_is_left_alone(tmp_path: Path) -> None:
     file = new_case("mill", "hexapod", tmp_path)
     file.write_text("mine")

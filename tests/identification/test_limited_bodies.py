@@ -8,10 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from cases.chain import Chain
 from cases.machine import KeepOut, Tool
-from identification.chain import SerialChain
 from identification.evaluate import over_samples
 from identification.limited_chain import body_clearances
 from identification.motion import Motion
+from identification.serial_chain import SerialChain
 from tests.chains import ROBOT
 from tests.robots import odd
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
-from identification.chain import SerialChain
 from identification.formats.stream import Recording
 from identification.identify import identify
+from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
 from identification.trajectories.executed import DriveExecution
 from tests.plant import Plant

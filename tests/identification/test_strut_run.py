@@ -98,3 +98,8 @@ def test_what_does_not_go_with_sensors_in_struts_is_named(table: dict[str, objec
 def test_error_terms_of_a_platform_with_bars_are_refused() -> None:
     with pytest.raises(IdentificationError, match=r"model 9.*6"):
         identification_model(CASE, 9)
+
+
+def test_forces_in_struts_are_a_wrench_at_a_known_pose_only() -> None:
+    with pytest.raises(ValueError, match="poses"):
+        identification_model(CASE, 6).wrenches(np.ones((2, 6)), None)

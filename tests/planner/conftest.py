@@ -57,7 +57,7 @@ def once(shared: Path, cache: Path) -> Callable[[str, Callable[[], Any]], Any]:
 @pytest.fixture(scope="session")
 def planned(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict[str, Any]:
     """The answer of `hexcite plan hexapod --family fourier --starts 2`; its folder is `shared/plan`."""
-    plan = ("plan", "hexapod", "--family", "fourier", "--starts", 2, "--plots", "-o", shared / "plan", "--json")
+    plan = ("plan", "hexapod", "--family", "fourier", "--starts", 2, "-o", shared / "plan", "--json")
     return once("planned", lambda: hexcite(*plan, cwd=shared).json())
 
 
@@ -76,7 +76,7 @@ def chain(
         "post": ("post", "plan", *ACCEPT, "-o", "excitation.ngc"),
         "check": ("check", "excitation.ngc", "--case", "hexapod"),
         "run": ("run", "excitation.ngc", "--case", "hexapod", "-o", "recording"),
-        "identify": ("identify", "recording", "--plots", "-o", "result"),
+        "identify": ("identify", "recording", "-o", "result"),
     }
     answers = once("chain", lambda: {name: hexcite(*step, "--json", cwd=shared).json() for name, step in steps.items()})
     return {"plan": planned, **answers}

@@ -9,7 +9,6 @@ from cases.errors import CaseError, HexciteError, IdentificationError
 from cases.loading import load_case
 from cases.recording_format import WRENCH
 from cases.schema import Case
-from identification.chain import SerialChain
 from identification.evaluate import over_samples
 from identification.limited_chain import frame_motion
 from identification.limits import prove
@@ -17,6 +16,7 @@ from identification.model import identification_model
 from identification.motion import Motion, StandingPoses
 from identification.parameters import linear_parameters
 from identification.recording import load_recording, read
+from identification.serial_chain import SerialChain
 from identification.simulate import truth_rows
 from planner.bounds.kept import compute_bound
 from planner.demonstration import demo

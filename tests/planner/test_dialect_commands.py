@@ -68,28 +68,6 @@ def test_a_case_without_settings_names_the_missing_table(tmp_path: Path):
     assert "controller.twincat: is missing; the dialect twincat needs it: add the table" in line
 
 
-@pytest.mark.slow
-def test_moves_straight_in_the_struts_are_written_on_request_and_tell_what_they_change(tmp_path: Path):
-    """The hand-made excitation holds such moves, and circles, which stay what they are."""
-    plan, program = tmp_path / "manual", tmp_path / "manual.nc"
-    call("plan", "hexapod", "--family", "manual", "-o", plan, "--json").json()
-    accept = ("--accept", "acceleration,jerk,sensor-force")
-    asked = ("post", plan, "--dialect", "twincat", "--ptp-struts", "-o", program)
-    assert "--accept acceleration,jerk,sensor-force" in refused(*asked)
-    answer = call(*asked, *accept, "--json").json()
-    planned = call("post", plan, "--dialect", "twincat", "-o", tmp_path / "straight.nc", "--json").json()
-    assert answer["off_path_mm"] > 1.0
-    assert answer["off_path_deg"] > 0.0
-    assert 0.0 < answer["d_efficiency"] < 1.0
-    assert "d_efficiency" not in planned
-    assert program.read_text().count("#PTP ON") > 20
-    assert "G02" in program.read_text() or "G03" in program.read_text()
-    assert "#PTP" not in (tmp_path / "straight.nc").read_text()
-    run = call("run", program, "--case", "hexapod", "-o", tmp_path / "r", "--json").json()
-    assert run["d_efficiency"] == pytest.approx(answer["d_efficiency"], rel=0.02)
-    assert "has no moves straight in the struts" in refused("post", plan, "--ptp-struts", "-o", tmp_path / "p.ngc")
-
-
 @pytest.mark.parametrize("real", [False, True])
 def test_a_limit_that_only_the_built_in_controller_passes_is_not_put_down_to_the_machines(real: bool):
     """The case says that a TwinCAT keeps strut accelerations; the built-in controller and LinuxCNC do not."""

@@ -15,8 +15,7 @@ from identification.motion import Standstill
 from planner.families.family import box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.settings import Fourier, PointToPoint
-from planner.infeasible import remedy
-from planner.readiness import require_plannable
+from planner.infeasible import remedy, require_plannable
 from planner.request import Request
 from planner.search.inside import keep_limits
 from tests.helpers import one_line

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.precision import std_text, value_text, with_deviation
-from planner.search.last_words import solver_text
+from planner.search.ipopt import solver_text
 
 
 @pytest.mark.parametrize(

@@ -17,10 +17,10 @@ from identification.hexapod import Hexapod
 from identification.motion import sample
 from identification.recording import write_recording
 from identification.simulate import simulate_recording
-from planner.reports.charts import Chart, script_json
+from planner.reports.charts import Chart, plain, script_json, thinned
 from planner.reports.figures import motion_plots
 from planner.reports.machine import moving_machine, posing_machine
-from planner.reports.page import TERMS, Note, Page, Section, Table, explained, plain, render, thinned
+from planner.reports.page import TERMS, Note, Page, Section, Table, explained, render
 from tests.helpers import Harmonic
 from tests.planner.browser import DRAWN, PATIENCE, Opened, opened
 from tests.planner.command_line import call
@@ -68,7 +68,7 @@ def result_page(hexapod_case: Case, motion: Harmonic, tmp_path_factory: pytest.T
     recording = simulate_recording(hexapod_case, execution, np.array([[0.3, 3.7]]), seed=1)
     file = folder / "<img src=x onerror=\"document.title='taken over'\">.csv"
     write_recording(file, recording, hexapod_case)
-    assert call("identify", file, "--case", "hexapod", "--plots", "-o", folder / "result").code == 0
+    assert call("identify", file, "--case", "hexapod", "-o", folder / "result").code == 0
     return folder / "result" / "report.html"
 
 
@@ -201,11 +201,6 @@ def test_numbers_of_a_chart_reach_the_page_whatever_they_are():
     np.testing.assert_array_equal(np.frombuffer(base64.b64decode(heatmap["z"]["bdata"]), "<f4"), values.ravel())
     assert (bar["x"], bar["name"]) == ([0, 1], "</script>")
     assert np.frombuffer(base64.b64decode(bar["y"]["bdata"]), "<f8").tolist() == [1.5, 2.5]
-
-
-def test_figures_for_papers_lie_beside_the_page(result_page: Path):
-    plots = {p.name for p in (result_page.parent / "plots").iterdir()}
-    assert plots == {f"{name}.{kind}" for name in ("residuals", "identifiability") for kind in ("svg", "png")}
 
 
 def test_a_pose_set_is_stepped_through(browser: Browser, hexapod_case: Case, motion: Harmonic, tmp_path: Path):

@@ -1,7 +1,5 @@
 """The figure of residuals: the distribution of Gaussian ones lies on the normal density, also behind a filter."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.signal import welch
@@ -9,20 +7,17 @@ from scipy.signal import welch
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.identify import identify
-from identification.runs.residuals import Residuals, residuals_of
+from identification.outcome import Residuals, residuals_of
 from identification.simulate import simulate_recording
-from planner.reports.plots import residual_figure
+from planner.reports.figures import distribution_plot
 from tests.helpers import Harmonic
 from tests.simulated_machine import PoseExecution
 
 
-def test_gaussian_residuals_lie_on_the_density_whatever_the_recorded_forces_are(hexapod_case: Case) -> None:
-    execution = PoseExecution(Hexapod.of(hexapod_case), Harmonic(seed=1, duration=2.0))
-    estimate = identify(simulate_recording(hexapod_case, execution, np.array([[0.1, 1.9]]), 0), hexapod_case)
+def test_gaussian_residuals_lie_on_the_density_whatever_the_forces_are() -> None:
     drawn = np.random.default_rng(0).normal(size=(3000, 6)) * [1.0, 2.0, 3.0, 0.1, 0.2, 0.01]
-    distribution = residual_figure(replace(estimate, residuals=drawn)).axes[1]
-    highest = max(bar.get_height() for bar in distribution.patches)
-    assert highest == pytest.approx(max(distribution.lines[0].get_ydata()), rel=0.15)
+    bars, normal = distribution_plot(Residuals(np.arange(3000) * 1e-3, drawn, np.zeros_like(drawn), 1e-3)).figure.data
+    assert bars["y"].max() == pytest.approx(normal["y"].max(), rel=0.15)
 
 
 def test_residuals_behind_the_filter_are_those_of_the_estimate(hexapod_case: Case) -> None:

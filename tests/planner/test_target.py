@@ -14,8 +14,7 @@ from planner.found import Found as Searched
 from planner.found import notes
 from planner.interruption import Interrupted
 from planner.library import shortest_plan
-from planner.request import Request
-from planner.target import parse_targets
+from planner.request import Request, parse_targets
 from tests.helpers import one_line
 
 

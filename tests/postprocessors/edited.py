@@ -10,9 +10,9 @@ from identification.limits import prove
 from identification.motion import Joined, Standstill
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
+from postprocessors.writing import excitation_program
 from tests.postprocessors.other_dialects import CASE, LINES_CASE
 from tests.postprocessors.programs import HOME
 

@@ -7,18 +7,18 @@ import numpy as np
 
 from cases.loading import load_case
 from cases.schema import Case
-from postprocessors.dialects import Language, dialect
-from postprocessors.program import (
+from postprocessors.blocks import (
     Arc,
     Block,
     Dwell,
+    ExactStopMove,
     NeutralProgram,
-    PointToPoint,
     SplinePath,
     TimedPath,
     ToHome,
     Trigger,
 )
+from postprocessors.dialects import Language, dialect
 from postprocessors.proving.guarantees import Guarantees
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.proof import ProgramProof, prove_program
@@ -155,7 +155,7 @@ def _block(stretch: Stretch, names, guarantees: Guarantees, case: Case) -> Block
             return SplinePath(next(names), stretch.points)
         return TimedPath(next(names), stretch.points.times, stretch.points.poses)
     move = predicted(stretch, case.limits.motion, guarantees)
-    return Arc(move) if stretch.turn is not None else PointToPoint(move)
+    return Arc(move) if stretch.turn is not None else ExactStopMove(move)
 
 
 def without_comments(text: str) -> list[str]:

@@ -11,13 +11,13 @@ from cases.schema import Case
 from identification.limits import prove
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.composing import timed_path
+from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.linuxcnc import write_linuxcnc
-from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Stretch, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
+from postprocessors.writing import timed_path
 
 Array = NDArray[np.float64]
 

@@ -18,11 +18,11 @@ from identification.limits import prove
 from identification.motion import Joined, Motion, Standstill
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.reading.setpoints import METADATA, columns_of, units_of
 from postprocessors.setpoints import decimals_of, write_parquet
+from postprocessors.writing import excitation_program
 from tests.helpers import one_line
 from tests.postprocessors.independent import derivatives_reached, share_of_limits, strut_lengths
 from tests.postprocessors.programs import HOME

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from postprocessors.program import NeutralProgram, ToHome
+from postprocessors.blocks import NeutralProgram, ToHome
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
 from tests.postprocessors.programs import HOME, linuxcnc_text
 

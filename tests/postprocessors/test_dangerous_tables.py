@@ -7,10 +7,17 @@ import pytest
 
 from cases.errors import ProgramError
 from tests.postprocessors.damaged_tables import DAMAGE
+from tests.postprocessors.programs import HOME
 from tests.postprocessors.tables import (
+    CASE,
     COLUMNS,
+    CYCLE,
+    LANGUAGE,
+    LIMITS,
+    POSE,
     TABLES,
     TRIGGER,
+    UNITS,
     T,
     Table,
     as_csv,
@@ -19,7 +26,9 @@ from tests.postprocessors.tables import (
     moves,
     proof,
     refused,
+    renumbered,
     share_as_driven,
+    with_its_struts,
 )
 
 
@@ -43,6 +52,36 @@ def test_a_single_outlier_of_a_thousandth_of_its_column_is_refused(name: str, co
     table = TABLES[name]().copy()
     table[fastest(table), column] += 1e-3 * np.ptp(table[:, column])
     assert refused(as_parquet(table))
+
+
+def test_an_outlier_of_20_nm_is_refused_where_the_jerk_is_near_its_limit():
+    """Drives that follow the positions alone would jerk by 1.4 of the limit there."""
+    table = moves().copy()
+    table[int(np.argmax(np.abs(np.diff(table[:, 13])))) + 2, 1] += 2e-5
+    table = with_its_struts(table)
+    assert share_as_driven(table) > 1.2
+    assert refused(as_parquet(table))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_whatever_a_jerk_within_its_limit_does_between_rows_the_table_is_read(seed: int):
+    """Jerk changes at random ten times a cycle, then backwards and turned, until the machine stands again."""
+    draw, fine = np.random.default_rng(seed), CYCLE / 10
+    drawn = LIMITS.jerk[0] * np.sign(draw.uniform(-1.0, 1.0, 300) + draw.choice([-0.5, 0.0, 0.5]))
+    jerk = np.concatenate([drawn, -drawn, -drawn, drawn])
+    a, v, x = np.zeros((3, len(jerk) + 1))
+    for k, j in enumerate(jerk):
+        a[k + 1], v[k + 1] = a[k] + j * fine, v[k] + a[k] * fine + j * fine**2 / 2
+        x[k + 1] = x[k] + v[k] * fine + a[k] * fine**2 / 2 + j * fine**3 / 6
+    v[-1] = a[-1] = 0.0  # but for rounding
+    rows = slice(None, None, 10)
+    table = np.zeros((len(x[rows]) + 1, len(COLUMNS)))
+    table[:, POSE] = HOME / UNITS[POSE]
+    table[:-1, 1] += x[rows] * 1e3
+    table[-1, 1] = table[-2, 1]
+    table[:-1, 7], table[:-1, 13] = v[rows] * 1e3, a[rows] * 1e3
+    table = with_its_struts(renumbered(table))
+    assert LANGUAGE.read(as_parquet(table), "t", CASE).events
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cases.errors import ProgramError
 from cases.units import DEG, MM
 from identification.trajectories.profile import StraightMove
-from postprocessors.program import NeutralProgram, PointToPoint, SplinePath, TimedPath, ToHome
+from postprocessors.blocks import ExactStopMove, NeutralProgram, SplinePath, TimedPath, ToHome
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from tests.postprocessors.other_dialects import (
@@ -85,7 +85,7 @@ def test_the_feed_of_a_move_gives_it_the_planned_time_under_the_controllers_law(
     limits = CASE.limits.motion
     fastest = StraightMove.fastest(HOME, end, limits.rate, limits.acceleration, limits.jerk)
     move = StraightMove(HOME, end, fastest.profile.slowed(1.0 / slower))
-    text = text_of(typed, NeutralProgram((), (ToHome(HOME, 0.05), PointToPoint(move))))
+    text = text_of(typed, NeutralProgram((), (ToHome(HOME, 0.05), ExactStopMove(move))))
     reading = typed.read(text)
     guarantees = typed.language.guarantees(reading, CASE)
     run = predicted(stretches(reading)[-1], limits, guarantees)
@@ -109,7 +109,7 @@ def _with_a_third_of_the_last_feed(text: str) -> str:
 )
 def test_the_time_of_a_plan_comes_back_from_the_words(typed: Typed, case, speed: float):
     from planner.families.fourier import FourierFamily
-    from postprocessors.composing import excitation_program
+    from postprocessors.writing import excitation_program
 
     motion = FourierFamily(2, 1.0, 1, HOME, np.full(6, 0.05)).motion(np.random.default_rng(0).normal(size=18) / 30)
     program = excitation_program(motion, case, (), speed)

@@ -60,6 +60,7 @@ SINUMERIK_WRONG: dict[str, tuple[int, str]] = {
     "ASPLINE X1 Y1": (1, "write POLY"),
     "G1 X1 F10 G90 G91": (15, "exclude each other"),
     "M17": (1, "end of a subprogram; write M30"),
+    "PTP": (1, "another path; write CP"),
     "TRAFOOF\nM30\nG1 X1 F10": (1, "after the end of the program"),
     "M30": (1, "the transformation is still on; write TRAFOOF"),
 }
@@ -89,7 +90,7 @@ TWINCAT_WRONG: dict[str, tuple[int, str]] = {
     "#KIN ID[5]": (1, "cannot change while the transformation is on"),
     "#SLOPE [TYPE=STEP]": (1, "not what the case says"),
     "#SLOPE DEFAULT": (1, "not a command of an excitation"),
-    "#PTP ON\n#SPLINE TYPE AKIMA": (1, "under #PTP ON; write #PTP OFF before"),
+    "#PTP ON": (1, "another path"),
     "#TRAFO OFF\nG01 G60 X1 F10": (9, "a move before #TRAFO ON"),
     "#WAIT": (1, "not a command of an excitation"),
     "#": (1, "cannot read the command"),

@@ -13,7 +13,7 @@ from cases.units import DEG, MM
 from identification.motion import TimedPoints
 from identification.trajectories.circle import Plane, fastest_circle
 from identification.trajectories.profile import StraightMove
-from postprocessors.program import Arc, Dwell, NeutralProgram, PointToPoint, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Arc, Dwell, ExactStopMove, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.sinumerik_words import LONGEST_LINE
@@ -78,7 +78,7 @@ def programs(draw: st.DrawFn) -> NeutralProgram:
             end = np.r_[pose[:3], end[3:]] if kind == "turn" else end
             if np.abs(end - pose).max() < 1e-3:
                 continue
-            blocks.append(PointToPoint(StraightMove.fastest(pose, end, *share)))
+            blocks.append(ExactStopMove(StraightMove.fastest(pose, end, *share)))
         elif kind == "arc":
             plane, angle = draw(st.sampled_from(list(Plane))), draw(st.sampled_from([-1.5, 0.7, 3.5, 2 * np.pi]))
             first, second, _ = plane.axes
@@ -96,7 +96,7 @@ def programs(draw: st.DrawFn) -> NeutralProgram:
 @given(program=programs())
 def test_blocks_read_back_as_they_were_meant(typed: Typed, case: Case, program: NeutralProgram):
     reading = typed.read(text_of(typed, program, case), case)
-    meant = [b for b in program.blocks[1:] if isinstance(b, PointToPoint | Arc | TimedPath)]
+    meant = [b for b in program.blocks[1:] if isinstance(b, ExactStopMove | Arc | TimedPath)]
     read = [s for s in stretches(reading) if isinstance(s, Timed | Untimed)][1:]
     assert len(read) == len(meant)
     for block, stretch in zip(meant, read, strict=True):
@@ -170,8 +170,8 @@ def golden_program() -> NeutralProgram:
             ToHome(HOME, 0.05),
             Dwell(0.3),
             Trigger(True),
-            PointToPoint(StraightMove.fastest(HOME, end, *share)),
-            PointToPoint(StraightMove.fastest(end, turned, *share)),
+            ExactStopMove(StraightMove.fastest(HOME, end, *share)),
+            ExactStopMove(StraightMove.fastest(end, turned, *share)),
             Arc(arc),
             a_path(arc.end, 1, 4),
             Trigger(False),

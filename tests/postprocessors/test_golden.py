@@ -16,8 +16,8 @@ from identification.motion import Joined
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier_motion import FourierMotion
 from planner.families.ptp import unit_profile
-from postprocessors.composing import excitation_program
-from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.writing import excitation_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HOME, linuxcnc_text, proof
 

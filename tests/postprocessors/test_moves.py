@@ -14,14 +14,13 @@ from identification.motion import Joined, Trajectory
 from identification.trajectories.circle import CircularMove, Plane, fastest_circle
 from identification.trajectories.polynomial import Piece, PolynomialMotion
 from identification.trajectories.profile import StraightMove
-from postprocessors.composing import excitation_program
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
 from postprocessors.proving.predicted import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.reading.words import Turn
-from postprocessors.writing import proven_program
+from postprocessors.writing import excitation_program, proven_program
 from tests.helpers import jerked
 from tests.postprocessors.programs import HOME, RANGE, linuxcnc_text
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.units import DEG, MM
-from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome
+from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome
 from tests.postprocessors.programs import HOME, linuxcnc_text, programs
 
 PLAIN = re.compile(r"-?(0|[1-9]\d*)(\.\d*[1-9])?")

@@ -10,11 +10,10 @@ from identification.motion import Joined, Standstill
 from identification.trajectories.polynomial import Piece, PolynomialMotion, polynomials_of
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
-from postprocessors.composing import excitation_program
+from postprocessors.blocks import NeutralProgram, SplinePath, TimedPath, ToHome
 from postprocessors.polynomials import TooCoarse, even_deviation, knots, path_speed_deviation, pieces
-from postprocessors.program import NeutralProgram, SplinePath, TimedPath, ToHome
 from postprocessors.proving.stretches import Timed, stretches
-from postprocessors.writing import proven_program
+from postprocessors.writing import excitation_program, proven_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.other_dialects import CASE, SINUMERIK, text_of
 from tests.postprocessors.programs import HOME

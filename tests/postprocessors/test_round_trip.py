@@ -6,11 +6,11 @@ from hypothesis import given
 from cases.loading import load_case
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
-from postprocessors.composing import excitation_program
-from postprocessors.program import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.reading.linuxcnc import LONGEST_LINE, read_linuxcnc
 from postprocessors.reading.words import Move, Pause, Switch, Timing
+from postprocessors.writing import excitation_program
 from tests.postprocessors.programs import HOME, linuxcnc_text, programs
 
 HALF_A_STEP = np.r_[np.full(3, 0.5e-5 * MM), np.full(3, 0.5e-6 * DEG)] * (1 + 1e-6)

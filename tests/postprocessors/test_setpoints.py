@@ -14,13 +14,13 @@ from cases.loading import load_case
 from cases.units import DEG, MM
 from identification.motion import Standstill
 from identification.trajectories.profile import StraightMove
-from postprocessors.composing import excitation_program
+from postprocessors.blocks import Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
 from postprocessors.dialects import dialect
 from postprocessors.execute.virtual import run_virtual
-from postprocessors.program import Dwell, NeutralProgram, PointToPoint, ToHome, Trigger
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Still, Timed, stretches
 from postprocessors.setpoints import write_csv, write_parquet
+from postprocessors.writing import excitation_program
 from tests.helpers import one_line
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
@@ -47,7 +47,7 @@ def moves(case=CASE) -> NeutralProgram:
     ends = (Dwell(0.0053), Trigger(False))
     return NeutralProgram(
         ("a note", "Größe"),
-        (ToHome(HOME, 0.05), Dwell(0.01), Trigger(True), PointToPoint(there), *ends, PointToPoint(back)),
+        (ToHome(HOME, 0.05), Dwell(0.01), Trigger(True), ExactStopMove(there), *ends, ExactStopMove(back)),
     )
 
 
@@ -75,9 +75,9 @@ def test_time_is_exact_up_to_one_cycle_a_motion(write, case):
     read = stretches(LANGUAGE.read(write(program, case), "t", case))
     cycle = case.controller.setpoints.cycle
     planned = [
-        b.move.duration if isinstance(b, PointToPoint) else b.duration
+        b.move.duration if isinstance(b, ExactStopMove) else b.duration
         for b in program.blocks
-        if isinstance(b, PointToPoint | Dwell)
+        if isinstance(b, ExactStopMove | Dwell)
     ]
     found = [s.points.duration if isinstance(s, Timed) else s.duration for s in read]
     for wanted, got in zip(planned, found, strict=True):

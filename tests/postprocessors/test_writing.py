@@ -10,8 +10,8 @@ from cases.schema import Case
 from identification.limits import prove
 from planner.families.fourier import FourierFamily
 from planner.families.fourier_motion import FourierMotion
+from postprocessors.blocks import TimedPath
 from postprocessors.dialects import dialect, dialect_of_file
-from postprocessors.program import TimedPath
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.writing import proven_program

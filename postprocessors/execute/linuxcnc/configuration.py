@@ -64,19 +64,12 @@ M2
 
 
 class AxisLayout(NamedTuple):
-    """Axes and joints of a machine.
+    """Axes and joints of a machine."""
 
-    Args:
-        axes: letters of the coordinates.
-        turns: which of them are angles, shape (k,).
-        kinematics: LinuxCNC's name for it, with its settings.
-        slides: which joints are lengths, shape (k,).
-    """
-
-    axes: str
-    turns: NDArray[np.bool_]
-    kinematics: str
-    slides: NDArray[np.bool_]
+    axes: str  # letters of the coordinates
+    turns: NDArray[np.bool_]  # which of them are angles, shape (k,)
+    kinematics: str  # LinuxCNC's name for it, with its settings
+    slides: NDArray[np.bool_]  # which joints are lengths, shape (k,)
 
     @classmethod
     def of(cls, case: Case) -> "AxisLayout":
@@ -129,7 +122,6 @@ def pose_range(case: Case, box: bool) -> Array:
     chain the ends of its joints do.
 
     Args:
-        case: a case with machine and limits.
         box: whether the narrower box of `[limits.motion]` holds.
     """
     home, limits = case.need_motion(PURPOSE)
@@ -221,9 +213,6 @@ def _struts(case: Case) -> list[str]:
 def hal_text(case: Case) -> str:
     """The HAL file: kinematics of the machine, joints that follow their commands, and the log of every cycle.
 
-    Args:
-        case: a case with a machine.
-
     Raises:
         CaseError: the case has none.
     """
@@ -271,7 +260,6 @@ def write_configuration(folder: Path, case: Case, home_joints: Array, headroom: 
     """Writes everything that LinuxCNC reads, except its program and its display, into a folder of its own.
 
     Args:
-        folder: an existing folder.
         case: a case with machine, workspace, limits and controller.
         home_joints: joints at home, shape (k,) [m or rad].
         headroom: acceleration limits as a multiple of the case's.

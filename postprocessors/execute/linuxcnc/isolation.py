@@ -71,7 +71,6 @@ def run_session(folder: Path, arguments: list[str], environment: dict[str, str],
 
     Args:
         folder: holds everything that the session reads and writes; its output goes to `OUTPUT_FILE`.
-        arguments: arguments of the command `linuxcnc`.
         environment: added to the session's environment; `{folder}` stands for its folder as seen from inside.
         time_limit: time limit on the wall clock [s].
 
@@ -207,8 +206,6 @@ def check_syntax(program: Path, lines: list[str], folder: Path, time_limit: floa
 
     Args:
         program: the program, for messages.
-        lines: its lines.
-        folder: folder for files of the interpreter.
         time_limit: time limit on the wall clock [s].
 
     Raises:

@@ -16,7 +16,7 @@ import numpy as np
 
 from cases.errors import ExecutionError, FileProblem
 from cases.schema import Case
-from identification.machine import machine_of
+from identification.machines import machine_of
 from postprocessors.execute.executed_run import ControllerLog
 from postprocessors.execute.linuxcnc import configuration, timing
 from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD, AxisLayout
@@ -189,7 +189,6 @@ def read_report(program: Path, folder: Path) -> dict[str, Any]:
 
     Args:
         program: the program, for messages.
-        folder: the session's.
 
     Returns:
         `version` of LinuxCNC; `started` and `ended`: rows between which the program ran; `samples` and `lost`: counts.
@@ -234,9 +233,6 @@ def read_log(program: Path, folder: Path, layout: AxisLayout, report: dict[str, 
 
     Args:
         program: the program, for messages.
-        folder: the session's.
-        layout: layout of axes and joints.
-        report: the driver's.
         speedup: controller time per wall-clock time, for messages.
 
     Raises:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.motion import TimedPoints
 from identification.trajectories.profile import Profile, TimeLaw, fastest_profile
-from postprocessors.execute.block_limited import block_durations, largest_cut
 from postprocessors.execute.linuxcnc.configuration import PURPOSE, SERVO_PERIOD
+from postprocessors.execute.virtual import block_durations, largest_cut
 from postprocessors.proving.guarantees import Forecast, Guarantees
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.words import Move, Reading, Timing
@@ -79,15 +79,10 @@ MOST_HEADROOM = 1e6
 
 
 class Stretch(NamedTuple):
-    """The timed paths of a program under a controller's limits.
+    """The timed paths of a program under a controller's limits."""
 
-    Args:
-        planned: duration of those that run with the trigger on [s].
-        expected: what they will take [s].
-    """
-
-    planned: float
-    expected: float
+    planned: float  # duration of those that run with the trigger on [s]
+    expected: float  # what they will take [s]
 
     @property
     def factor(self) -> float:
@@ -96,15 +91,10 @@ class Stretch(NamedTuple):
 
 
 class LongerBlocks(NamedTuple):
-    """Blocks that keep their time.
+    """Blocks that keep their time."""
 
-    Args:
-        duration: duration of one [s].
-        cut: how far they leave the path [m].
-    """
-
-    duration: float
-    cut: float
+    duration: float  # duration of one [s]
+    cut: float  # how far they leave the path [m]
 
 
 def triggered_paths(reading: Reading) -> list[TimedPoints]:
@@ -121,8 +111,6 @@ def predicted_stretch(paths: list[TimedPoints], case: Case, headroom: float) -> 
     """What becomes of timed paths; None where there are none.
 
     Args:
-        paths: paths of a program.
-        case: its acceleration limits.
         headroom: what LinuxCNC gets, as a multiple of them.
 
     Raises:

@@ -44,7 +44,6 @@ def dwells(program: Path, lines: list[str]) -> dict[int, float]:
 
     Args:
         program: the program, for messages.
-        lines: its lines.
 
     Raises:
         ExecutionError: a dwell has another form than `G4 P<seconds>` on a line of its own.
@@ -144,17 +143,11 @@ def dwell_problem(
 
 
 class _Standstill(NamedTuple):
-    """Dwells and switches without a motion between them.
+    """Dwells and switches without a motion between them."""
 
-    Args:
-        numbers: numbers of their lines, ascending.
-        start: first row of the log during which they stood.
-        end: one past the last.
-    """
-
-    numbers: list[int]
-    start: int
-    end: int
+    numbers: list[int]  # numbers of their lines, ascending
+    start: int  # first row of the log during which they stood
+    end: int  # one past the last
 
 
 def _standstills(log: ControllerLog, numbers: Iterable[int], window: tuple[int, int]) -> Iterator[_Standstill]:
@@ -180,7 +173,6 @@ def without_surplus(
     shortened by itself; where the log does not show the switches that the program asks for, nothing is left out.
 
     Args:
-        log: log of a run whose dwells are proven.
         durations: line number and duration [s] of each dwell.
         switched: line number of each switch, and whether it switches on.
         window: rows between which the program ran: first, and one past the last.
@@ -200,17 +192,11 @@ def without_surplus(
 
 
 class _Phase(NamedTuple):
-    """A part of a standstill in which the trigger does not switch.
+    """A part of a standstill in which the trigger does not switch."""
 
-    Args:
-        start: first row of the log.
-        end: one past the last.
-        seconds: programmed [s].
-    """
-
-    start: int
-    end: int
-    seconds: float
+    start: int  # first row of the log
+    end: int  # one past the last
+    seconds: float  # programmed [s]
 
 
 def _phases(

@@ -32,14 +32,13 @@ ROUNDED = 1.0 + 1e-3  # of a limit
 CHARACTERS = "0123456789.-+ XYZABCFGMPIJK()[]=\n;,eE%#/$\"'\t\u00e9\u0661"
 _POLY = (
     "G64 G93\nPOLY PO[X]=(0.01,0,0.01) PO[C]=(0.001,0,0.001) PL=1 F600\n"
-    "POLY PO[X]=(0.02,0.01,-0.01) PO[C]=(0.002) F600\nG94 G60 G1\nDO $A_OUT[1]=0\nG4 F0.1\n"
-    "PTP G93 G1 X50 Y20 A2=5 F60\nCP G94\nG4 F0.1"
+    "POLY PO[X]=(0.02,0.01,-0.01) PO[C]=(0.002) F600\nG94 G60 G1\nDO $A_OUT[1]=0\nG4 F0.1"
 )
 _TYPED = {
     "linuxcnc": "(small)\nG4 P0.1\nM64 P0\n{path}\nM65 P0\nG1 X5 A1 F3000\nG0 X0 Y0 Z900 A0\nG17 G3 X0 Y0 I5 J0 F3000",
     "sinumerik": f"; small\nDO $A_OUT[1]=1\n{{path}}\n{_POLY}\nG1 X5 A2=1 F3000\nG0 X0 Y0 Z900 A2=0\n"
     "G17 G3 X0 Y0 I5 J0 F3000",
-    "twincat": "(small)\nM100\n{path}\nM101\nG04 0.1\n#PTP ON\nG93\nG1 G60 X50 Y20 A5 F1\n#PTP OFF\nG94\n"
+    "twincat": "(small)\nM100\n{path}\nM101\nG04 0.1\n"
     "G1 G60 X5 A1 F3000\nG0 G60 X0 Y0 Z900 A0\nG17 G3 G60 X0 Y0 I5 J0 F3000",
 }
 

@@ -29,7 +29,7 @@ def test_with_all_parameters_free_the_fit_is_that_of_gauss_markov(nuisance: int,
     expected = gauss_markov(A, measured, NAMES, WEIGHTS, nuisance, filtered)
     compressed = compress(A, measured, WEIGHTS)
     values = np.linalg.solve(compressed.root, compressed.right)
-    fit = fit_along(A, measured, NAMES, WEIGHTS, compressed, values, np.eye(20), nuisance, filtered)
+    fit = fit_along(compressed, NAMES, values, np.eye(20), nuisance, filtered)
     np.testing.assert_allclose(fit.values, expected.values, rtol=1e-9)
     np.testing.assert_allclose(fit.covariance, expected.covariance, rtol=1e-9, atol=1e-18)
     np.testing.assert_allclose(fit.covariance_robust, expected.covariance_robust, rtol=1e-8, atol=1e-16)

@@ -7,7 +7,7 @@ from cases.loading import load_case
 from identification.evaluate import over_samples
 from identification.model import MODELS, identification_model
 from identification.reference import reference_scaling
-from planner.bounds.enclosure import NODES, enclose
+from planner.bounds.branch import NODES, enclose
 from planner.bounds.features import GIBBS, PAIRS, PRODUCTS, Features, box_features
 
 CASE = load_case("hexapod")

@@ -7,25 +7,31 @@ import numpy as np
 import pytest
 
 from cases.loading import load_case
+from cases.schema import Case
 from identification.limits import prove
 from identification.model import identification_model
 from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound
 from planner.families.family import Family
 from planner.families.ptp import PointToPointFamily
+from planner.families.saved import FILE, shipped_start
 from planner.families.settings import family_class
-from planner.families.shipped import FILE, shipped_start
 from planner.search.annealing import annealed_start
 from planner.search.problem import build_problem, mean_information
 from planner.search.solving import CLOSE
 
-FAMILIES = ("fourier", "ptp", "spline")
+FAMILIES = ("fourier", "ptp", "ptp, steps", "spline")
 CASE = load_case("hexapod")
 
 
 def family_of(name: str, duration: float = 12.0, **settings: Any) -> Family:
-    (family,) = family_class(name)(**settings).families(CASE, duration)
+    (family,) = family_class(name.partition(",")[0])(**settings).families(case_of(name), duration)
     return family
+
+
+def case_of(name: str) -> Case:
+    """The built-in hexapod, with or without limits of jerk."""
+    return CASE.without_jerk() if name.endswith("steps") else CASE
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -33,9 +39,11 @@ def test_a_table_of_unknowns_gives_them_back(name: str):
     family = family_of(name)
     layout = family.layout(CASE, 0.0)
     unknowns = np.random.default_rng(3).uniform(-0.1, 0.1, len(layout.lower))
-    if name == "ptp":
-        times = 1.0 + unknowns[-120:].reshape(40, 3)
-        unknowns[-120:] = (times * 40 / (times @ [4, 2, 1]).sum()).ravel()
+    if isinstance(family, PointToPointFamily):
+        count = family.moves
+        times = 1.0 + unknowns[-3 * count :].reshape(count, 3)
+        times[:, 0] *= not family.steps
+        unknowns[-3 * count :] = (times * count / (times @ [4, 2, 1]).sum()).ravel()
     again = family.like(family.table(unknowns))
     assert again is not None
     np.testing.assert_allclose(again, unknowns, atol=1e-12)
@@ -43,15 +51,15 @@ def test_a_table_of_unknowns_gives_them_back(name: str):
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_on_the_built_in_hexapod_it_is_worth_what_it_says_within_all_limits(name: str):
-    family, model = family_of(name), identification_model(CASE, 9)
-    start = shipped_start(family, CASE)
+    case, family = case_of(name), family_of(name)
+    model, start = identification_model(case, 9), shipped_start(family, CASE)
     assert start is not None
-    scaling = reference_scaling(CASE, model)
+    scaling = reference_scaling(case, model)
     logdet = np.linalg.slogdet(mean_information(model, scaling, family.motion(start)))[1]
     stated = json.loads(FILE.read_text())[name]["d_efficiency"]
-    assert box_bound(CASE, model).efficiency(logdet) == pytest.approx(stated, abs=1e-3)
-    assert prove(family.motion(start), CASE).worst_ratio < 1.0
-    assert build_problem(CASE, model, family, scaling, 0.0).worst(start) <= CLOSE  # rows may hold a bound of a limit
+    assert box_bound(case, model).efficiency(logdet) == pytest.approx(stated, abs=1e-3)
+    assert prove(family.motion(start), case).worst_ratio < 1.0
+    assert build_problem(case, model, family, scaling, 0.0).worst(start) <= CLOSE  # rows may hold a bound of a limit
 
 
 def test_fourier_series_of_another_order_are_not_like_it():

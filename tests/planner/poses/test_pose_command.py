@@ -12,8 +12,7 @@ import pytest
 from cases.loading import built_in_cases
 from identification.motion import Measurement
 from planner.plan_folder import load_plan
-from postprocessors.proving.measured import measured_poses, measures_at_poses
-from postprocessors.proving.stretches import stretches
+from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
 from tests.planner.command_line import call, refused
 
 FEW = "8"
@@ -36,7 +35,7 @@ def quick(folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def planned(folder: Path, quick: Path) -> dict[str, Any]:
-    return call("poses", quick, "--count", FEW, "--plots", "-o", folder / "plan", "--json").json()
+    return call("poses", quick, "--count", FEW, "-o", folder / "plan", "--json").json()
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +60,7 @@ def test_the_answer_holds_what_was_promised(planned: dict[str, Any]) -> None:
     assert all(limit["status"] == "proven" for limit in planned["limits"].values())
 
 
-def test_the_folder_is_a_plan_with_poses_and_plots(planned: dict[str, Any]) -> None:
+def test_the_folder_is_a_plan_with_poses(planned: dict[str, Any]) -> None:
     plan = Path(planned["plan"])
     saved = load_plan(plan)
     with (plan / "poses.csv").open(encoding="utf-8") as file:
@@ -70,8 +69,6 @@ def test_the_folder_is_a_plan_with_poses_and_plots(planned: dict[str, Any]) -> N
     written = np.array([[float(row[k]) for k in ("x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg")] for row in rows])
     np.testing.assert_allclose(written[:, :3] * 1e-3, np.array(poses)[:, :3], atol=1e-9)
     np.testing.assert_allclose(np.deg2rad(written[:, 3:]), np.array(poses)[:, 3:], atol=1e-9)
-    for name in ("poses", "densities", "identifiability"):
-        assert (plan / "plots" / f"{name}.svg").stat().st_size > 1000
 
 
 @pytest.mark.parametrize(("dialect", "suffix"), [("linuxcnc", ".ngc"), ("sinumerik", ".mpf"), ("twincat", ".nc")])

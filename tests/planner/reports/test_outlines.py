@@ -7,7 +7,7 @@ from cases.machine import KeepOut, Tool
 from identification.keep_out import distance_of_points
 from planner.reach import StaticLimits, reach
 from planner.reports.case_plots import case_figure
-from planner.reports.outlines import box_outlines, room, tool_outlines
+from planner.reports.machine import box_outlines, room, tool_outlines
 from tests.helpers import HOME
 from tests.postprocessors.changed_case import changed
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.reports.ratios import SPREAD, Series, ratio_figure
+from planner.reports.charts import SPREAD, Series, ratio_figure
 
 SERIES = (
     Series("a", {"m": 0.2, "zC": 3e-5, "k0": 0.0}, "#000"),
@@ -33,3 +33,10 @@ def test_markers_stand_at_their_parameter_and_side_by_side():
 
 def test_names_are_text():
     assert "<b>" not in ratio_figure(SERIES).data[2]["name"]
+
+
+@pytest.mark.parametrize("largest", [1.3, 3.0, 30.0])
+def test_the_axis_has_labels_where_the_markers_are(largest: float):
+    figure = ratio_figure([Series("a", {"m": 1.0}, "#000"), Series("b", {"m": largest}, "#111")])
+    ticks = figure.layout["yaxis"]["tickvals"]
+    assert sum(1.0 <= tick <= largest for tick in ticks) >= 3

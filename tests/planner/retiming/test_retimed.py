@@ -88,8 +88,7 @@ def test_moves_are_as_slow_as_their_struts_need_and_no_slower():
 
 
 def slow_struts():
-    drives = {f"controller__{name}__ptp": None for name in ("sinumerik", "twincat")}  # they would be too fast
-    return changed(CASE, limits__motion__strut_velocity_m_s=0.5, **drives)
+    return changed(CASE, limits__motion__strut_velocity_m_s=0.5)
 
 
 def test_arcs_keep_their_circle():

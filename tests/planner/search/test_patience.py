@@ -9,13 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.families.fourier import FourierFamily
-from planner.families.settings import Fourier, PointToPoint
+from planner.families.settings import Fourier, PointToPoint, Spline
 from planner.request import Request
-from planner.search.patience import ENDLESS, EXPLORING, FEWEST, IDLE, MOST, WORTHWHILE, Patience, gain
+from planner.search.patience import ENDLESS, EXPLORING, FAILURES, MOST, WORTHWHILE, Patience, gain
 from planner.search.solving import Failed, Start
 
 SIZE = 20
 FAMILY = FourierFamily(2, 3.0, 1, np.zeros(6), np.ones(6))
+IDLE = Spline().idle("D")
 STEP = SIZE * np.log1p(WORTHWHILE)  # of log det, just worthwhile
 
 
@@ -26,7 +27,7 @@ def start(promise: float, seed: int = 0) -> Start:
 
 
 def patience(**settings: object) -> Patience:
-    return Patience.of(replace(Request(), **settings), SIZE)
+    return Patience.of(replace(Request(Spline()), **settings), SIZE)
 
 
 def ended_after(promises: list[float]) -> int | None:
@@ -36,20 +37,27 @@ def ended_after(promises: list[float]) -> int | None:
 
 
 def test_it_ends_after_so_many_starts_without_a_worthwhile_gain():
-    assert ended_after([-5.0] * 20) == max(FEWEST, 1 + IDLE)
+    assert ended_after([-5.0] * 20) == 1 + IDLE
     climbing = [-5.0 + 1.01 * STEP * k for k in range(10)]
     assert ended_after(climbing) is None
     assert ended_after([*climbing, *climbing]) == 10 + IDLE
     assert ended_after([-5.0 + 0.6 * STEP * k for k in range(20)]) is None  # small gains add up
-    assert ended_after([-5.0 + 0.3 * STEP * k for k in range(20)]) == FEWEST
+    assert ended_after([-5.0 + 0.3 * STEP * k for k in range(20)]) == 1 + IDLE
+
+
+@pytest.mark.parametrize("family", [Fourier(), PointToPoint()])
+def test_other_families_need_one_start_less(family: Fourier | PointToPoint):
+    watch, same = patience(family=family), [start(-5.0)] * 3
+    assert not watch.enough(same[:1])
+    assert watch.enough(same[:2])
+    assert not patience(family=family, criterion="A").enough(same[:2])
 
 
 @given(promises=st.lists(st.floats(-50.0, 50.0), min_size=0, max_size=30))
-def test_never_before_the_fewest_and_never_while_one_of_the_last_was_a_gain(promises: list[float]):
+def test_never_while_one_of_the_last_was_a_gain(promises: list[float]):
     ended = ended_after(promises)
     if ended is None:
         return
-    assert ended >= FEWEST
     before, last = promises[: ended - IDLE], promises[ended - IDLE : ended]
     assert len(before) >= 1
     assert max(last) < max(before) + STEP * (1 + 1e-9)
@@ -65,8 +73,8 @@ def test_what_was_asked_for_is_not_cut_short(settings: dict[str, float]):
 
 def test_starts_that_all_fail_end_it_too():
     failed = [Failed(k, "no motion") for k in range(10)]
-    assert not patience().enough(failed[: FEWEST - 1])
-    assert patience().enough(failed[:FEWEST])
+    assert not patience().enough(failed[: FAILURES - 1])
+    assert patience().enough(failed[:FAILURES])
 
 
 def test_time_is_shared_between_exploring_and_refining():

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from cases.errors import HexciteError
-from planner.study.cluster import local_client, remote_client, same_version
-from planner.study.tasks import run_tasks
+from planner.study.cluster import local_client, remote_client, run_tasks, same_version
 from tests.helpers import one_line
 
 

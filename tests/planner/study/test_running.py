@@ -15,11 +15,11 @@ import pytest
 from cases.basis import KEPT
 from cases.schema import Case
 from planner.study import study_run
+from planner.study.cluster import TaskEnd
 from planner.study.spec import ExecutionSpec, Grid, Spec
 from planner.study.store import DONE, FAILED, PLANNED, completed, open_study, read_rows
 from planner.study.study_run import Job, cells_of, missing, run_study
 from planner.study.summary import best_groups, groups
-from planner.study.tasks import TaskEnd
 from tests.planner.command_line import PROGRAM, call, refused
 
 

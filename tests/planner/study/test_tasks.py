@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 from distributed import Client
 
-from planner.study.cluster import local_client
-from planner.study.tasks import TaskEnd, run_tasks
+from planner.study.cluster import TaskEnd, local_client, run_tasks
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 

@@ -8,10 +8,8 @@ import pytest
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.motion import TimedPoints
-from identification.trajectories.executed import DriveExecution
-from identification.trajectories.path import path_error
+from identification.trajectories.executed import DriveExecution, path_error
 from postprocessors.dialects import dialect
-from postprocessors.execute.block_limited import block_durations, largest_cut
 from postprocessors.execute.executed_run import windows
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
 from postprocessors.execute.linuxcnc.stretching import (
@@ -23,7 +21,7 @@ from postprocessors.execute.linuxcnc.stretching import (
     sufficient_headroom,
     triggered_paths,
 )
-from postprocessors.execute.virtual import run_virtual
+from postprocessors.execute.virtual import block_durations, largest_cut, run_virtual
 from postprocessors.program_file import read_program
 from postprocessors.proving.stretches import Timed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc

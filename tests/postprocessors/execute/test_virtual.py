@@ -10,11 +10,10 @@ from identification.identify import identify
 from identification.limits import prove
 from identification.motion import Trajectory, sample
 from identification.simulate import simulate_recording
-from identification.trajectories.path import path_error
-from postprocessors.execute.block_limited import rounded
+from identification.trajectories.executed import path_error
 from postprocessors.execute.executed_run import ExecutedRun, windows
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees, predicted_stretch, triggered_paths
-from postprocessors.execute.virtual import REST, commanded, run_virtual
+from postprocessors.execute.virtual import REST, commanded, rounded, run_virtual
 from postprocessors.proving.stretches import Timed
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from tests.postprocessors.changed_case import changed

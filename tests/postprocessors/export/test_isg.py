@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from cases.errors import IdentificationError
 from cases.loading import load_case
 from identification.model import identification_model
-from postprocessors.export.isg import isg_load, principal_axes
+from postprocessors.export.targets import isg_load, principal_axes
 from tests.helpers import one_line
 from tests.postprocessors.export.calibrations import calibration, plausible
 
@@ -78,3 +78,9 @@ def test_the_file_is_ascii_and_says_units_and_frame(tmp_path: Path) -> None:
     for word in ("[mm]", "[kg m^2]", "platform frame {P}", "WARNING: rank 19", "case hexapod", "model 9", "hexcite"):
         assert word in text
     assert all(len(line) <= 4096 for line in text.splitlines())  # the longest block of the kernel
+
+
+def test_the_rods_of_struts_are_no_load(tmp_path: Path) -> None:
+    """Sensors at the drives carry platform and rods in one; no command for a load is made of that."""
+    with pytest.raises(IdentificationError, match="rods"):
+        isg_load(calibration(tmp_path, "strut_sensors", 6))

@@ -9,7 +9,7 @@ import pytest
 from cases.errors import IdentificationError
 from cases.loading import load_case
 from identification.model import identification_model
-from postprocessors.export.urscript import urscript_payload
+from postprocessors.export.targets import urscript_payload
 from tests.helpers import one_line
 from tests.postprocessors.export.calibrations import calibration, plausible
 

@@ -20,7 +20,7 @@ from cases.sensors import RigidBody
 from identification.chain_clearance import Placed, clearance_shares
 from identification.evaluate import over_samples
 from identification.hexapod import Kinematics
-from identification.machine import FrameMotion, Share
+from identification.machines import FrameMotion, Share
 from identification.overload import SHARE
 from identification.pose import rpy, skew
 
@@ -195,7 +195,6 @@ class SerialChain:
             q: positions of the joints, shape (n, count) [rad or m].
             rates: their first derivatives in time.
             accelerations: their second derivatives.
-            start: not needed.
         """
         del start
         position, columns, twist, twist_rate = over_samples(self.motion, q, rates, accelerations)

@@ -15,30 +15,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """A remark for people.
+    """A remark for people."""
 
-    Args:
-        text: any; dialects wrap it and replace what their controller cannot read.
-    """
-
-    text: str
+    text: str  # any; dialects wrap it and replace what their controller cannot read
 
 
 @dataclass(frozen=True, slots=True)
 class ToHome:
-    """A straight move to home at a safe feed from wherever the machine stands.
+    """A straight move to home at a safe feed from wherever the machine stands."""
 
-    Args:
-        pose: coordinates at home, shape (k,) [m or rad].
-        feed: along the path of the origin [m/s]; of a chain the share of the limits of its joints.
-    """
-
-    pose: Array
-    feed: float
+    pose: Array  # coordinates at home, shape (k,) [m or rad]
+    feed: float  # along the path of the origin [m/s]; of a chain the share of the limits of its joints
 
 
 @dataclass(frozen=True, slots=True)
-class PointToPoint:
+class ExactStopMove:
     """A straight move in the six coordinates from rest to rest, exact stop at its end.
 
     Controllers know feeds, not durations: a dialect writes the feed that makes its controller's own time law, under the
@@ -64,27 +55,10 @@ class PointToPoint:
 
 
 @dataclass(frozen=True, slots=True)
-class StrutPointToPoint:
-    """A move straight in the struts from rest to rest, exact stop at its end: another path than planned.
-
-    Its dialect writes the feed with which it takes as long as planned, or longer where its own path needs that.
-
-    Args:
-        planned: where from, where to, and the time law planned for the straight way.
-    """
-
-    planned: StraightMove
-
-
-@dataclass(frozen=True, slots=True)
 class Arc:
-    """A circular move in a coordinate plane from rest to rest, exact stop at its end; full circles too.
+    """A circular move in a coordinate plane from rest to rest, exact stop at its end; full circles too."""
 
-    Args:
-        move: where from, about what, how far, and the planned time law.
-    """
-
-    move: CircularMove
+    move: CircularMove  # where from, about what, how far, and the planned time law
 
     @property
     def feed(self) -> float:
@@ -94,43 +68,28 @@ class Arc:
 
 @dataclass(frozen=True, slots=True)
 class TimedPath:
-    """Poses to be passed at given times, from rest at the pose before to rest at the last.
+    """Poses to be passed at given times, from rest at the pose before to rest at the last."""
 
-    Args:
-        name: what it is for.
-        times: shape (k,), increasing, the first 0 [s].
-        poses: coordinates, one row a time, the first is where the machine stands [m, rad].
-        source: the motion that was sampled, on the clock of `times`, for dialects that can carry more than points.
-    """
-
-    name: str
-    times: Array
-    poses: Array
+    name: str  # what it is for
+    times: Array  # shape (k,), increasing, the first 0 [s]
+    poses: Array  # coordinates, one row a time, the first is where the machine stands [m, rad]
+    # the motion that was sampled, on the clock of `times`, for dialects that can carry more than points
     source: Trajectory | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class SplinePath:
-    """Polynomial pieces, one after the other, from rest to rest: the exact path and time law of a spline.
+    """Polynomial pieces, one after the other, from rest to rest: the exact path and time law of a spline."""
 
-    Args:
-        name: what it is for.
-        motion: its pieces, each with its duration.
-    """
-
-    name: str
-    motion: PolynomialMotion
+    name: str  # what it is for
+    motion: PolynomialMotion  # its pieces, each with its duration
 
 
 @dataclass(frozen=True, slots=True)
 class Dwell:
-    """Standing still.
+    """Standing still."""
 
-    Args:
-        duration: [s].
-    """
-
-    duration: float
+    duration: float  # [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,19 +99,14 @@ class Trigger:
     on: bool
 
 
-Block = Comment | ToHome | PointToPoint | StrutPointToPoint | Arc | TimedPath | SplinePath | Dwell | Trigger
+Block = Comment | ToHome | ExactStopMove | Arc | TimedPath | SplinePath | Dwell | Trigger
 
 
 @dataclass(frozen=True, slots=True)
 class NeutralProgram:
-    """A program.
+    """A program."""
 
-    Args:
-        header: comment lines that say where it comes from and what it was proven against.
-        blocks: blocks in order.
-    """
-
-    header: tuple[str, ...]
+    header: tuple[str, ...]  # comment lines that say where it comes from and what it was proven against
     blocks: tuple[Block, ...]
 
     @property

@@ -21,33 +21,20 @@ Array = NDArray[np.float64]
 
 
 class FrameMotion(NamedTuple):
-    """Motion of the frame {P} of the load in {B}.
+    """Motion of the frame {P} of the load in {B}."""
 
-    Args:
-        position: position of its origin, shape (3,) [m].
-        rotation: R, shape (3, 3).
-        twist: velocity of the origin and angular velocity, shape (6,) [m/s, rad/s].
-        twist_rate: its time derivative, shape (6,) [m/s^2, rad/s^2].
-    """
-
-    position: ca.SX
-    rotation: ca.SX
-    twist: ca.SX
-    twist_rate: ca.SX
+    position: ca.SX  # position of its origin, shape (3,) [m]
+    rotation: ca.SX  # R, shape (3, 3)
+    twist: ca.SX  # velocity of the origin and angular velocity, shape (6,) [m/s, rad/s]
+    twist_rate: ca.SX  # its time derivative, shape (6,) [m/s^2, rad/s^2]
 
 
 class Share(NamedTuple):
-    """A limit beside those of the coordinates.
+    """A limit beside those of the coordinates."""
 
-    Args:
-        name: name of the limit.
-        order: order of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations.
-        value: shares that are used; the limit is satisfied between -1 and 1.
-    """
-
-    name: str
-    order: int
-    value: ca.SX
+    name: str  # name of the limit
+    order: int  # order of the derivative with which it grows: 0 coordinates, 1 rates, 2 accelerations
+    value: ca.SX  # shares that are used; the limit is satisfied between -1 and 1
 
 
 class Machine(Protocol):
@@ -124,8 +111,8 @@ def machine_of(case: Case) -> Machine:
     Raises:
         CaseError: the case has no machine, or one that does not move the sensors.
     """
-    from identification.chain import SerialChain
     from identification.hexapod import Hexapod
+    from identification.serial_chain import SerialChain
 
     return SerialChain.of(case) if case.chain is not None else Hexapod.of(case)
 
