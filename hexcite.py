@@ -7,7 +7,7 @@
     program = hx.write(plan, "linuxcnc", accept=("jerk", "strut acceleration"))
     recording = hx.run(program, case, on="virtual", seed=0)
     result = hx.identify(recording, case)
-    result["m"].value, result["m"].std
+    result["m"].value, result["m"].reported
 
 Values are in SI and radians. Each has a short `repr`, `save` and `load`; `hx.report(value, "page.html")` makes its
 page. What stands here is public, and nothing else. It is imported when it is first used.

@@ -244,7 +244,8 @@ class NoiseComponents:
             f"the residuals look like noise of {self.force:.3g} N{moments} in the channels and of "
             f"{self.acceleration:.3g} m/s^2 and {self.angular:.3g} rad/s^2 in the accelerations: if that is the "
             "machine's, state it in [sensors] of the case (force_noise_N, acceleration_noise_m_s2, "
-            "angular_acceleration_noise_rad_s2), for smaller deviations with --weights stated"
+            "angular_acceleration_noise_rad_s2), for smaller deviations with --weights stated; the vibration of a "
+            "structure looks alike, and identify --flexible estimates its mode"
         )
         entries = {
             "force_noise_N": self.force,
