@@ -70,7 +70,7 @@ def require_full_rank(regressors: Array, model: Model) -> None:
         hidden = [n for n, s in zip(model.names, share, strict=True) if s > 1e-3]
         raise IdentificationError(
             f"model {model.number}: {', '.join(hidden)} cannot be told apart by any of {len(regressors)} poses "
-            f"(rank {rank} of {rows.shape[1]}); choose a model without them"
+            f"(rank {rank} of {rows.shape[1]}); let them turn about more axes, or choose a model without them"
         )
 
 

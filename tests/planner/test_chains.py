@@ -230,3 +230,22 @@ def test_a_chain_is_drawn_with_its_joints(name: str, tmp_path: Path):
 @pytest.mark.parametrize("command", ["validate ur10_wrist", "validate strut_sensors"])
 def test_a_validation_says_in_one_line_which_machines_it_is_for(command: str):
     assert "platform" in refused(*command.split())
+
+
+def test_a_home_inside_a_box_is_one_line_for_every_command(tmp_path: Path):
+    text = (Path("cases") / "ur10_wrist" / "case.toml").read_text(encoding="utf-8")
+    file = tmp_path / "case.toml"
+    file.write_text(text.replace("z_mm = [-500.0, -10.0]", "z_mm = [-500.0, 700.0]"), encoding="utf-8")
+    for command in (("case", "check"), ("plan",), ("poses",)):
+        assert "distance from floor" in refused(*command, file)
+
+
+def test_a_chain_that_cannot_turn_its_load_is_named_by_every_command_that_would_need_it(tmp_path: Path):
+    """The base joint alone turns it about the vertical: where its centre of gravity is along it changes nothing."""
+    lines = (Path("cases") / "ur10_wrist" / "case.toml").read_text(encoding="utf-8").splitlines()
+    others = ("shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    kept = [line for line in lines if not line.strip().startswith(tuple(f'{{ name = "{name}"' for name in others))]
+    file = tmp_path / "case.toml"
+    file.write_text("\n".join(kept), encoding="utf-8")
+    for command in ("plan", "bound", "poses"):
+        assert "mzC" in refused(command, file)
