@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.finding import Severity, sentences
-from identification.findings.plausibility import Scan, unmeasured
+from identification.findings.sample_checks import Scan, unmeasured
 from identification.model import Model
 from identification.parameters import OFFSETS
 from identification.recording import Recording

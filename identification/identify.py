@@ -1,7 +1,7 @@
 """From a recording to parameters: kinematics (7)-(9), regressor (17)-(22), an estimator, physical form.
 
 The delay between forces and motion of a moving run is estimated together with the parameters. What speaks against a
-run is looked for before the estimate (`plausibility`) and in what the estimate leaves (`wiring`, `contact`).
+run is looked for before the estimate (`sample_checks`) and in what the estimate leaves (`wiring`, `contact`).
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import FitProblem, Method
 from identification.finding import Kind, note, warning
 from identification.findings.contact import contacts_told, free_of_contact, touched
-from identification.findings.plausibility import Scan, scan
-from identification.findings.residual_checks import CHECKS, other_mass, require_scale
+from identification.findings.fit_checks import CHECKS, other_mass, require_scale
+from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
 from identification.identifiability import Identifiability, analyse

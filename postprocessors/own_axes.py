@@ -16,8 +16,8 @@ from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.limited import Box
 from postprocessors.blocks import Array, Block, Comment, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
+from postprocessors.proving.controller_guarantees import sinumerik_guarantees, twincat_guarantees
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.promises import sinumerik_guarantees, twincat_guarantees
 from postprocessors.reading.axes import axis_letters
 from postprocessors.reading.words import Reading
 from postprocessors.wording import comments, coordinates, digits, number, written_feed

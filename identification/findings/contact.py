@@ -20,8 +20,8 @@ from scipy.special import chdtri, ndtri
 from cases.errors import IdentificationError
 from identification.estimation.compressed import column_scale
 from identification.estimation.estimators import FitProblem, Method, robust_of
-from identification.findings.plausibility import MOST_NAMED, places
-from identification.findings.residual_checks import systematic
+from identification.findings.fit_checks import systematic
+from identification.findings.sample_checks import MOST_NAMED, places
 from identification.fitting import Fitted, fit_samples
 from identification.model import Model
 from identification.recording import Recording

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError
 from cases.recording_format import STRUTS
 from cases.schema import Case
-from identification.findings.plausibility import scan
+from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.model import Model, regressors
 from identification.recording import Recording

@@ -20,7 +20,7 @@ from cases.schema import Case
 from identification.estimation.compressed import inverse_root
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.finding import Finding, Kind, note, warning
-from identification.findings.plausibility import Scan, bridged
+from identification.findings.sample_checks import Scan, bridged
 from identification.hexapod import Hexapod, Kinematics, StrutsDoNotClose
 from identification.model import Model, regressors
 from identification.periodic.periods import (

@@ -13,7 +13,7 @@ from scipy.special import chdtri
 
 from cases.errors import RecordingError
 from identification.finding import Finding, Kind, warning
-from identification.findings.plausibility import places
+from identification.findings.sample_checks import places
 from identification.periodic.repeating import FourierSeries, RepeatingPart, fit_series
 from identification.recording import Recording
 

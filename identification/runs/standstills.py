@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cases.errors import RecordingError, StandstillMismatch
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.findings.plausibility import unmeasured
+from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
 from identification.machines import machine_of
 from identification.recording import Recording

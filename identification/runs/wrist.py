@@ -18,7 +18,7 @@ from cases.schema import Case
 from identification.estimation.biases import Biases
 from identification.estimation.fit import Filtered, Fit, Robust
 from identification.finding import Finding
-from identification.findings.plausibility import bridged
+from identification.findings.sample_checks import bridged
 from identification.formats.stream import Recording, Stream
 from identification.formats.table import HOST_GAP, lost_samples
 from identification.model import Model

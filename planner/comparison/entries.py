@@ -15,7 +15,7 @@ from cases.errors import FileProblem, IdentificationError
 from cases.files import another_kind, read_json
 from cases.schema import Case
 from identification.criteria import CRITERIA, singular_values
-from identification.findings.plausibility import scan
+from identification.findings.sample_checks import scan
 from identification.identify import default_model
 from identification.model import Model, identification_model
 from identification.recording import Recording, files_of, read

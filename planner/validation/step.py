@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.schema import Case
-from identification.findings.plausibility import scan
+from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.model import identification_model
 from identification.parameters import physical_form

@@ -12,7 +12,7 @@ from cases.errors import IdentificationError, RecordingError
 from cases.loading import load_case
 from identification.findings import contact
 from identification.findings.contact import find_contacts
-from identification.findings.plausibility import scan
+from identification.findings.sample_checks import scan
 from identification.frame import structure_matrix
 from identification.hexapod import Hexapod
 from identification.identify import identify

@@ -10,7 +10,7 @@ import pytest
 from cases.errors import RecordingError
 from cases.loading import load_case
 from identification.external import external_force
-from identification.findings.plausibility import scan
+from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model

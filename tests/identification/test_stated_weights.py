@@ -7,7 +7,7 @@ from cases.errors import IdentificationError
 from cases.loading import load_case
 from cases.schema import Case
 from identification.estimation.estimators import method
-from identification.findings.residual_checks import _taken_apart
+from identification.findings.fit_checks import _taken_apart
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.model import identification_model

@@ -10,7 +10,7 @@ import pytest
 
 from cases.loading import built_in_cases
 from cases.schema import Case
-from identification.findings.plausibility import cut_off
+from identification.findings.sample_checks import cut_off
 from identification.hexapod import Hexapod
 from planner.runs.recorded import fitting_case, shorter_than_planned
 from tests.identification.test_findings import CASE, run

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cases.loading import load_case
-from identification.findings.residual_checks import recorded_overrides
+from identification.findings.fit_checks import recorded_overrides
 from identification.hexapod import Hexapod
 from identification.identify import identify
 from identification.motion import Joined, Motion, Standstill, TimedPoints, Trajectory

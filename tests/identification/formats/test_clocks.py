@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from cases.errors import RecordingError
-from identification.findings.plausibility import unmeasured
+from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
 from identification.recording import read_recording
 from tests.helpers import one_line

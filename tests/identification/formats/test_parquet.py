@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cases.errors import RecordingError
-from identification.findings.plausibility import unmeasured
+from identification.findings.sample_checks import unmeasured
 from identification.recording import Recording, read_recording, write_recording
 from tests.helpers import answer, one_line
 from tests.identification.formats.runs import HEXAPOD, NAMES, Truth, case_with, written

@@ -16,7 +16,7 @@ from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
-from identification.findings.plausibility import cut_off
+from identification.findings.sample_checks import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
 from identification.noise.stated import acceleration_to_force, inverse_root
