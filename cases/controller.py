@@ -1,9 +1,10 @@
 """What the case's controllers need to be told; anything uncertain is a required setting, never a guess."""
 
 import re
-from typing import Annotated, Literal, TypeVar
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from cases.errors import CaseError
 from cases.parts import Part, Positive
@@ -107,11 +108,29 @@ Call = Annotated[str, AfterValidator(_transformation)]
 AngleWords = Annotated[tuple[Word, Word, Word], AfterValidator(_angle_words)]
 
 
-class Sinumerik(Part):
-    """Settings of SINUMERIK programs. The transformation of a hexapod is the machine builder's: ask for these words."""
+class SinumerikAxes(Part):
+    """Settings of SINUMERIK programs in the machine's own axes, of a chain that is named as they are."""
 
     program_name: Annotated[str, AfterValidator(_sinumerik_name)]
     """Internal name: 2 to 24 capitals, digits and underscores that begin with two letters or `_` and a letter."""
+    trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
+    """Number of the digital output $A_OUT that a synchronised action switches."""
+    shortest_block_ms: Positive
+    """The controller's block cycle time: shorter blocks starve it."""
+    most_blocks: Annotated[int, Field(strict=True, ge=10)]
+    """What its program memory holds."""
+    controller_keeps: Promises
+    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
+
+    @property
+    def shortest_block(self) -> float:
+        """Shortest block [s]."""
+        return self.shortest_block_ms * MS
+
+
+class Sinumerik(SinumerikAxes):
+    """Settings of SINUMERIK programs. The transformation of a hexapod is the machine builder's: ask for these words."""
+
     transformation: Call
     """What switches the transformation on: `TRAORI`, `TRAORI(2)` or the builder's own name."""
     transformation_off: Call
@@ -139,14 +158,6 @@ class Sinumerik(Part):
     """CTOL of the compressor."""
     orientation_tolerance_deg: Positive
     """OTOL of the compressor."""
-    trigger_output: Annotated[int, Field(strict=True, ge=1, le=1024)]
-    """Number of the digital output $A_OUT that a synchronised action switches."""
-    shortest_block_ms: Positive
-    """The controller's block cycle time: shorter blocks starve it."""
-    most_blocks: Annotated[int, Field(strict=True, ge=10)]
-    """What its program memory holds."""
-    controller_keeps: Promises
-    """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
 
     @model_validator(mode="after")
     def _polynomials_at_all(self) -> "Sinumerik":
@@ -163,11 +174,6 @@ class Sinumerik(Part):
     def poly_tolerance(self) -> tuple[float, float]:
         """Of positions [m] and angles [rad]."""
         return self.poly_tolerance_mm * MM, self.poly_tolerance_deg * DEG
-
-    @property
-    def shortest_block(self) -> float:
-        """Shortest block [s]."""
-        return self.shortest_block_ms * MS
 
 
 TWINCAT_NAME = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,62}$"
@@ -191,23 +197,11 @@ def _free(number: int) -> int:
 MFunction = Annotated[int, Field(strict=True, ge=7, le=999), AfterValidator(_free)]
 
 
-class TwinCat(Part):
-    """Settings of TF5200 / ISG programs. Channel parameters are named as in Beckhoff's manuals."""
+class TwinCatAxes(Part):
+    """Settings of TF5200 / ISG programs in the machine's own axes, of a chain that is named as they are."""
 
     program_name: Annotated[str, AfterValidator(_twincat_name)]
     """Name in the `%` line."""
-    kinematic_id: Annotated[int, Field(strict=True, ge=1, le=999)]
-    """Of the hexapod's transformation: no manual names one, it is what `trafo[i].id` says."""
-    angle_sign_b: Literal[-1, 1]
-    """-1: B turns negatively, R = Rz(C) Ry(-B) Rx(A) (P-CHAN-00112 = 0, the default). +1: the kinematics takes the
-    angles as R = Rz(C) Ry(B) Rx(A). Try it with a single small B before anything else."""
-    path: Literal["akima", "hsc", "contour"]
-    """Dense paths: `#SPLINE TYPE AKIMA` through the points, `#HSC ON [BSPLINE ..]` or `#CONTOUR MODE [DEV ..]` near
-    them."""
-    path_deviation_mm: Positive
-    """PATH_DEV of `#HSC` and `#CONTOUR MODE`."""
-    track_deviation_deg: Positive
-    """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
     slope: Literal["STEP", "TRAPEZ"]
     """`#SLOPE TYPE`: TRAPEZ limits the jerk, STEP does not."""
     trigger_on_m: MFunction
@@ -222,7 +216,7 @@ class TwinCat(Part):
     """Limits that the controller keeps by itself in what it times; what is not named here is `NOT enforced`."""
 
     @model_validator(mode="after")
-    def _two_functions(self) -> "TwinCat":
+    def _two_functions(self) -> "TwinCatAxes":
         if self.trigger_on_m == self.trigger_off_m:
             raise ValueError(f"trigger_on_m and trigger_off_m are both {self.trigger_on_m}; give two M functions")
         return self
@@ -233,7 +227,44 @@ class TwinCat(Part):
         return self.shortest_block_ms * MS
 
 
-Settings = TypeVar("Settings", "LinuxCnc", Sinumerik, TwinCat, Setpoints, UrScript)
+class TwinCat(TwinCatAxes):
+    """Settings of TF5200 / ISG programs. Channel parameters are named as in Beckhoff's manuals."""
+
+    kinematic_id: Annotated[int, Field(strict=True, ge=1, le=999)]
+    """Of the hexapod's transformation: no manual names one, it is what `trafo[i].id` says."""
+    angle_sign_b: Literal[-1, 1]
+    """-1: B turns negatively, R = Rz(C) Ry(-B) Rx(A) (P-CHAN-00112 = 0, the default). +1: the kinematics takes the
+    angles as R = Rz(C) Ry(B) Rx(A). Try it with a single small B before anything else."""
+    path: Literal["akima", "hsc", "contour"]
+    """Dense paths: `#SPLINE TYPE AKIMA` through the points, `#HSC ON [BSPLINE ..]` or `#CONTOUR MODE [DEV ..]` near
+    them."""
+    path_deviation_mm: Positive
+    """PATH_DEV of `#HSC` and `#CONTOUR MODE`."""
+    track_deviation_deg: Positive
+    """TRACK_DEV of `#HSC` and `#CONTOUR MODE`."""
+
+
+def _kind(name: str, full: type[Part], axes: type[Part]) -> Callable[[Any], str]:
+    """What tells the settings of a hexapod's programs, tag NAME, from those of a machine's own axes."""
+    more = set(full.model_fields) - set(axes.model_fields)
+
+    def tag(table: Any) -> str:
+        of_axes = not more & set(table) if isinstance(table, dict) else not isinstance(table, full)
+        return f"<{name}Axes>" if of_axes else f"<{name}>"
+
+    return tag
+
+
+AnySinumerik = Annotated[
+    Annotated[Sinumerik, Tag("<Sinumerik>")] | Annotated[SinumerikAxes, Tag("<SinumerikAxes>")],
+    Discriminator(_kind("Sinumerik", Sinumerik, SinumerikAxes)),
+]
+AnyTwinCat = Annotated[
+    Annotated[TwinCat, Tag("<TwinCat>")] | Annotated[TwinCatAxes, Tag("<TwinCatAxes>")],
+    Discriminator(_kind("TwinCat", TwinCat, TwinCatAxes)),
+]
+
+Settings = TypeVar("Settings", "LinuxCnc", SinumerikAxes, TwinCatAxes, Setpoints, UrScript)
 
 
 class LinuxCnc(Part):
@@ -264,9 +295,9 @@ class Controller(Part):
     linuxcnc: LinuxCnc | None = None
     """Programs with timed blocks run under this multiple of the acceleration limits: 1 stretches dense paths, far above
     1 they keep their time, and nobody but the program keeps the limits."""
-    sinumerik: Sinumerik | None = None
+    sinumerik: AnySinumerik | None = None
     """Settings of SINUMERIK programs."""
-    twincat: TwinCat | None = None
+    twincat: AnyTwinCat | None = None
     """Settings of TwinCAT CNC (TF5200) and ISG programs."""
     setpoints: Setpoints | None = None
     """Settings of tables of set points."""
@@ -300,10 +331,22 @@ class Controller(Part):
 
     def need_sinumerik(self, case: str) -> Sinumerik:
         """Settings of SINUMERIK programs; raises CaseError where the case has none."""
+        settings = self.need_sinumerik_axes(case)
+        assert isinstance(settings, Sinumerik)  # a hexapod's are, `Case` sees to it
+        return settings
+
+    def need_sinumerik_axes(self, case: str) -> SinumerikAxes:
+        """What of these settings programs in own axes need; raises CaseError where the case has none."""
         return _needed(self.sinumerik, case, "sinumerik")
 
     def need_twincat(self, case: str) -> TwinCat:
         """Settings of TwinCAT programs; raises CaseError where the case has none."""
+        settings = self.need_twincat_axes(case)
+        assert isinstance(settings, TwinCat)  # a hexapod's are, `Case` sees to it
+        return settings
+
+    def need_twincat_axes(self, case: str) -> TwinCatAxes:
+        """What of these settings programs in own axes need; raises CaseError where the case has none."""
         return _needed(self.twincat, case, "twincat")
 
     def need_setpoints(self, case: str) -> Setpoints:

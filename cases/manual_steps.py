@@ -1,6 +1,7 @@
 """A hand-made excitation as data: straight moves, full circles and pauses, one after the other."""
 
 import tomllib
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal
@@ -49,14 +50,14 @@ class ManualStep(Part):
         return frozen([*lengths, *(np.array([self.a_deg, self.b_deg, self.c_deg]) * DEG)])
 
 
-class Sequence(Part):
+class Steps(Part):
     """A hand-made excitation: it begins and ends standing at home."""
 
     title: str
     steps: Annotated[tuple[ManualStep, ...], Field(min_length=1, max_length=MOST_STEPS)]
 
 
-def load_sequence(file: Path) -> Sequence:
+def load_sequence(file: Path) -> Steps:
     """Reads a sequence from a TOML file.
 
     Raises:
@@ -64,7 +65,7 @@ def load_sequence(file: Path) -> Sequence:
     """
     try:
         data = tomllib.loads(file.read_text(encoding="utf-8"))
-        return Sequence.model_validate(data)
+        return Steps.model_validate(data)
     except OSError as error:
         raise FileProblem(
             file, f"cannot be read ({error.strerror})", "name a TOML file of steps or a CSV of poses"
@@ -77,11 +78,15 @@ def load_sequence(file: Path) -> Sequence:
         raise FileProblem(file, f"{place}: {first['msg'].removeprefix('Value error, ')}", "mend that step") from error
 
 
-def load_poses(file: Path) -> Array:
-    """Reads poses, absolute in {B}, from a CSV file with the columns x_mm, y_mm, z_mm, a_deg, b_deg, c_deg.
+def load_poses(file: Path, columns: Sequence[str] = POSE) -> Array:
+    """Reads poses from a CSV file with a column for each coordinate: of a platform absolute in {B}, or of joints.
+
+    Args:
+        file: CSV file.
+        columns: names of the columns, which end in mm or deg.
 
     Returns:
-        Shape (n, 6) [m, rad].
+        Shape (n, columns) [m or rad].
 
     Raises:
         FileProblem: it cannot be read, columns are missing, or a row holds no numbers.
@@ -92,18 +97,18 @@ def load_poses(file: Path) -> Array:
         raise FileProblem(file, f"cannot be read ({error})", "name a TOML file of steps or a CSV of poses") from error
     rows = [line.split(",") for line in lines if line.strip() and not line.startswith("#")]
     header = [cell.strip() for cell in rows[0]] if rows else []
-    missing = [c for c in POSE if c not in header]
+    missing = [c for c in columns if c not in header]
     if missing:
-        raise FileProblem(file, f"column {missing[0]} is missing", f"the first line must name {', '.join(POSE)}")
+        raise FileProblem(file, f"column {missing[0]} is missing", f"the first line must name {', '.join(columns)}")
     if not 1 <= len(rows) - 1 <= MOST_STEPS:
         raise FileProblem(file, f"holds {len(rows) - 1} poses", f"1 to {MOST_STEPS} make an excitation")
     poses = []
     for number, row in enumerate(rows[1:], start=1):
         try:
-            values = [float(row[header.index(c)]) for c in POSE]
+            values = [float(row[header.index(c)]) for c in columns]
         except (ValueError, IndexError):
             values = [float("nan")]
         if not np.isfinite(values).all():
-            raise FileProblem(file, f"pose {number} holds no six numbers", "mend that line")
+            raise FileProblem(file, f"pose {number} holds no {len(columns)} numbers", "mend that line")
         poses.append(values)
-    return np.asarray(np.array(poses) * np.array([MM] * 3 + [DEG] * 3))
+    return np.asarray(np.array(poses) * np.array([MM if c.endswith("_mm") else DEG for c in columns]))

@@ -1,4 +1,7 @@
-"""Quasi-static measurement: the grid of candidate poses, what counts as a valid pose, and how long it is measured."""
+"""Quasi-static measurement: the grid of candidate poses, what counts as a valid pose, and how long it is measured.
+
+A chain has no grid: its poses are searched for in the box of `[limits.motion]`.
+"""
 
 from functools import cached_property
 from typing import Annotated
@@ -23,7 +26,16 @@ Steps = Annotated[tuple[Number, Number, Number], AfterValidator(_climbing)]
 """First value, last value, step."""
 
 
-class Poses(Part):
+class JointPoses(Part):
+    """How long a chain is measured at each pose; which poses are possible, `[limits.motion]` and its bodies say."""
+
+    settle_s: Positive
+    """Waited at each pose before averaging begins."""
+    average_s: Positive
+    """Averaged at each pose."""
+
+
+class Poses(JointPoses):
     """Poses in tilt-and-torsion angles, R = Rz(azimuth) Ry(tilt) Rz(torsion - azimuth); positions relative to home."""
 
     x_mm: Steps
@@ -42,10 +54,6 @@ class Poses(Part):
     """Grid of turns about the tilted z axis: [first, last, step]."""
     singularity_distance: Annotated[float, Field(strict=True, gt=0, lt=1)]
     """Smallest determinant of the machine's inverse Jacobian, as a share of that at home."""
-    settle_s: Positive
-    """Waited at each pose before averaging begins."""
-    average_s: Positive
-    """Averaged at each pose."""
 
     @cached_property
     def lengths(self) -> tuple[Array, Array, Array]:

@@ -92,6 +92,10 @@ _ARM_CONTROLLER = (
     '# program_name = "hexcite"',
     "# trigger_output = 0 # standard digital output that is on while the excitation runs",
     "",
+    "[poses] # of standstills (hexcite poses); they are searched for in the box of [limits.motion]",
+    "settle_s = 0.5 # waited at each pose before averaging begins",
+    "average_s = 1.0",
+    "",
     f"# {_ADVICE['nominal']}",
     f"# [nominal] # {FILL_IN}",
     "# mass_kg = 0.0",
@@ -299,7 +303,8 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "demo": (*_RUN, "nominal"),
 }
 """Command -> the tables and keys of a case that it needs; a table that is named needs those around it too."""
-_OF_A_HEXAPOD = frozenset({"poses", "retime", "post --dialect sinumerik", "post --dialect twincat", "validate"})
+_OF_A_HEXAPOD = frozenset({"validate"})
+_IN_AXES = frozenset({"post --dialect linuxcnc", "post --dialect sinumerik", "post --dialect twincat"})
 _OF_A_CHAIN = frozenset({"post --dialect urscript", "post --dialect ros2"})
 _NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains do not need
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
@@ -326,9 +331,11 @@ def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:
     """Keys that a command misses, or the machine that it is for."""
     if case.chain is not None and command in _OF_A_HEXAPOD:
         yield "a hexapod (the machine is a chain)"
+    elif case.sensor_frame.struts is not None and command == "validate":
+        yield "sensors in the platform (they sit in the struts)"
     elif case.hexapod is not None and command in _OF_A_CHAIN:
         yield "a chain of joints (the machine is a hexapod)"
-    elif case.chain is not None and command == "post --dialect linuxcnc" and not set(case.chain.names) <= set("XYZABC"):
+    elif case.chain is not None and command in _IN_AXES and not set(case.chain.names) <= set("XYZABC"):
         yield "joints that are named as axes, X, Y, Z, A, B, C"
     else:
         yield from _missing(case, tuple(key for key in keys if case.chain is None or key not in _NOT_OF_A_CHAIN))

@@ -14,11 +14,11 @@ from typing import Annotated, Any, Literal, NoReturn
 from pydantic import Discriminator, Field, PrivateAttr, Tag, field_validator, model_validator
 
 from cases.chain import Chain, JointLimits, JointMotionLimits, SerialMachine, joint_problems
-from cases.controller import Controller
+from cases.controller import Controller, Sinumerik, TwinCat
 from cases.errors import CaseError
 from cases.machine import HexapodMachine, Limits, MotionLimits, Workspace
 from cases.parts import Array, Part, Vector, frozen
-from cases.poses import Poses
+from cases.poses import JointPoses, Poses
 from cases.recording_format import STRUTS, RecordingFormat
 from cases.sensors import Payloads, RigidBody, SensorFrame, Sensors, Simulation, together
 from cases.units import MINUTE, MM, as_html, coordinate_words, pose_words
@@ -42,6 +42,12 @@ def _kind_of_limits(table: Any) -> str:
     return "<JointLimits>" if isinstance(table, JointLimits) or _has(motion, "joints") else "<Limits>"
 
 
+def _kind_of_poses(table: Any) -> str:
+    more = set(Poses.model_fields) - set(JointPoses.model_fields)
+    own = not more & set(table) if isinstance(table, dict) else not isinstance(table, Poses)
+    return "<JointPoses>" if own else "<Poses>"
+
+
 def _has(table: Any, key: str) -> bool:
     return isinstance(table, dict) and key in table
 
@@ -53,6 +59,9 @@ AnyMachine = Annotated[
 ]
 AnyLimits = Annotated[
     Annotated[Limits, Tag("<Limits>")] | Annotated[JointLimits, Tag("<JointLimits>")], Discriminator(_kind_of_limits)
+]
+AnyPoses = Annotated[
+    Annotated[Poses, Tag("<Poses>")] | Annotated[JointPoses, Tag("<JointPoses>")], Discriminator(_kind_of_poses)
 ]
 
 
@@ -82,7 +91,7 @@ class Case(Part):
     """What a hexapod can reach."""
     limits: AnyLimits | None = None
     """What an excitation may use."""
-    poses: Poses | None = None
+    poses: AnyPoses | None = None
     """Candidates for measuring at standstills."""
     controller: Controller | None = None
     """How the controller is set up."""
@@ -147,18 +156,31 @@ class Case(Part):
             yield "sensors.range_N is a limit that plans do not hold yet where sensors sit in struts; remove it"
         if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:
             yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
+        for name, full in (("sinumerik", Sinumerik), ("twincat", TwinCat)):
+            settings = getattr(self.controller, name, None)
+            if settings is not None and isinstance(settings, full) == (self.chain is not None):
+                key = "transformation" if name == "sinumerik" else "kinematic_id"
+                yield (
+                    f"controller.{name}.{key} is of a hexapod: a chain's programs move its own axes; remove it and the "
+                    "keys of paths"
+                    if self.chain is not None
+                    else f"controller.{name}.{key} is missing; a hexapod's programs need it, see cases/hexapod"
+                )
         if not isinstance(self.machine, SerialMachine):
             if isinstance(self.limits, JointLimits):
                 yield "limits.motion.joints are of a chain; add [machine.chain], or give the limits of a pose"
+            if self.poses is not None and not isinstance(self.poses, Poses):
+                yield "poses.x_mm and the other ranges are missing; add the grid of candidates, as in the case hexapod"
             return
         if self.setup != "R" or self.sensor_frame.transducer is None:
             yield (
                 'machine.chain carries a force/torque sensor: write setup = "R" and [sensor_frame.transducer]; bars '
                 "with sensors are those of a hexapod"
             )
-        for name in ("workspace", "poses"):
-            if getattr(self, name) is not None:
-                yield f"{name} is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
+        if self.workspace is not None:
+            yield "workspace is of a hexapod; a chain has its limits in machine.chain and limits.motion: remove it"
+        if isinstance(self.poses, Poses):
+            yield "poses of a chain have settle_s and average_s alone; its candidates lie in limits.motion"
         if isinstance(self.limits, Limits):
             yield "limits.motion is that of a hexapod; of a chain it lists joints = [{ name = .., .. }, ..]"
         elif self.limits is not None:
@@ -259,6 +281,13 @@ class Case(Part):
         """Columns of recorded drives: struts of a hexapod, joints of a chain."""
         return STRUTS if self.chain is None else self.chain.columns
 
+    @property
+    def drive_words(self) -> tuple[str, str]:
+        """What moves the sensors, and a thousandth of its unit."""
+        if self.chain is None:
+            return "struts", "mm"
+        return "joints", "mrad" if self.chain.units.min() > MM else "mrad or mm"
+
     def need_chain(self, purpose: str) -> tuple[Chain, JointMotionLimits]:
         """Chain and limits of motion.
 
@@ -357,7 +386,13 @@ class Case(Part):
         return self.bodies[payloads]
 
     def need_poses(self, purpose: str) -> Poses:
-        """Poses of quasi-static measurement; raises CaseError where the case has none."""
+        """Grid of poses of quasi-static measurement; raises CaseError where the case has none."""
+        if not isinstance(self.poses, Poses):
+            self.missing("poses", purpose)
+        return self.poses
+
+    def need_standing(self, purpose: str) -> JointPoses:
+        """How long poses are measured; raises CaseError where the case has none."""
         if self.poses is None:
             self.missing("poses", purpose)
         return self.poses

@@ -84,7 +84,7 @@ class Tare(NamedTuple):
     std: Array  # standard deviation of the new offsets from the scatter of the standstill, shape (6,)
 
 
-STILL = 1e-4  # [m] that struts may move in a standstill: encoder noise and drift, not motion
+STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion
 
 
 def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
@@ -106,9 +106,10 @@ def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
         raise IdentificationError(f"{recording.source}: {count} sample; a tare needs a standstill of two or more")
     travel = 0.0 if recording.struts is None else float(np.ptp(recording.struts[~found.bad], axis=0).max())
     if travel > STILL:
+        what, unit = case.drive_words
         raise IdentificationError(
-            f"{recording.source}: struts move by {travel * 1e3:.3g} mm, at most {STILL * 1e3:g} mm in a standstill; "
-            "cut the motion off"
+            f"{recording.source}: {what} move by {travel * 1e3:.3g} {unit}, at most {STILL * 1e3:g} {unit} in a "
+            "standstill; cut the motion off"
         )
     still = standstills(recording, case, model, found)
     residuals = still.recorded - still.matrices @ result.values

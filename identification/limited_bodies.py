@@ -1,4 +1,7 @@
-"""How far the bodies of a chain are from boxes and from each other: in NumPy from the definitions, for the proof."""
+"""How far the bodies of a chain are from boxes and from each other: in NumPy from the definitions, for the proof.
+
+Between two instants nothing passes: a distance is less what the axes of its bodies can move by in half a step.
+"""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -16,31 +19,36 @@ Array = NDArray[np.float64]
 
 
 class _Body(NamedTuple):
-    """A round body: number of its link, ends of its axis, shapes (n, 3), radius [m]."""
+    """A round body: number of its link, ends of its axis, shapes (n, 3), radius, way of the axis in half a step [m]."""
 
     link: int
     name: str
     start: Array
     end: Array
     radius: float
+    way: Array
 
 
-def clearances(chain: Chain, frames: Sequence[Array]) -> Iterable[Quantity]:
-    """Distances at each instant; bodies of one link, and of two that a joint connects, may touch.
+def clearances(chain: Chain, frames: Sequence[tuple[Array, Array, Array]], t: Array) -> Iterable[Quantity]:
+    """Distances at each instant and until half way to the next; bodies of one link, or of two that meet, may touch.
 
     The share is 1 at the surface and above 1 inside. Of a box it falls to 0 at a distance of half the box's diagonal,
     of two bodies at one of the sum of their radii.
 
     Args:
         chain: with bodies of base, links and tool, and boxes to keep out of.
-        frames: T of the moved frame of each joint and of the sensor's, shapes (n, 4, 4).
+        frames: T, T', T'' of the moved frame of each joint and of the sensor's, shapes (n, 4, 4).
+        t: the instants, shape (n,) [s].
     """
-    count = len(frames[0])
-    still = np.tile(np.eye(4), (count, 1, 1))
+    count = len(t)
+    still = np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4))
+    half = float(np.diff(t).max()) / 2 if count > 1 else 0.0
     last = len(chain.joints)
     owners = [(0, still, chain.base), *((k + 1, frames[k], joint.bodies) for k, joint in enumerate(chain.joints))]
     bodies = [
-        _placed(link, frame, body) for link, frame, own in (*owners, (last, frames[-1], chain.tool)) for body in own
+        _placed(link, frame, body, half)
+        for link, frame, own in (*owners, (last, frames[-1], chain.tool))
+        for body in own
     ]
     moving = [body for body in bodies if body.link]
     for box in chain.keep_out:
@@ -60,14 +68,17 @@ def _kept(name: str, labels: list[str], columns: list[Array], reach: list[float]
     return Quantity(name, "mm", tuple(labels), distance, np.zeros((2, len(labels))), ratio, 1 / MM)
 
 
-def _placed(link: int, frame: Array, body: Tool) -> _Body:
-    start, end = (frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.axis)
-    return _Body(link, body.name, start, end, body.radius_mm * MM)
+def _placed(link: int, frames: tuple[Array, Array, Array], body: Tool, half: float) -> _Body:
+    """Of a point of the axis the velocity is affine along it, so that none is faster than one of the ends."""
+    ends = [[frame[:, :3, :3] @ point + frame[:, :3, 3] for point in body.axis] for frame in frames]
+    speed, acceleration = (np.linalg.norm(both, axis=2).max(axis=0) for both in ends[1:])
+    way = (speed + acceleration * half / 2) * half
+    return _Body(link, body.name, ends[0][0], ends[0][1], body.radius_mm * MM, way)
 
 
 def _from_box(body: _Body, corners: Array) -> Array:
     apart = distance_of_segments(body.start[:, None], (body.end - body.start)[:, None], corners)
-    return np.asarray(apart[:, 0] - body.radius)
+    return np.asarray(apart[:, 0] - body.radius - body.way)
 
 
 def _between(one: _Body, other: _Body) -> Array:
@@ -79,4 +90,4 @@ def _between(one: _Body, other: _Body) -> Array:
         t = np.nan_to_num(np.clip((de * s + er) / ee, 0.0, 1.0))
         s = np.nan_to_num(np.clip((de * t - dr) / dd, 0.0, 1.0))
     gap = r + s[:, None] * d - t[:, None] * e
-    return np.asarray(np.linalg.norm(gap, axis=1) - one.radius - other.radius)
+    return np.asarray(np.linalg.norm(gap, axis=1) - one.radius - other.radius - one.way - other.way)

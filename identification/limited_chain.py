@@ -78,10 +78,21 @@ def joint_efforts(motion: Motion, chain: Chain, gravity: Array, bodies: Sequence
             yield Quantity.between(name, unit, tuple(labels), np.column_stack(columns), -limit, limit, 1.0)
 
 
+def frames_at(chain: Chain, q: Array) -> tuple[Array, ...]:
+    """Moved frame of each joint, then the sensor's, as homogeneous matrices in {B}, each of shape (n, 4, 4).
+
+    Args:
+        chain: the geometry.
+        q: positions of the joints, shape (n, k) [rad or m].
+    """
+    still = np.zeros_like(q)
+    return tuple(frame[0] for frame in _frames(Motion(np.zeros(len(q)), q.copy(), still, still, still), chain))
+
+
 def body_clearances(motion: Motion, chain: Chain) -> Iterable[Quantity]:
     """Distances of the chain's bodies from boxes and from each other; see `clearances`."""
     if chain.tool or any(joint.bodies for joint in chain.joints):
-        yield from clearances(chain, [frame[0] for frame in _frames(motion, chain)])
+        yield from clearances(chain, list(_frames(motion, chain)), motion.t)
 
 
 def _mechanics(frame: _Frames, body: RigidBody, pull: Array) -> Array:

@@ -240,6 +240,23 @@ def kinetic_shares(trajectory: Trajectory, case: Case, instants: Array) -> tuple
     return velocity, acceleration, jerk
 
 
+def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> float:
+    """Largest share of a motion's pace that struts and torques of joints allow, above 1 where it is too fast.
+
+    Args:
+        move: motion from rest to rest.
+        case: its limits.
+        rate: samples a second [1/s].
+    """
+    shares = [0.0]
+    for check in prove(move, case, rate, in_box=False).checks:
+        if check.name.startswith(("strut acceleration", "joint torque", "joint force")):
+            shares.append(math.sqrt(check.ratio))
+        elif check.name.startswith("strut velocity"):
+            shares.append(check.ratio)
+    return max(shares)
+
+
 def _evaluated(
     trajectory: Trajectory, case: Case, instants: Array, in_box: bool, limited: Limited
 ) -> Iterator[tuple[tuple[Quantity, ...], Array]]:

@@ -117,6 +117,40 @@ def machine_of(case: Case) -> Machine:
     return SerialChain.of(case) if case.chain is not None else Hexapod.of(case)
 
 
+class Kinetic(NamedTuple):
+    """Motion of what has limits of velocity and acceleration beside the coordinates: k struts of a hexapod, or nothing.
+
+    Args:
+        velocities: shape (n, k) [m/s].
+        accelerations: shape (n, k) [m/s^2].
+        velocity: limits, shape (k,) [m/s].
+        acceleration: limits, shape (k,) [m/s^2].
+    """
+
+    velocities: Array
+    accelerations: Array
+    velocity: Array
+    acceleration: Array
+
+
+def kinetic(case: Case, pose: Array, rates: Array, accelerations: Array) -> Kinetic:
+    """The struts of a case's hexapod along a motion in coordinates, shapes (n, 6); a chain has none.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    if case.chain is not None:
+        none = np.zeros((len(pose), 0))
+        return Kinetic(none, none, np.zeros(0), np.zeros(0))
+    from identification.evaluate import over_samples
+    from identification.hexapod import Hexapod
+
+    limits = case.need_machine("the motion of struts")[2].motion
+    _, velocities, second = over_samples(Hexapod.of(case).strut_motion, pose, rates, accelerations)
+    six = np.ones(6)
+    return Kinetic(velocities, second, limits.strut_velocity_m_s * six, limits.strut_acceleration_m_s2 * six)
+
+
 def machine_if_any(case: Case) -> Machine | None:
     """The machine of a case; None where it has none that can be planned for."""
     try:

@@ -232,6 +232,11 @@ def full_model(case: Case) -> int:
     return RIGID if case.sensor_frame.struts is not None or not (machine is None or machine.elastic) else 9
 
 
+def static_model(case: Case) -> int:
+    """Number in Table 2 of the model with all that standstills of a machine can tell: 5, without error terms 0."""
+    return 5 if full_model(case) == 9 else 0
+
+
 def identification_model(case: Case, number: int, terms: Sequence[str] = ()) -> Model:
     """The model of Table 2 for the sensor frame of a case.
 

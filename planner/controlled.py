@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases.errors import HexciteError
+from cases.scaffold import readiness
 from cases.schema import Case
 from identification.limited import Box
 from identification.limits import PROOF_RATE, LimitReport, Status
@@ -17,6 +18,8 @@ from postprocessors.proving.guarantees import family, limits_jerk
 from postprocessors.reading.words import Reading
 
 CONTROLLERS = ("linuxcnc", "virtual", "sinumerik", "twincat", "setpoints", "urscript", "ros2")
+USUAL = ("linuxcnc", "sinumerik", "twincat", "urscript", "setpoints", "ros2")  # languages, the first that a case can
+USUAL_OF_PATHS = ("setpoints", "ros2")
 
 
 class Controlled(NamedTuple):
@@ -79,10 +82,20 @@ def moves_in(box: Box, duration: float) -> float:
     return duration / float(np.max(each))
 
 
-def usual_dialect(settings: Mapping[str, Any]) -> str:
-    """The language of the controller that a plan with these settings was made for, else LinuxCNC's."""
-    made_for = settings.get("made_for")
-    return made_for if made_for in DIALECTS else "linuxcnc"
+def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: bool = False) -> str:
+    """The language of the controller that a plan was made for, else the first that the case has what it takes for.
+
+    Args:
+        case: machine and settings of controllers.
+        settings: settings of the plan.
+        path: whether the motion is one path, of which controllers of a chain know tables of points alone.
+    """
+    made_for = (settings or {}).get("made_for")
+    if made_for in DIALECTS:
+        return str(made_for)
+    ready = {need.command for need in readiness(case) if not need.missing}
+    names = USUAL_OF_PATHS if path and case.chain is not None else USUAL
+    return next((name for name in names if f"post --dialect {name}" in ready), "linuxcnc")
 
 
 def fits_law(plan: str, made_for: str | None, motion: Trajectory, dialect_name: str, case: Case) -> tuple[str, ...]:

@@ -7,11 +7,11 @@ from typing import Any
 
 from cases.files import DEMO, check_folder
 from cases.schema import Case
-from identification.machines import machine_of
 from identification.model import full_model
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.simulate import truth_rows
+from planner.controlled import usual_dialect
 from planner.families.settings import PointToPoint
 from planner.library import planned
 from planner.plans import Plan
@@ -19,7 +19,7 @@ from planner.request import Request
 from planner.runs.identifying import identify
 from planner.runs.running import RunOutcome, best_controller, execute
 from planner.runs.written import write
-from postprocessors.dialects import Dialect, dialect
+from postprocessors.dialects import dialect
 from postprocessors.program_file import Program
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
@@ -42,11 +42,6 @@ class Demo:
     def worst(self) -> float:
         """Largest error in reported standard deviations."""
         return float(max(abs(row["error"]) / row["std"] for row in self.truth))
-
-
-def language_of(case: Case) -> Dialect:
-    """The language of a demo: LinuxCNC's where it has the machine's moves, else a table of set points."""
-    return dialect("linuxcnc" if machine_of(case).of_pose else "setpoints")
 
 
 def demo(
@@ -74,7 +69,7 @@ def demo(
     place = Path(folder)
     case.need_simulation("the demo")
     check_folder(place, DEMO, overwrite=True)
-    language = language_of(case)
+    language = dialect(usual_dialect(case))
     controller, why = best_controller(language.name) if on is None else (on, "as asked")
     request = Request(PointToPoint(controller=language.name), model=full_model(case), starts=starts, seed=seed)
     planned(request, case).save(place / "plan", overwrite=True)

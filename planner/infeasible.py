@@ -53,7 +53,11 @@ def remedy(check: LimitCheck, case: Case) -> str:
     """What to change where a limit of a case lets nothing move."""
     kind = check.name.split(" (")[0]
     if kind.startswith("distance from"):
-        return "make that box of workspace.keep_out smaller"
+        return f"make that box of {'workspace' if case.chain is None else 'machine.chain'}.keep_out smaller"
+    if kind == "distance between links":
+        return f"narrow position_deg of {_JOINTS}, correct the bodies in machine.chain"
+    if kind in ("joint torque", "joint force"):
+        return f"lower the accelerations of {_JOINTS}, correct {kind[6:]}_N{'m' * (kind == 'joint torque')} or nominal"
     if kind in ("sensor force", "sensor moment"):
         return "take weights out of [payloads], correct sensors.range_N or range_Nm"
     if kind == "singularity":

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.model import full_model, identification_model
+from identification.model import full_model, identification_model, static_model
 from planner.bounds.kept import box_bound
 from planner.families.settings import FamilySettings, PointToPoint
 from planner.infeasible import require_plannable
@@ -59,8 +59,8 @@ class PoseSettings(TypedDict, total=False):
         criterion: letter of Table 4.
         count: number of poses.
         method: name of the method.
-        model: number in Table 2, 0 to 5.
-        candidates: number of quasi-random candidates; the grid of the case unless given.
+        model: number in Table 2, 0 to 5; the largest of the machine unless given.
+        candidates: number of quasi-random candidates; the grid of the case unless given, of a chain 2048.
         seed: of these.
         noise: standard deviation of an averaged force [N].
     """
@@ -130,6 +130,7 @@ def plan_poses(case: Case, *, progress: Callable[[int], None] | None = None, **s
     """
     from planner.poses.planned_poses import poses_planned  # SciPy, which motions do without
 
+    settings.setdefault("model", static_model(case))
     return poses_planned(PoseRequest(**settings), case, progress or (lambda _: None))
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
-from identification.model import Model
+from identification.model import Model, identification_model
 from identification.motion import Trajectory
 from identification.noise.pose_field import PoseField, matern, squared_distances
 from identification.noise.stated import StatedNoise, inverse_root
@@ -91,6 +91,22 @@ def expected_noise(case: Case, model: Model, payload: int = 0, weights: str | No
         return ExpectedNoise(sensor_noise(case), np.diag(noise.force**2), weights, False)
     covariance = noise.covariance(nominal_parameters(model, case.body(payload)))
     return ExpectedNoise(sensor_noise(case), covariance, weights, True)
+
+
+def standing_model(case: Case, number: int) -> Model:
+    """The model of averaged standstills; of a force/torque sensor as its stated noise weighs forces and moments.
+
+    Args:
+        case: gives the sensors.
+        number: number in Table 2.
+
+    Raises:
+        IdentificationError: no such model.
+    """
+    model, noise = identification_model(case, number), case.sensors.force_noise
+    if noise is None or case.sensors.weights == "equal" or not case.sensor_frame.has_moments:
+        return model
+    return seen_through(model, sensor_noise(case) * np.diag(1.0 / noise))
 
 
 def seen_through(model: Model, root: Array | None) -> Model:

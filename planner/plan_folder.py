@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from cases.basis import Artefact, plan_basis
 from cases.errors import FileProblem, HexciteError
 from cases.files import PLAN, atomic_folder, check_folder, json_text, read_json
-from cases.recording_format import POSE
 from cases.schema import Case
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.limits import LimitReport
@@ -20,7 +19,7 @@ from identification.motion import Joined, Measurement, Trajectory, sample
 from planner.deviations import predicted_std_at_poses, worst_std
 from planner.families.saved import motion_of_entries
 from planner.families.settings import FAMILIES
-from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through
+from planner.noise import ExpectedNoise, PoseErrors, expected_noise, seen_through, standing_model
 from planner.plans import SAMPLE_RATE, SCHEMA_VERSION, Plan, Saved, motion_csv, poses_in_units
 from planner.poses.pose_criteria import pose_regressors, total_information
 from planner.poses.pose_request import PoseRequest
@@ -50,8 +49,14 @@ def save_plan(plan: Plan, folder: Path, overwrite: bool = False) -> None:
 def write_plan(plan: Plan, folder: Path) -> None:
     """Writes the files of a plan into a folder that is there."""
     if isinstance(plan.worth, PoseWorth):
-        rows = [f"{k}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(poses_in_units(plan.poses), 1)]
-        name, table = "poses.csv", "\n".join([",".join(("pose", *POSE)), *rows]) + "\n"
+        rows = [
+            f"{k}," + ",".join(f"{v:.9g}" for v in row)
+            for k, row in enumerate(poses_in_units(plan.poses, plan.case), 1)
+        ]
+        name, table = (
+            "poses.csv",
+            "\n".join([",".join(("pose", *plan.case.need_motion("a plan")[1].columns)), *rows]) + "\n",
+        )
     else:
         name, table = "motion.csv", motion_csv(sample(plan.motion, SAMPLE_RATE), plan.case)
     (folder / "plan.json").write_text(plan_text(plan), encoding="utf-8")
@@ -206,7 +211,7 @@ def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[
     poses = np.array([part.pose for part in parts if isinstance(part, Measurement)])
     yield from _unlike("count", data["count"], float(len(poses)), 0.0)
     if len(poses):
-        model = identification_model(case, _whole(data, "model"))
+        model = standing_model(case, _whole(data, "model"))
         scaling = reference_scaling(case, model)
         regressors = pose_regressors(model, poses) * scaling
         singular_values(total_information(regressors), model.names)

@@ -81,7 +81,7 @@ class Plan:
 
     @property
     def poses(self) -> Array:
-        """Where it stands still to measure, in the order of visit, shape (n, 6) [m, rad]; a motion has none."""
+        """Where it stands still to measure, in the order of visit, shape (n, k) [m or rad]; a motion has none."""
         parts = self.motion.parts if isinstance(self.motion, Joined) else ()
         found = [part.pose for part in parts if isinstance(part, Measurement)]
         return np.array(found) if found else np.zeros((0, 6))
@@ -181,10 +181,9 @@ class Plan:
         }
 
     def _of_poses(self) -> dict[str, Any]:
-        from cases.recording_format import POSE
-
-        rows = poses_in_units(self.poses).tolist()
-        return {"count": len(rows), "poses": [dict(zip(POSE, row, strict=True)) for row in rows]}
+        columns = self.case.need_motion("a plan")[1].columns
+        rows = poses_in_units(self.poses, self.case).tolist()
+        return {"count": len(rows), "poses": [dict(zip(columns, row, strict=True)) for row in rows]}
 
     def __str__(self) -> str:
         """Ten lines: what it is, what it is worth, what it predicts, and its limits."""
@@ -222,9 +221,9 @@ class Plan:
         return [f"{unit:{width}}  {', '.join(values)}" for unit, values in lines.items()]
 
 
-def poses_in_units(poses: Array) -> Array:
-    """Poses in mm and degrees, shape (n, 6), without the noise of the conversion."""
-    return np.asarray(np.round(poses / np.r_[np.full(3, MM), np.full(3, DEG)], 9))
+def poses_in_units(poses: Array, case: Case) -> Array:
+    """Coordinates of a case's machine in mm and degrees, shape (n, k), without the noise of the conversion."""
+    return np.asarray(np.round(poses / np.where(case.need_motion("a plan")[1].turns, DEG, MM), 9))
 
 
 def motion_csv(motion: Motion, case: Case) -> str:

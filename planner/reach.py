@@ -1,8 +1,9 @@
-"""Which part of the box of `[limits.motion]` a hexapod reaches, pose by pose at rest.
+"""Which part of the box of `[limits.motion]` a machine reaches, pose by pose at rest.
 
 Makers state strokes of single axes; all of them at once are often out of reach of struts and joints.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -11,13 +12,15 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.recording_format import POSE
 from cases.schema import Case
 from cases.units import DEG, MM
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.keep_out import distances, guarded
-from identification.limits import TOLERANCE
+from identification.limited import Quantity
+from identification.limited_chain import joint_ranges
+from identification.limits import CHUNK, TOLERANCE, of_mechanics
+from identification.motion import StandingPoses
 from identification.pose import rotation
 
 Array = NDArray[np.float64]
@@ -28,7 +31,8 @@ HALVINGS = 40  # of such a step: far below any encoder
 CLIMBS = 30  # steps of the search for the worst pose, halved where none of them leads higher
 NEAR = 0.8  # share of a limit at the worst of many poses, below which no pose next to it exceeds the limit
 GRID = np.array(list(product((0.0, 0.5, 1.0), repeat=6)))  # corners and middles of a box, shape (729, 6)
-UNITS = np.array([MM] * 3 + [DEG] * 3)  # of the keys of `POSE`
+UNITS = np.array([MM] * 3 + [DEG] * 3)  # of the coordinates of a hexapod
+MOST_COORDINATES = 6  # whose corners and middles are all looked at
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +45,16 @@ class Reach:
     worst: float  # largest share of a limit that was found anywhere in the box, by search too; above 1 out of reach
     worst_limit: str  # name of that limit
     exceeded: dict[str, float]  # limit -> share of the poses that exceed it
-    stated: Array  # the box, lower and upper end relative to home, shape (2, 6) [m, rad]
-    reachable: Array  # how far each coordinate goes from home without a gap, the others at home, shape (2, 6) [m, rad]
+    stated: Array  # the box, lower and upper end relative to home, shape (2, n) [m or rad]
+    reachable: Array  # how far each coordinate goes from home without a gap, the others at home, shape (2, n)
     # what limits each coordinate at its lower and upper end; None where that is the box itself
     limited_by: tuple[tuple[str | None, str | None], ...]
+    keys: tuple[str, ...]
+
+    @property
+    def units(self) -> Array:
+        """SI value of the unit of each coordinate, shape (n,)."""
+        return np.array([DEG if key.endswith("_deg") else MM for key in self.keys])
 
     @property
     def whole(self) -> bool:
@@ -53,7 +63,7 @@ class Reach:
 
     def to_json(self) -> dict[str, Any]:
         """Shares, and the coordinates by the keys of `[limits.motion]` and in their units."""
-        stated, reachable = (np.round(box / UNITS, 9).T.tolist() for box in (self.stated, self.reachable))
+        stated, reachable = (np.round(box / self.units, 9).T.tolist() for box in (self.stated, self.reachable))
         return {
             "share": self.share,
             "share_std": self.share_std,
@@ -62,7 +72,7 @@ class Reach:
             "worst": {"limit": self.worst_limit, "ratio": self.worst},
             "coordinates": {
                 key: {"stated": stated[k], "reachable": reachable[k], "limited_by": list(self.limited_by[k])}
-                for k, key in enumerate(POSE)
+                for k, key in enumerate(self.keys)
             },
             "exceeded": self.exceeded,
         }
@@ -71,8 +81,9 @@ class Reach:
 def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     """The reachable part of the motion box of a case, by limits of poses at rest.
 
-    These are strut lengths, joint angles, the way to a singularity, and boxes that platform, struts and tools keep out
-    of. A pose counts as reachable by itself, whether or not a way leads there from home.
+    Of a hexapod these are strut lengths, joint angles, the way to a singularity, and boxes that platform, struts and
+    tools keep out of; of a chain distances of its bodies, torques and sensor forces. A pose counts as reachable by
+    itself, whether or not a way leads there from home.
 
     Args:
         case: case with machine, workspace and limits.
@@ -81,16 +92,18 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     Raises:
         CaseError: the case has no machine or no limits.
     """
-    limits = StaticLimits(case)
+    limits = StaticLimits(case) if case.chain is None else StaticLimitsOfChain(case)
     box = limits.box
-    drawn = np.random.default_rng(seed).random((count, 6))
+    n = box.shape[1]
+    drawn = np.random.default_rng(seed).random((count, n))
+    grid = GRID if n == MOST_COORDINATES else np.random.default_rng(seed).choice((0.0, 0.5, 1.0), (len(GRID), n))
     passed = limits.shares(limits.poses(box, drawn)) > 1.0 + TOLERANCE
     kept = int(count - passed.any(axis=1).sum())
     exceeded = {
         kind: float(passed[:, [k == kind for k in limits.kinds]].any(axis=1).mean())
         for kind in dict.fromkeys(limits.kinds)
     }
-    _, worst = limits.worst_poses(box, np.vstack([GRID, drawn[:2000]]))
+    _, worst = limits.worst_poses(box, np.vstack([grid, drawn[:2000]]))
     likely = (kept + 1) / (count + 2)  # so that the error of a share of 0 or 1 is not 0
     reachable, limited_by = _coordinates(limits)
     return Reach(
@@ -103,18 +116,20 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
         stated=box,
         reachable=reachable,
         limited_by=limited_by,
+        keys=case.need_motion("the reach of the motion box")[1].columns,
     )
 
 
 def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None, str | None], ...]]:
-    """Ends of each coordinate's reach with the others at home, shape (2, 6), and what limits them."""
+    """Ends of each coordinate's reach with the others at home, shape (2, n), and what limits them."""
+    n = limits.box.shape[1]
     ends = np.vstack([np.diag(side) for side in limits.box])  # one row each end of each coordinate, relative to home
 
     def shares(lengths: Array) -> Array:
-        return limits.shares((limits.home + lengths[..., None] * ends[:, None]).reshape(-1, 6))
+        return limits.shares((limits.home + lengths[..., None] * ends[:, None]).reshape(-1, n))
 
     along = np.linspace(0.0, 1.0, STEPS + 1)
-    kept = (shares(np.tile(along, (12, 1))).max(axis=1) <= 1.0 + TOLERANCE).reshape(12, -1)
+    kept = (shares(np.tile(along, (2 * n, 1))).max(axis=1) <= 1.0 + TOLERANCE).reshape(2 * n, -1)
     last = np.where(kept.all(axis=1), STEPS, np.maximum(np.argmin(kept, axis=1) - 1, 0))
     inside, outside = along[last], along[np.minimum(last + 1, STEPS)]
     for _ in range(HALVINGS):
@@ -124,8 +139,8 @@ def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None,
     whole = last == STEPS
     beyond = [limits.names[k] for k in shares(outside[:, None]).argmax(axis=1)]
     names = [None if all_of_it else name for all_of_it, name in zip(whole, beyond, strict=True)]
-    reachable = np.where(whole, 1.0, inside).reshape(2, 6) * limits.box
-    return reachable, tuple(zip(names[:6], names[6:], strict=True))
+    reachable = np.where(whole, 1.0, inside).reshape(2, n) * limits.box
+    return reachable, tuple(zip(names[:n], names[n:], strict=True))
 
 
 class StaticLimits:
@@ -165,7 +180,7 @@ class StaticLimits:
         self.names = tuple(f"{kind} ({label})" if label else kind for kind, label in columns)
 
     def poses(self, box: Array, fractions: Array) -> Array:
-        """Poses at fractions from 0 to 1 of the sides of a box relative to home, shape (n, 6) [m, rad]."""
+        """Poses at fractions from 0 to 1 of the sides of a box relative to home, shape (n, k) [m or rad]."""
         return np.asarray(self.home + box[0] + fractions * (box[1] - box[0]))
 
     def shares(self, poses: Array) -> Array:
@@ -188,16 +203,16 @@ class StaticLimits:
         return np.asarray(np.nan_to_num(np.hstack(columns), nan=np.inf))
 
     def worst_poses(self, box: Array, starts: Array) -> tuple[Array, Array]:
-        """The pose of a box that uses most of each limit, as fractions of its sides, (limits, 6), and these shares.
+        """The pose of a box that uses most of each limit, as fractions of its sides, (limits, k), and these shares.
 
         The worst of given poses, then, where it uses more than `NEAR` of the limit, a search along single coordinates
         from there: poses that are worse still may exist, but not next to it.
 
         Args:
-            box: lower and upper end relative to home, shape (2, 6) [m, rad].
-            starts: fractions of its sides, shape (n, 6).
+            box: lower and upper end relative to home, shape (2, k) [m or rad].
+            starts: fractions of its sides, shape (n, k).
         """
-        shares = self.shares(self.poses(box, starts))
+        n, shares = box.shape[1], self.shares(self.poses(box, starts))
         fractions, largest = starts[shares.argmax(axis=0)], shares.max(axis=0)
         columns = np.flatnonzero(largest > NEAR)
         best, most, size, rows = (
@@ -207,9 +222,9 @@ class StaticLimits:
             np.arange(len(columns)),
         )
         for _ in range(CLIMBS):
-            moves = np.vstack([np.eye(6), -np.eye(6)])
+            moves = np.vstack([np.eye(n), -np.eye(n)])
             tried = np.clip(best[:, None] + size[:, None, None] * moves, 0.0, 1.0)
-            values = self.shares(self.poses(box, tried.reshape(-1, 6))).reshape(len(columns), 12, -1)
+            values = self.shares(self.poses(box, tried.reshape(-1, n))).reshape(len(columns), 2 * n, len(self.names))
             values = values[rows, :, columns]  # of each limit at the moves of its own pose
             way = values.argmax(axis=1)
             higher = values[rows, way] > most
@@ -218,3 +233,33 @@ class StaticLimits:
             size = np.where(higher, size, size / 2)
         fractions[columns], largest[columns] = best, most
         return fractions, largest
+
+
+class StaticLimitsOfChain(StaticLimits):
+    """What a case limits of a chain at rest, by the proof of limits: distances of bodies, torques, forces of sensors.
+
+    Args:
+        case: case with a chain and limits.
+    """
+
+    def __init__(self, case: Case) -> None:
+        chain, limits = case.need_chain("the reach of the motion box")
+        self.case, self.chain, self.home, self.box = case, chain, chain.home, limits.pose
+        self.kinds, self.names = zip(*self._columns(), strict=True)
+
+    def shares(self, poses: Array) -> Array:
+        """Share of each limit that each pose uses, above 1 out of reach, shape (n, limits); poses of shape (n, k)."""
+        parts = [poses[first : first + CHUNK] for first in range(0, len(poses), CHUNK)]
+        rows = [np.hstack([np.zeros((len(part), 1)), *(q.ratio for q in self._quantities(part))]) for part in parts]
+        return np.vstack([np.zeros((0, len(self.names))), *rows])
+
+    def _columns(self) -> Iterator[tuple[str, str]]:
+        """Kind and name of each limit; the first is that of a joint without ends, which a chain may have alone."""
+        yield "turning without end", "turning without end"
+        for quantity in self._quantities(self.home[None]):
+            for label in quantity.labels:
+                yield quantity.name, f"{quantity.name} ({label})" if label else quantity.name
+
+    def _quantities(self, poses: Array) -> tuple[Quantity, ...]:
+        still = StandingPoses(poses).at(np.arange(float(len(poses))))
+        return (*joint_ranges(still, self.chain), *of_mechanics(still, self.case, False))

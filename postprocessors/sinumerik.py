@@ -160,6 +160,8 @@ class _SinumerikWriter:
 
 def prepare_sinumerik(program: NeutralProgram, case: Case) -> NeutralProgram:
     """Point-to-point moves as the case wants them: at a feed, or as polynomials."""
+    if case.chain is not None:
+        return program
     settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
     return moves_as_polynomials(program) if settings.moves == "poly" else program
 

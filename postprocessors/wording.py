@@ -2,14 +2,15 @@
 
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import floor, log10
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cases.machine import MotionLimits
 from cases.units import DEG, MINUTE, MM
+from identification.limited import Box
 from identification.trajectories.circle import CircularMove, Plane
 from identification.trajectories.profile import StraightMove, limits_along
 from postprocessors.blocks import Arc, Array, ExactStopMove
@@ -34,7 +35,7 @@ def number(value: float, decimals: int) -> str:
 POSE_TURNS = (False, False, False, True, True, True)
 
 
-def coordinates(pose: Array, turns: Iterable[bool] = POSE_TURNS) -> list[str]:
+def coordinates(pose: Array, turns: Sequence[bool] | NDArray[np.bool_] = POSE_TURNS) -> list[str]:
     """Coordinates [m, rad] in mm and degrees; those of a pose, or whatever `turns` says are angles."""
     return [
         number(v / DEG, ANGLE_DECIMALS) if angle else number(v / MM, LENGTH_DECIMALS)
@@ -76,10 +77,12 @@ def comments(text: str) -> list[str]:
     return [f"; {line}" for line in comment_lines(text.replace('"', "?"))]
 
 
-def as_written(move: StraightMove) -> StraightMove:
+def as_written(move: StraightMove, turns: Sequence[bool] | NDArray[np.bool_] = POSE_TURNS) -> StraightMove:
     """The move between its ends as their words say them; itself where that is not a move any more."""
-    units = np.repeat([MM, DEG], 3)
-    start, end = (np.array([float(word) for word in coordinates(pose)]) * units for pose in (move.start, move.end))
+    units = np.where(turns, DEG, MM)
+    start, end = (
+        np.array([float(word) for word in coordinates(pose, turns)]) * units for pose in (move.start, move.end)
+    )
     return replace(move, start=start, end=end) if np.any(start != end) else move
 
 
@@ -87,7 +90,7 @@ NO_SLOWER = 1e-9
 HALVINGS = 80  # of the interval of the feed: down to its last bit
 
 
-def feed_of(block: ExactStopMove | Arc, limits: MotionLimits, guarantees: Guarantees, linear: bool = True) -> float:
+def feed_of(block: ExactStopMove | Arc, limits: Box, guarantees: Guarantees, linear: bool = True) -> float:
     """Feed of a move along X, Y, Z [m/s], or along the angles [rad/s].
 
     The largest that the move can reach where even that takes longer than planned.
@@ -116,16 +119,17 @@ def feed_of(block: ExactStopMove | Arc, limits: MotionLimits, guarantees: Guaran
         low, high = (middle, high) if duration(middle) > move.duration else (low, middle)
     if isinstance(block, Arc):
         return high * block.move.length
-    return high * float(np.linalg.norm(way[:3] if linear else way[3:]))
+    return high * float(np.linalg.norm(way[limits.turns != linear]))
 
 
-def written_feed(block: ExactStopMove, limits: MotionLimits, guarantees: Guarantees) -> tuple[bool, str]:
+def written_feed(block: ExactStopMove, limits: Box, guarantees: Guarantees) -> tuple[bool, str]:
     """Whether F counts X, Y, Z, and F, of the way as written: where these hardly move, rounding is much of it.
 
     Args:
         block: the move, with its planned duration.
         limits: limits that the controller is set up with.
     """
-    written = as_written(block.move)
-    linear = bool(np.any(np.round((written.end - written.start)[:3] / MM, LENGTH_DECIMALS) != 0.0))
+    written = as_written(block.move, limits.turns)
+    way = (written.end - written.start)[~limits.turns]
+    linear = bool(np.any(np.round(way / MM, LENGTH_DECIMALS) != 0.0))
     return linear, feed(feed_of(ExactStopMove(written), limits, guarantees, linear), linear)

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from cases.chain import Chain
 from cases.errors import RecordingError
 from cases.recording_format import (
     ACCELEROMETER,
@@ -145,7 +146,7 @@ def _group(table: ColumnTable, form: RecordingFormat, wanted: tuple[str, ...]) -
 def _struts(table: ColumnTable, case: Case, form: RecordingFormat) -> Array | None:
     """Strut lengths of a hexapod, positions of the joints of a chain."""
     if case.chain is not None:
-        return _group(table, form, case.chain.columns)
+        return _unwrapped(_group(table, form, case.chain.columns), case.chain)
     struts, drives = _group(table, form, STRUTS), _group(table, form, DRIVES)
     if drives is None:
         return struts
@@ -158,6 +159,17 @@ def _struts(table: ColumnTable, case: Case, form: RecordingFormat) -> Array | No
             table.source, "has drive positions", "say in [recording.drives] of the case how they move the struts"
         )
     return np.array(form.drives.sign) * drives[:, form.drives.index] + form.drives.offset
+
+
+def _unwrapped(positions: Array | None, chain: Chain) -> Array | None:
+    """Joints that turn without end as if their encoder counted turns: from row to row less than half a turn."""
+    if positions is None:
+        return None
+    for k, joint in enumerate(chain.joints):
+        if joint.kind == "continuous":
+            rows = np.flatnonzero(np.isfinite(positions[:, k]))
+            positions[rows, k] = np.unwrap(positions[rows, k])
+    return positions
 
 
 def _strut_velocities(table: ColumnTable, form: RecordingFormat) -> Array | None:

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from cases.errors import IdentificationError, RecordingError
 from cases.schema import Case
-from cases.units import MM
 from identification.finding import Finding, Kind, warning
 from identification.findings.sample_checks import Scan, bridged
 from identification.formats.checks import MOST_PUT_BACK
@@ -86,7 +85,7 @@ def moving_run(recording: Recording, case: Case, model: Model, whole: bool = Fal
         low_pass.require(recording.struts, 0.0)
         window = np.arange(max(count, 0))
     else:
-        window, warnings = _window(recording, low_pass, *_words(case))
+        window, warnings = _window(recording, low_pass, *case.drive_words)
     together = np.flatnonzero(np.diff(window) == 1)
     lost = int(recording.lost[low_pass.margin + window[together]].sum())
     share = 1.0 - float(np.sum(~spoilt[window])) / (len(window) + lost)
@@ -187,13 +186,6 @@ def require_position(recording: Recording, model: Model) -> None:
             f"{recording.source}: model {model.number} needs the platform's position, the recording has orientations "
             "only; choose model 0 or 6, or record the struts"
         )
-
-
-def _words(case: Case) -> tuple[str, str]:
-    """What moves the sensors, and a thousandth of its unit."""
-    if case.chain is None:
-        return "struts", "mm"
-    return "joints", "mrad" if case.chain.units.min() > MM else "mrad or mm"
 
 
 def _window(

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from cases.errors import RecordingError, StandstillMismatch
 from cases.schema import Case
-from cases.units import DEG, MM, pose_words
+from cases.units import DEG, MM
 from identification.findings.sample_checks import unmeasured
 from identification.formats.table import Lines
-from identification.hexapod import Hexapod
+from identification.machines import machine_of
 from identification.recording import Recording
 from identification.runs.preparation import MOVING
 
@@ -55,10 +55,16 @@ def stands_only(recording: Recording) -> bool:
     return bool(len(moved) > 0 and max(moved) < SAME_POSITION / 4)
 
 
+def delimited(trigger: Flags | None) -> bool:
+    """Whether a trigger, shape (n,), tells standstills apart: it comes on more than once."""
+    return trigger is not None and len(_runs(trigger)) > 1
+
+
 def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
     """Standstills of a run.
 
-    With a trigger: where it is on. Without: where the struts stand, less the time to settle.
+    With a trigger that comes on several times: where it is on. Else, as in a joint trajectory, which switches none:
+    where the struts stand, less the time to settle.
 
     Args:
         settle: time after a movement that is not averaged, where there is no trigger [s].
@@ -70,8 +76,9 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
         raise RecordingError(recording.source, "standstills are found from struts with a clock", "record both")
     step = recording.step
     moving = _moving(recording.struts, step)
-    if recording.trigger is not None and recording.trigger.any():
-        found = _runs(recording.trigger)
+    trigger = recording.trigger
+    if trigger is not None and delimited(trigger):
+        found = _runs(trigger)
         for k, w in enumerate(found, 1):
             if moving[w.start : w.end].mean() > 0.5:
                 raise RecordingError(
@@ -81,7 +88,8 @@ def find_standstills(recording: Recording, settle: float) -> tuple[Window, ...]:
                 )
     else:
         late = round(settle / step)
-        found = tuple(Window(w.start + late, w.end) for w in _runs(~moving))
+        standing = ~moving if trigger is None or not trigger.any() else ~moving & trigger
+        found = tuple(Window(w.start + late, w.end) for w in _runs(standing))
     windows = tuple(w for w in found if (w.end - w.start) * step >= SHORTEST)
     if len(windows) < 2:
         raise RecordingError(
@@ -128,46 +136,46 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     """The standstills that belong to the poses of a program, in its order; those at home around them are left out.
 
     Args:
-        expected: poses of the program, shape (k, 6) [m, rad].
+        expected: poses of the program, in the coordinates of the machine, shape (k, n) [m or rad].
         names: the recording, for messages.
 
     Raises:
         StandstillMismatch: a pose of the program was not measured, or one that is none of its.
     """
     assert standing.averages.struts is not None
-    poses = Hexapod.of(case).poses(standing.averages.struts)
-    home = case.need_machine("the match of poses")[0].home.vector
+    home, limits = case.need_motion("the match of poses")
+    poses, turns = machine_of(case).coordinates(standing.averages.struts), limits.turns
     kept = list(range(len(poses)))
-    while len(kept) > len(expected) and _same(poses[kept[0]], home) and not _same(expected[0], home):
+    while len(kept) > len(expected) and _same(poses[kept[0]], home, turns) and not _same(expected[0], home, turns):
         kept.pop(0)
-    while len(kept) > len(expected) and _same(poses[kept[-1]], home) and not _same(expected[-1], home):
+    while len(kept) > len(expected) and _same(poses[kept[-1]], home, turns) and not _same(expected[-1], home, turns):
         kept.pop()
     for k, pose in enumerate(expected):
         if k >= len(kept):
             raise StandstillMismatch(
                 names,
-                f"pose {k + 1} of {len(expected)} ({pose_words(pose)}) was not measured, the recording ends "
+                f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured, the recording ends "
                 f"with standstill {len(kept)}",
                 "record the whole program",
             )
         found = poses[kept[k]]
-        if _same(found, pose):
+        if _same(found, pose, turns):
             continue
-        if k + 1 < len(expected) and _same(found, expected[k + 1]):
+        if k + 1 < len(expected) and _same(found, expected[k + 1], turns):
             raise StandstillMismatch(
                 names,
-                f"pose {k + 1} of {len(expected)} ({pose_words(pose)}) was not measured, pose {k + 2} follows pose {k}",
+                f"pose {k + 1} of {len(expected)} ({case.words(pose)}) was not measured, pose {k + 2} follows pose {k}",
                 "record the whole program",
             )
         raise StandstillMismatch(
             names,
-            f"standstill {k + 1} is at {pose_words(found)}, pose {k + 1} of the program at {pose_words(pose)}",
+            f"standstill {k + 1} is at {case.words(found)}, pose {k + 1} of the program at {case.words(pose)}",
             "is the recording of this program?",
         )
     if len(kept) > len(expected):
         raise StandstillMismatch(
             names,
-            f"standstill {len(expected) + 1} at {pose_words(poses[kept[len(expected)]])} is none of the "
+            f"standstill {len(expected) + 1} at {case.words(poses[kept[len(expected)]])} is none of the "
             f"program's {len(expected)} poses",
             "cut the recording at its end, or name the right plan",
         )
@@ -179,9 +187,8 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     return Standing(averages, tuple(standing.windows[k] for k in kept), scatter)
 
 
-def _same(pose: Array, other: Array) -> bool:
-    off = np.abs(pose - other)
-    return bool(off[:3].max() <= SAME_POSITION and off[3:].max() <= SAME_ANGLE)
+def _same(pose: Array, other: Array, turns: Flags) -> bool:
+    return bool(np.all(np.abs(pose - other) <= np.where(turns, SAME_ANGLE, SAME_POSITION)))
 
 
 def _moving(struts: Array, step: float) -> Flags:

@@ -72,9 +72,9 @@ def online_move(
     """The straight move that a jerk-limited controller makes, all coordinates in step.
 
     Args:
-        start: shape (6,) [m, rad].
-        end: shape (6,), different from start [m, rad].
-        rate: limits of the coordinates, shape (6,), above 0; infinity where there is none.
+        start: shape (n,) [m, rad].
+        end: shape (n,), different from start [m, rad].
+        rate: limits of the coordinates, shape (n,), above 0; infinity where there is none.
         acceleration: likewise.
         jerk: likewise.
         cycle: cycle of the controller; moves last whole cycles [s].
@@ -82,8 +82,9 @@ def online_move(
     Raises:
         UntimedMove: an argument has the wrong length, is not a number or out of range, or ruckig finds no profile.
     """
-    ends = [_vector(name, value) for name, value in (("start", start), ("end", end))]
-    limits = [_limit(n, v) for n, v in (("rate", rate), ("acceleration", acceleration), ("jerk", jerk))]
+    shape = np.shape(start)
+    ends = [_vector(name, value, shape) for name, value in (("start", start), ("end", end))]
+    limits = [_limit(n, v, shape) for n, v in (("rate", rate), ("acceleration", acceleration), ("jerk", jerk))]
     way = np.abs(ends[1] - ends[0])
     if not way.any():
         raise UntimedMove("a move needs two different poses")
@@ -127,19 +128,19 @@ def online_profile(velocity: float, acceleration: float, jerk: float, cycle: flo
     return profile
 
 
-def _vector(name: str, value: ArrayLike) -> Array:
+def _vector(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
     vector = np.array(value, dtype=float)
-    if vector.shape != (6,):
-        raise UntimedMove(f"{name} has shape {vector.shape}, expected (6,)")
+    if vector.ndim != 1 or vector.shape != shape:
+        raise UntimedMove(f"{name} has shape {vector.shape}, expected {shape if len(shape) == 1 else '(n,)'}")
     if not np.isfinite(vector).all():
         raise UntimedMove(f"{name} holds values that are not finite")
     return vector
 
 
-def _limit(name: str, value: ArrayLike) -> Array:
+def _limit(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
     limit = np.array(value, dtype=float)
-    if limit.shape != (6,):
-        raise UntimedMove(f"{name} has shape {limit.shape}, expected (6,)")
+    if limit.shape != shape:
+        raise UntimedMove(f"{name} has shape {limit.shape}, expected {shape}")
     if np.isnan(limit).any() or not np.all(limit > 0.0):
         raise UntimedMove(f"{name} must be above 0 for every coordinate")
     return limit

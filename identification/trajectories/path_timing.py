@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cases.errors import HexciteError
 from cases.schema import Case
-from identification.evaluate import over_samples
-from identification.hexapod import Hexapod
+from identification.machines import kinetic
 from identification.motion import Motion, Trajectory
 
 Array = NDArray[np.float64]
@@ -148,18 +147,13 @@ def _stretch(motion: RetimedMotion, case: Case) -> float:
 
 def _worst(m: Motion, case: Case) -> float:
     """Largest share of the pace that a limit allows: of rates as they are, of accelerations by its root."""
-    limits = case.need_machine("re-timing")[2].motion
-    _, strut_velocity, strut_acceleration = over_samples(
-        Hexapod.of(case).strut_motion, m.pose, m.rates, m.accelerations
-    )
-    velocity = max(
-        float((np.abs(m.rates) / limits.rate).max()), float(np.abs(strut_velocity).max()) / limits.strut_velocity_m_s
-    )
-    acceleration = max(
-        float((np.abs(m.accelerations) / limits.acceleration).max()),
-        float(np.abs(strut_acceleration).max()) / limits.strut_acceleration_m_s2,
-    )
-    return max(velocity, float(np.sqrt(acceleration)))
+    limits = case.need_motion("re-timing")[1]
+    struts = kinetic(case, m.pose, m.rates, m.accelerations)
+    velocity = np.hstack([np.abs(m.rates) / limits.rate, np.abs(struts.velocities) / struts.velocity])
+    acceleration = np.hstack([
+        np.abs(m.accelerations) / limits.acceleration, np.abs(struts.accelerations) / struts.acceleration
+    ])  # fmt: skip
+    return max(float(velocity.max()), float(np.sqrt(acceleration.max())))
 
 
 def _largest_pace(squares: Array) -> float:
@@ -168,7 +162,7 @@ def _largest_pace(squares: Array) -> float:
 
 
 def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tuple[Any, Any]:
-    """Limits of 12 quantities, six coordinates and six struts, in toppra's form, and the path.
+    """Limits of coordinates and struts in toppra's form, and the path.
 
     With q the coordinates and l the strut lengths as functions of s: l' = l_s s', l'' = l_s s'' + l_ss s'^2.
     """
@@ -176,7 +170,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
     from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
     from toppra.interpolator import AbstractGeometricPath
 
-    limits = case.need_machine("re-timing")[2].motion
+    limits = case.need_motion("re-timing")[1]
     motion = path.at(shares * path.duration)
     if not all(np.isfinite(v).all() for v in (motion.pose, motion.rates, motion.accelerations)):
         raise UntimedPath("the path holds values that are not finite")
@@ -187,11 +181,10 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
             "it must begin and end at rest"
         )
     by_share = (motion.rates * path.duration, motion.accelerations * path.duration**2)
-    _, strut_first, strut_second = over_samples(Hexapod.of(case).strut_motion, motion.pose, *by_share)
-    first, second = np.hstack([by_share[0], strut_first]), np.hstack([by_share[1], strut_second])
-    six = np.ones(6)
-    velocity = np.concatenate([limits.rate, limits.strut_velocity_m_s * six]) * (1.0 - MARGIN)
-    acceleration = np.concatenate([limits.acceleration, limits.strut_acceleration_m_s2 * six]) * (1.0 - MARGIN)
+    struts = kinetic(case, motion.pose, *by_share)
+    first, second = np.hstack([by_share[0], struts.velocities]), np.hstack([by_share[1], struts.accelerations])
+    velocity = np.concatenate([limits.rate, struts.velocity]) * (1.0 - MARGIN)
+    acceleration = np.concatenate([limits.acceleration, struts.acceleration]) * (1.0 - MARGIN)
     with np.errstate(divide="ignore"):
         squares = np.min((velocity / np.abs(first)) ** 2, axis=1)
     squares = np.minimum(squares, (paces / path.duration * (1.0 + 1e-6)) ** 2)
@@ -206,7 +199,7 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
 
         def compute_constraint_params(self, _path: Any, gridpoints: Array) -> Any:
             """Coefficients of s'', s'^2 and 1, and the limits."""
-            twice = np.vstack([np.eye(12), -np.eye(12)])
+            twice = np.vstack([np.eye(len(velocity)), -np.eye(len(velocity))])
             bounds = np.column_stack([np.zeros(len(gridpoints)), squares])
             both = np.concatenate([acceleration, acceleration])
             # Named the other way round there, but read as bounds of s'' first, of s'^2 second.
@@ -219,8 +212,8 @@ def _constraint(path: Trajectory, case: Case, shares: Array, paces: Array) -> tu
 
         @property
         def dof(self) -> int:
-            """Six coordinates."""
-            return 6
+            """Coordinates."""
+            return int(motion.pose.shape[1])
 
         @property
         def path_interval(self) -> Array:

@@ -85,7 +85,7 @@ def check(
     for remark in remarks:
         print(f"look at {remark}")
     if reach is not None:
-        _print_reach(reach, case, proposal is None)
+        _print_reach(reach, case, proposal is None and loaded.chain is None)
     if proposal is not None:
         _print_proposal(proposal)
 
@@ -129,16 +129,16 @@ def show(
     from cases.loading import find_case, load_case
 
     loaded = load_case(case)
-    loaded.need_machine("the picture of the machine")
+    loaded.need_motion("the picture of the machine")
     file = output_place(output, Path(f"{loaded.name}-machine.svg"), overwrite)
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with status("drawing", json):
         from planner.reach import reach as reach_of
-        from planner.reports.case_plots import case_figure
+        from planner.reports.case_plots import case_figure, chain_figure
         from planner.reports.reach import share_sentences
 
         reach = reach_of(loaded)
-        figure = case_figure(loaded, reach)
+        figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)
         with atomic_file(file) as part:
             figure.savefig(part, format=file.suffix[1:].lower())
     if json:

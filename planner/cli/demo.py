@@ -36,12 +36,14 @@ def demo(
     from planner.cli.post import answer_of_program, answer_of_proof, show_check, show_program
     from planner.cli.run import answer_of_run, show_run
     from planner.cli.shown_result import answer_of_result, show_result
-    from planner.demonstration import ACCEPTED, language_of
+    from planner.controlled import usual_dialect
+    from planner.demonstration import ACCEPTED
     from planner.demonstration import demo as whole_chain
     from planner.plans import Plan
     from planner.reports.demo import demo_page
     from planner.reports.page import render, report
     from planner.runs.running import RunOutcome, best_controller
+    from postprocessors.dialects import dialect as dialect_named
     from postprocessors.program_file import Program
 
     loaded = load_case(case)
@@ -49,8 +51,8 @@ def demo(
     check_folder(place, DEMO, overwrite=overwrite)
     loaded.need_simulation("the demo")  # before anything is said
     answer: dict[str, Any] = {}
-    dialect = language_of(loaded)
-    linuxcnc = dialect.name == "linuxcnc"
+    dialect = dialect_named(usual_dialect(loaded))
+    table, controller = dialect.name == "setpoints", dialect.description.partition(":")[0]
 
     def step(text: str) -> None:
         if not json:
@@ -71,11 +73,11 @@ def demo(
             line = f"{moves}, D-efficiency {made['d_efficiency']:.3f} against the {bound} bound, "
             line += f"found in {made['solve_s']:.0f} s"
             told(line, lambda: show_plan(made, value))
-            own = f"for LinuxCNC, which does not enforce {', '.join(ACCEPTED)}: accepted here by name"
-            step(f"post: {own if linuxcnc else 'a table of set points, one row a cycle'}")
+            own = f"for {controller}; what it does not enforce of {', '.join(ACCEPTED)} is accepted here by name"
+            step(f"post: {'a table of set points, one row a cycle' if table else own}")
         elif isinstance(value, Program):
             written = answer["post"] = answer_of_program(value)
-            unit = "blocks" if linuxcnc else "rows"
+            unit = "rows" if table else "blocks"
             line = f"{written['blocks']} {unit}, {written['duration_s']:.2f} s with the way to the first pose and home"
             told(line, lambda: show_program(written))
             step("check: the text read back, independently of its writer")
@@ -97,7 +99,7 @@ def demo(
             )
             told(line, lambda: show_result(found))
 
-    law = " of LinuxCNC" if linuxcnc else " of limited jerk"
+    law = " of limited jerk" if table else f" of {controller}"
     step(f"plan: the most informative moves inside the limits, with the time law{law}")
     chain = whole_chain(loaded, place, on, seed=seed, starts=starts, done=done)
     step("compare with the truth of the simulated machine")

@@ -195,7 +195,9 @@ def show_plan(answer: dict[str, Any], plan: "Plan") -> None:
     print(f"from rest at {first} to rest " + ("there" if first == last else f"at {last}"))
     starts = f"; {len(answer['starts'])} start{'s' * (len(answer['starts']) > 1)}" if answer["starts"] else ""
     print(f"condition {answer['condition']:.3g} in reference scaling, found in {answer['solve_s']:.1f} s{starts}")
-    if any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
+    if plan.case.chain is not None or plan.case.sensor_frame.struts is not None:
+        pass  # the tighter bound is for hexapods with sensors in a frame
+    elif any(limit["status"].startswith("steps") for limit in answer["limits"].values()):
         print("the tighter bound of motions from rest to rest holds for limited jerk: it does not rate this plan")
     elif answer["d_efficiency_tight"] is None:
         command = f"hexcite bound {answer['case']} --model {answer['model']} --tight"

@@ -15,10 +15,15 @@ def poses(
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
     criterion: Criterion = "D",
     count: Annotated[int | None, typer.Option(help="Poses; by default 30.")] = None,
+    at: Annotated[
+        Path | None, typer.Option(help="CSV of poses of one's own: what they are worth beside chosen ones.")
+    ] = None,
     method: Annotated[str, typer.Option(help="backward (Algorithm 1), backward-change, refine, or all.")] = "refine",
-    model: Annotated[int, typer.Option(help="Identification model, 0 to 5.")] = 5,
+    model: Annotated[
+        int | None, typer.Option(help="Identification model, 0 to 5; by default the largest of the machine.")
+    ] = None,
     candidates: Annotated[
-        int | None, typer.Option(help="Quasi-random candidates to sample; by default the grid of the case.")
+        int | None, typer.Option(help="Quasi-random candidates; by default the grid of the case, of a chain 2048.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the sample.")] = 0,
     noise: Annotated[
@@ -36,17 +41,24 @@ def poses(
     """
     from cases.files import PLAN, check_folder, output_place
     from cases.loading import find_case, load_case
+    from cases.manual_steps import load_poses
+    from cases.poses import Poses
+    from identification.model import static_model
     from planner.cli.console import save_with_page
     from planner.poses.planned_poses import poses_planned
-    from planner.poses.pose_request import PoseRequest
+    from planner.poses.pose_request import PoseMethod, PoseRequest
+    from planner.poses.space import JOINT_CANDIDATES
 
-    request = PoseRequest(criterion, count, method, model, candidates, seed, noise)
     loaded = load_case(case)
+    number = static_model(loaded) if model is None else model
+    request = PoseRequest(criterion, count, method if at is None else PoseMethod.GIVEN, number, candidates, seed, noise)
+    own = None if at is None else load_poses(at, loaded.need_motion("a plan of poses")[1].columns)
     folder = output_place(output, Path(f"{loaded.name}-poses"), overwrite)
     check_folder(folder, PLAN, [find_case(case)], overwrite)
-    steps = loaded.poses.grid_size if candidates is None and loaded.poses else candidates or 1
+    grid = loaded.poses if isinstance(loaded.poses, Poses) else None
+    steps = candidates if candidates is not None else grid.grid_size if grid else JOINT_CANDIDATES
     with progress("choosing poses", steps, json) as counted:
-        plan = poses_planned(request, loaded, lambda left: counted(f"{left} poses"))
+        plan = poses_planned(request, loaded, lambda left: counted(f"{left} poses"), own)
     with status("writing", json):
         save_with_page(plan, PLAN, folder, overwrite)
     answer = {"plan": str(folder), "report": str(folder / "report.html")} | plan.to_json()

@@ -22,7 +22,7 @@ def post(
         str | None,
         typer.Option(
             help="The controller's language; by default that of the controller that the plan was made for, else "
-            "linuxcnc; without a plan, all are listed."
+            "the first that the case can; without a plan, all are listed."
         ),
     ] = None,
     speed: Annotated[float, typer.Option(help="Share of the planned speed, for a first try.")] = 1.0,

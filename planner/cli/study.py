@@ -47,7 +47,7 @@ def run(
     from planner.study.summary import best_groups, groups
 
     loaded, wanted = load_case(case), load_spec(spec)
-    loaded.need_machine("a study")
+    loaded.need_motion("a study")
     if wanted.execute is not None:
         loaded.need_simulation("a study that executes its plans")
     if scheduler is not None and workers is not None:

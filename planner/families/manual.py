@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cases.errors import FileProblem, HexciteError, InfeasiblePlan
 from cases.loading import find_case
-from cases.manual_steps import Sequence, load_poses, load_sequence
+from cases.manual_steps import Steps, load_poses, load_sequence
 from cases.schema import Case
 from identification.limits import kinetic_shares, of_coordinates, of_mechanics, prove, prove_at
 from identification.motion import Joined, StandingPoses, Standstill, Trajectory
@@ -47,9 +47,9 @@ def manual_motion(case: Case, file: Path) -> Joined:
         FileProblem: the file cannot be used.
         InfeasiblePlan: a step leaves the limits however slow it is.
     """
-    home = case.need_machine("a hand-made sequence")[0].home.vector
+    home, limits = case.need_motion("a hand-made sequence")
     if file.suffix.lower() == ".csv":
-        builds = _through(home, [*load_poses(file), home], case)
+        builds = _through(home, [*load_poses(file, limits.columns), home], case)
     else:
         builds = _steps(load_sequence(file), home, case)
     parts = [_fastest_within_limits(case, build, f"{file}: step {number}") for number, build in builds]
@@ -59,7 +59,7 @@ def manual_motion(case: Case, file: Path) -> Joined:
 
 
 def _limits(case: Case, speed: float) -> tuple[Array, Array, Array]:
-    box = case.need_machine("a hand-made sequence")[2].motion
+    box = case.need_motion("a hand-made sequence")[1]
     share = speed * (1.0 - MARGIN)
     return box.rate * share, box.acceleration * share**2, box.jerk * share**3
 
@@ -76,7 +76,7 @@ def _through(home: Array, poses: list[Array], case: Case) -> Iterable[tuple[int,
             at = pose
 
 
-def _steps(sequence: Sequence, home: Array, case: Case) -> Iterable[tuple[int, Build]]:
+def _steps(sequence: Steps, home: Array, case: Case) -> Iterable[tuple[int, Build]]:
     at = home
     for number, step in enumerate(sequence.steps, start=1):
         if step.pause_s is not None:

@@ -380,10 +380,13 @@ class Manual(FamilySettings):
 
     def require_plannable(self, case: Case, duration: float) -> None:
         """The machine is one that such files are for, and the file can be read."""
-        case.need_machine("a hand-made sequence")
+        limits = case.need_motion("a hand-made sequence")[1]
         file = self.file(case)
         if file.suffix.lower() == ".csv":
-            load_poses(file)
+            load_poses(file, limits.columns)
+        elif case.chain is not None:
+            columns = ", ".join(limits.columns)
+            raise HexciteError(f"{file}: steps are those of a platform; of a chain name a CSV with {columns}")
         else:
             load_sequence(file)
 

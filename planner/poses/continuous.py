@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from cases.schema import Case
 from identification.evaluate import over_samples
 from identification.model import Model
+from planner.poses.joint_space import JointSpace
 from planner.poses.pose_criteria import pose_regressors
-from planner.poses.space import SIZE, PoseSpace
+from planner.poses.space import PoseSpace, space_of
 
 Array = NDArray[np.float64]
 
@@ -104,12 +105,12 @@ def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> 
         scaling: scaling of the columns, shape (u,).
         seeds: poses to start from, better many, together of full rank, shape (n, 6) [m, rad].
     """
-    space = PoseSpace.of(case)
+    space = space_of(case)
     function = _derivative_function(model, scaling, space)
     size = len(scaling)
-    pool = space.project(space.shares(seeds))
+    pool, home = space.project(space.shares(seeds)), case.need_motion("a plan of poses")[0]
     for _ in range(SPACE_ROUNDS):
-        regressors = _regressors(model, scaling, space, pool)
+        regressors = _regressors(model, scaling, space, pool, home)
         design = approximate_design(regressors, SPACE_GAP / 5)
         inverse: Array = np.asarray(np.linalg.inv(design.information), dtype=np.float64)
         derivative = np.einsum("nki,ij,nkj->n", regressors, inverse, regressors, optimize=True)
@@ -123,12 +124,12 @@ def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> 
     return ContinuousBound(bound, dmax, int(np.sum(design.weights > 1e-4)))
 
 
-def _regressors(model: Model, scaling: Array, space: PoseSpace, shares: Array) -> Array:
-    return pose_regressors(model, space.poses(shares, np.full(len(shares), space.home[2]))) * scaling
+def _regressors(model: Model, scaling: Array, space: PoseSpace | JointSpace, shares: Array, like: Array) -> Array:
+    return pose_regressors(model, space.poses(shares, np.tile(like, (len(shares), 1)))) * scaling
 
 
-def _derivative_function(model: Model, scaling: Array, space: PoseSpace) -> ca.Function:
-    share, inverse, none = ca.SX.sym("share", SIZE), ca.SX.sym("inverse", len(scaling) ** 2), ca.SX.zeros(6)
+def _derivative_function(model: Model, scaling: Array, space: PoseSpace | JointSpace) -> ca.Function:
+    share, inverse, none = ca.SX.sym("share", space.size), ca.SX.sym("inverse", len(scaling) ** 2), ca.SX.zeros(6)
     position, turn = space.expression(share)
     matrix = model.expression(position, turn, none, none) @ ca.diag(ca.DM(scaling))
     weighted = matrix @ ca.reshape(inverse, len(scaling), len(scaling))
@@ -136,7 +137,9 @@ def _derivative_function(model: Model, scaling: Array, space: PoseSpace) -> ca.F
     return ca.Function("derivative", [share, inverse], [value, ca.densify(ca.gradient(value, share))], {"cse": True})
 
 
-def _maximise(function: ca.Function, space: PoseSpace, starts: Array, inverse: Array) -> tuple[Array, Array]:
+def _maximise(
+    function: ca.Function, space: PoseSpace | JointSpace, starts: Array, inverse: Array
+) -> tuple[Array, Array]:
     """Local maxima by projected gradient steps from each start; coordinates and values."""
     repeated = np.tile(inverse.ravel(), (len(starts), 1))
     shares = starts.copy()

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from identification.limits import LimitReport, prove, worst_of
-from identification.model import Model, identification_model
+from identification.model import Model
 from identification.motion import Joined, Measurement, Trajectory
 from planner.deviations import predicted_std_at_poses
 from planner.infeasible import remedy
-from planner.noise import sensor_noise
+from planner.noise import sensor_noise, standing_model
 from planner.plans import Plan
 from planner.poses.continuous import approximate_design, continuous_bound
 from planner.poses.pose_criteria import (
@@ -23,10 +23,10 @@ from planner.poses.pose_criteria import (
     require_full_rank,
     total_information,
 )
-from planner.poses.pose_request import PoseMethod, PoseRequest
+from planner.poses.pose_request import METHODS, PoseMethod, PoseRequest
 from planner.poses.refinement import refine
 from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change
-from planner.poses.space import Candidates, grid_candidates, sampled_candidates
+from planner.poses.space import Candidates, grid_candidates, sampled_candidates, space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.worth import PoseWorth
 
@@ -49,11 +49,14 @@ PROOF_RATE_OF_MOVES = 1000.0  # [1/s]; moves between poses are smooth and take a
 SEEDS = 2000  # poses from which the design over the space starts
 
 
-def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] = lambda _: None) -> Plan:
+def poses_planned(
+    request: PoseRequest, case: Case, done: Callable[[int], None] = lambda _: None, given: Array | None = None
+) -> Plan:
     """Chooses poses, orders, times and proves them.
 
     Args:
         case: machine, limits and poses.
+        given: poses of one's own, for the method of this name, shape (n, k) [m or rad].
         done: called with the number of poses after each step of the choice.
 
     Raises:
@@ -63,9 +66,9 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
         CaseError: the case lacks machine, limits or poses.
     """
     began = perf_counter()
-    case.need_machine("a plan of poses")
-    model = identification_model(case, request.model)
-    candidates = candidates_of(request, case)
+    case.need_motion("a plan of poses")
+    model = standing_model(case, request.model)
+    candidates = candidates_of(request, case, given)
     unscaled = pose_regressors(model, candidates.poses)
     scaling = candidate_scaling(unscaled)
     regressors = unscaled * scaling
@@ -83,7 +86,7 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
     information = total_information(chosen)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
     noise = request.noise if request.noise is not None else _noise(case)
-    setting = case.need_poses("a plan of poses")
+    setting = case.need_standing("a plan of poses")
     worth = PoseWorth(
         settings={
             "candidates": candidates.origin,
@@ -108,8 +111,26 @@ def poses_planned(request: PoseRequest, case: Case, done: Callable[[int], None] 
     return Plan(case, request, motion, limits, predicted, noise, case.recording.rate_Hz, worth)
 
 
-def candidates_of(request: PoseRequest, case: Case) -> Candidates:
-    """The poses to choose from."""
+def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) -> Candidates:
+    """The poses to choose from.
+
+    Args:
+        request: what to plan.
+        case: machine, limits and poses.
+        given: poses of one's own, of the method of this name, shape (n, k) [m or rad].
+
+    Raises:
+        HexciteError: that method without poses.
+        InfeasiblePlan: the machine cannot stand at one of them.
+    """
+    if request.method == PoseMethod.GIVEN:
+        if given is None:
+            raise HexciteError("method given needs poses: name a CSV file of them with --at")
+        for number, valid in enumerate(space_of(case).valid(given), 1):
+            if not valid:
+                where = case.words(given[number - 1])
+                raise InfeasiblePlan(f"the machine cannot stand at pose {number} ({where}); take another one")
+        return Candidates(given, len(given), "poses of one's own")
     if request.candidates is None:
         return grid_candidates(case)
     return sampled_candidates(case, request.candidates, request.seed)
@@ -117,7 +138,7 @@ def candidates_of(request: PoseRequest, case: Case) -> Candidates:
 
 def _ordered(case: Case, chosen: Array) -> tuple[NDArray[np.int64], float]:
     """Order of visit, and travel in the order of choice [s], both from home to home."""
-    home = case.need_machine("a plan of poses")[0].home.vector
+    home = case.need_motion("a plan of poses")[0]
     stations = np.vstack([home, chosen])
     times = travel_times(case, stations)
     order = shortest_order(times)
@@ -127,8 +148,8 @@ def _ordered(case: Case, chosen: Array) -> tuple[NDArray[np.int64], float]:
 
 
 def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
-    home = case.need_machine("a plan of poses")[0].home.vector
-    setting = case.need_poses("a plan of poses")
+    home = case.need_motion("a plan of poses")[0]
+    setting = case.need_standing("a plan of poses")
     parts: list[Trajectory] = []
     reports: list[LimitReport] = []
     clock, here = 0.0, home
@@ -152,7 +173,7 @@ def _motion(case: Case, poses: Array) -> tuple[Joined, LimitReport]:
 def _noise(case: Case) -> float:
     """Of a force that is averaged, if its noise is white [N]."""
     sample = sensor_noise(case)
-    averaged = case.need_poses("predicted standard deviations").average_s * case.recording.rate_Hz
+    averaged = case.need_standing("predicted standard deviations").average_s * case.recording.rate_Hz
     return float(sample / np.sqrt(max(averaged, 1.0)))
 
 
@@ -180,8 +201,8 @@ def choose(
     """
     count = request.wanted(len(candidates), regressors.shape[2])
     criterion = POSE_CRITERIA[request.criterion]
-    if request.method == PoseMethod.ALL:
-        return candidates, "every candidate"
+    if request.method in (PoseMethod.ALL, PoseMethod.GIVEN):
+        return candidates, METHODS[PoseMethod(request.method)]
     if request.method == PoseMethod.BACKWARD_CHANGE:
         if len(candidates) > MOST_EXHAUSTIVE:
             raise HexciteError(

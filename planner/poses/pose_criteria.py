@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
+from identification.evaluate import over_samples
 from identification.model import Model
 
 Array = NDArray[np.float64]
@@ -21,7 +22,7 @@ def pose_regressors(model: Model, poses: Array) -> Array:
     """A of (21) standing still at each pose, shape (n, 6, u).
 
     Args:
-        poses: shape (n, 6) [m, rad].
+        poses: coordinates of the machine, shape (n, k) [m or rad].
 
     Raises:
         IdentificationError: the model has parameters that no standstill can excite.
@@ -30,6 +31,8 @@ def pose_regressors(model: Model, poses: Array) -> Array:
         raise IdentificationError(
             f"model {model.number} contains inertia, which standstills cannot excite; choose a model from 0 to 5"
         )
+    if model.machine is not None and not model.machine.of_pose:
+        return over_samples(model.coordinate_regressor, poses, 0.0 * poses, 0.0 * poses)[0]
     from scipy.spatial.transform import Rotation  # here: reading a plan does without it, and it loads slowly
 
     still = np.zeros((len(poses), 6))
@@ -67,7 +70,7 @@ def require_full_rank(regressors: Array, model: Model) -> None:
         hidden = [n for n, s in zip(model.names, share, strict=True) if s > 1e-3]
         raise IdentificationError(
             f"model {model.number}: {', '.join(hidden)} cannot be told apart by any of {len(regressors)} poses "
-            f"(rank {rank} of {rows.shape[1]}); choose a model without them"
+            f"(rank {rank} of {rows.shape[1]}); let them turn about more axes, or choose a model without them"
         )
 
 

@@ -18,6 +18,7 @@ class PoseMethod(StrEnum):
     BACKWARD_CHANGE = "backward-change"
     REFINE = "refine"
     ALL = "all"
+    GIVEN = "given"
 
 
 METHODS = {
@@ -25,6 +26,7 @@ METHODS = {
     PoseMethod.BACKWARD_CHANGE: "Algorithm 1 in its other reading: removes the pose that changes the criterion least",
     PoseMethod.REFINE: "Algorithm 1, then moves the poses freely in the workspace",
     PoseMethod.ALL: "every candidate",
+    PoseMethod.GIVEN: "poses of one's own",
 }
 
 
@@ -63,8 +65,8 @@ class PoseRequest:
             raise HexciteError(f"criterion {self.criterion!r} is unknown; choose {', '.join(POSE_CRITERIA)}")
         if self.method not in set(PoseMethod):
             raise HexciteError(f"method {self.method!r} is unknown; choose {', '.join(PoseMethod)}")
-        if self.method == PoseMethod.ALL and self.count is not None:
-            raise HexciteError("method all measures every candidate; leave --count out, or choose another method")
+        if self.method in (PoseMethod.ALL, PoseMethod.GIVEN) and self.count is not None:
+            raise HexciteError(f"method {self.method} measures every pose; leave --count out, or choose another method")
         if self.noise is not None and not 0.0 < self.noise < float("inf"):
             raise HexciteError(f"noise {self.noise:g} N is not positive; give the scatter of an averaged force")
         if self.seed < 0:
@@ -76,7 +78,7 @@ class PoseRequest:
         Raises:
             HexciteError: more than there are, or fewer than can determine the model.
         """
-        if self.method == PoseMethod.ALL:
+        if self.method in (PoseMethod.ALL, PoseMethod.GIVEN):
             return available
         fewest = -(-parameters // 6)
         count = self.count if self.count is not None else min(USUAL, available)

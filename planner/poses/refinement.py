@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from identification.model import Model
-from identification.pose import rpy
+from planner.poses.joint_space import JointSpace
 from planner.poses.pose_criteria import PoseCriterion, pose_regressors, total_information
-from planner.poses.space import SIZE, PoseSpace, valid_poses, validity_margins
+from planner.poses.space import PoseSpace, space_of
 from planner.search.ipopt import last_words
 
 Array = NDArray[np.float64]
@@ -36,12 +36,12 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
         scaling: scaling of the columns, shape (u,).
         poses: valid, of full rank, shape (n, 6) [m, rad].
     """
-    space = PoseSpace.of(case)
+    space = space_of(case)
     count = len(poses)
-    shares = ca.MX.sym("shares", SIZE, count)
-    information, limits = _pose_functions(case, model, scaling, space)
+    shares = ca.MX.sym("shares", space.size, count)
+    information, limits = _pose_functions(model, scaling, space, poses.shape[1])
     triangle = ca.sum2(information.map(count)(shares)) / count
-    margins = ca.vec(limits.map(count)(shares, ca.DM(poses[:, 2]).T))
+    margins = ca.vec(limits.map(count)(shares, ca.DM(poses).T))
     objective = _objective(criterion.letter, len(scaling))(triangle)
     low, high = space.bounds()
     start = space.project(space.shares(poses))
@@ -57,9 +57,9 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     solver = ca.nlpsol("refine", "ipopt", {"x": ca.vec(shares), "f": objective, "g": margins}, options)
     found = solver(x0=start.ravel(), lbx=np.tile(low, count), ubx=np.tile(high, count), lbg=INSIDE, ubg=np.inf)
     status = last_words(solver.stats()["return_status"])
-    refined = space.poses(space.project(found["x"].full().reshape(count, SIZE)), poses[:, 2])
+    refined = space.poses(space.project(found["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
-    if not (after > before and valid_poses(case, refined).all()):
+    if not (after > before and space.valid(refined).all()):
         return Refinement(poses, before, f"{status}; nothing better found")
     return Refinement(refined, after, status)
 
@@ -70,19 +70,18 @@ def _value(model: Model, scaling: Array, criterion: PoseCriterion, poses: Array)
     return float(criterion.value(total_information(pose_regressors(model, poses) * scaling)))
 
 
-def _pose_functions(case: Case, model: Model, scaling: Array, space: PoseSpace) -> tuple[ca.Function, ca.Function]:
+def _pose_functions(
+    model: Model, scaling: Array, space: PoseSpace | JointSpace, coordinates: int
+) -> tuple[ca.Function, ca.Function]:
     """Of one pose: lower triangle of its information; what must not be below 0."""
-    share, z, none = ca.SX.sym("share", SIZE), ca.SX.sym("z"), ca.SX.zeros(6)
+    share, like, none = ca.SX.sym("share", space.size), ca.SX.sym("like", coordinates), ca.SX.zeros(6)
     position, turn = space.expression(share)
     matrix = model.expression(position, turn, none, none) @ ca.diag(ca.DM(scaling))
     product = ca.densify(matrix.T @ matrix)
     triangle = product[ca.Sparsity.lower(len(scaling)).find()]
-    pose = ca.vertcat(position[:2], z, rpy(turn))
-    edges = ca.vertcat(1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4]))
-    limits = ca.vertcat(edges, validity_margins(case)(pose))
     return (
         ca.Function("information", [share], [triangle], {"cse": True}),
-        ca.Function("limits", [share, z], [limits], {"cse": True}),
+        ca.Function("limits", [share, like], [ca.densify(space.margins(share, like))], {"cse": True}),
     )
 
 

@@ -13,7 +13,11 @@ from cases.units import DEG
 from identification.evaluate import over_samples
 from identification.hexapod import Hexapod
 from identification.keep_out import distances
-from identification.pose import rotation
+from identification.limits import prove
+from identification.machines import machine_of
+from identification.motion import StandingPoses
+from identification.pose import rotation, rpy
+from planner.poses.joint_space import JointSpace
 
 Array = NDArray[np.float64]
 
@@ -24,6 +28,7 @@ SIZE = 5  # x, y, two of tilt, torsion; z stays where it is, for no static model
 class PoseSpace:
     """The poses among which refinement searches: a disc, all tilts up to the largest, a range of torsion."""
 
+    case: Case  # case with a hexapod
     home: Array  # position of {P} at home, shape (3,) [m]
     radius: float  # radius of the disc [m]
     low: Array  # lower end of the XY range relative to home, shape (2,) [m]
@@ -39,12 +44,17 @@ class PoseSpace:
         x, y, _ = grid.lengths
         torsion = grid.angles[2][[0, -1]]
         low, high = np.array([x[0], y[0]]), np.array([x[-1], y[-1]])
-        return cls(home, float(grid.radius[1]), low, high, float(np.tan(grid.angles[0][-1] / 2)), torsion)
+        return cls(case, home, float(grid.radius[1]), low, high, float(np.tan(grid.angles[0][-1] / 2)), torsion)
 
     @property
     def _torsion_middle(self) -> tuple[float, float]:
         half = float(np.ptp(self.torsion)) / 2
         return float(self.torsion.mean()), half if half > 0.0 else 1.0
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return SIZE
 
     def bounds(self) -> Array:
         """Lower and upper bound of each coordinate, shape (2, 5)."""
@@ -73,18 +83,18 @@ class PoseSpace:
             inside[:, part] /= np.maximum(np.linalg.norm(inside[:, part], axis=1, keepdims=True), 1.0)
         return inside
 
-    def poses(self, shares: Array, z: Array) -> Array:
+    def poses(self, shares: Array, like: Array) -> Array:
         """Poses of coordinates, shape (n, 6) [m, rad].
 
         Args:
             shares: shape (n, 5).
-            z: absolute, shape (n,) [m].
+            like: poses at the same heights, shape (n, 6) [m, rad].
         """
         middle, half = self._torsion_middle
         one, none = np.ones(len(shares)), np.zeros(len(shares))
         tilted = Rotation.from_quat(np.column_stack([shares[:, 2:4] * self.tilt, none, one]))
         turn = tilted * Rotation.from_rotvec(np.column_stack([none, none, middle + half * shares[:, 4]]))
-        return np.column_stack([self.home[:2] + self.radius * shares[:, :2], z, turn.as_euler("xyz")])
+        return np.column_stack([self.home[:2] + self.radius * shares[:, :2], like[:, 2], turn.as_euler("xyz")])
 
     def expression(self, share: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Position (z at home) and R of one pose, shapes (3,) and (3, 3)."""
@@ -103,6 +113,16 @@ class PoseSpace:
         about_z = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
         position = ca.vertcat(ca.DM(self.home[:2]) + self.radius * share[:2], float(self.home[2]))
         return position, tilted @ about_z
+
+    def margins(self, share: ca.SX, like: ca.SX) -> ca.SX:
+        """What must not be below 0 at a pose of the height of another, `like` of shape (6,): edges, machine."""
+        position, turn = self.expression(share)
+        pose = ca.vertcat(position[:2], like[2], rpy(turn))
+        return ca.vertcat(1 - ca.sumsqr(share[:2]), 1 - ca.sumsqr(share[2:4]), validity_margins(self.case)(pose))
+
+    def valid(self, poses: Array) -> NDArray[np.bool_]:
+        """Whether the machine can stand at each pose, shape (n,)."""
+        return valid_poses(self.case, poses)
 
 
 ROUNDING = 1e-9  # poses on the very edge of the workspace are valid
@@ -173,7 +193,19 @@ def valid_poses(case: Case, poses: Array) -> NDArray[np.bool_]:
     return np.asarray(inside & (keep_out_distances(case, poses) >= 0.0))
 
 
+def space_of(case: Case) -> PoseSpace | JointSpace:
+    """The poses among which refinement searches; raises CaseError where the case lacks machine or poses."""
+    return PoseSpace.of(case) if case.chain is None else JointSpace.of(case)
+
+
+def places(case: Case, poses: Array) -> Array:
+    """Where {P} is at coordinates of a case's machine: poses (x, y, z, roll, pitch, yaw), shape (n, 6) [m, rad]."""
+    machine = machine_of(case)
+    return poses if machine.of_pose else machine.kinematics(poses, 0.0 * poses, 0.0 * poses).pose
+
+
 MOST = 200_000  # candidates; 20 000 take seconds and half a GB, and more have never told more
+JOINT_CANDIDATES = 2048  # of a chain, where no other number is asked for
 # What one candidate costs at most, measured on 20 000: for the estimate in the refusal only.
 BYTES_EACH = 12_000
 SECONDS_SQUARED = 5e-8
@@ -204,15 +236,19 @@ def pose_of_tilt(position: Array, tilt: Array, azimuth: Array, torsion: Array) -
 def grid_candidates(case: Case) -> Candidates:
     """The case's grid, valid poses only, in the order of Algorithm 1 (x, y, z, tilt, azimuth, torsion).
 
+    Of a chain, which has no grid, quasi-random poses of the motion box.
+
     Raises:
         HexciteError: the grid is too fine; the message says what it would need.
         InfeasiblePlan: no pose is valid; the message says what stands in the way.
         CaseError: the case lacks machine or poses.
     """
-    machine, _, _ = case.need_machine("pose candidates")
+    if case.chain is not None:
+        return sampled_candidates(case, JOINT_CANDIDATES, 0)
     grid = case.need_poses("pose candidates")
     if grid.grid_size > MOST:
         raise HexciteError(_too_many(grid.grid_size, "the grid of the case"))
+    machine, _, _ = case.need_machine("pose candidates")
     axes = np.meshgrid(*grid.lengths, *grid.angles, indexing="ij")
     x, y, z, tilt, azimuth, torsion = (a.ravel() for a in axes)
     radius = np.hypot(x, y)
@@ -225,8 +261,9 @@ def grid_candidates(case: Case) -> Candidates:
 def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
     """Quasi-random poses (scrambled Sobol points) of the space that the grid spans, valid ones only.
 
-    The space is the XY range inside the largest radius, every tilt up to the largest, every azimuth, and the ranges of
-    z and torsion: the grid leaves out its middle, where poses tell little, the space does not.
+    The space of a chain is its motion box. Of a hexapod it is the XY range inside the largest radius, every tilt up to
+    the largest, every azimuth, and the ranges of z and torsion: the grid leaves out its middle, where poses tell
+    little, the space does not.
 
     Args:
         count: points that are looked at.
@@ -242,10 +279,18 @@ def sampled_candidates(case: Case, count: int, seed: int) -> Candidates:
         raise HexciteError(_too_many(count, "a sample"))
     if seed < 0:
         raise HexciteError(f"seed {seed} is negative; choose 0 or more")
-    machine, _, _ = case.need_machine("pose candidates")
-    grid = case.need_poses("pose candidates")
     from scipy.stats import qmc  # a second to import, for this alone
 
+    if case.chain is not None:
+        joints = JointSpace.of(case)
+        drawn = qmc.Sobol(joints.size, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
+        every = joints.poses(2.0 * drawn - 1.0, drawn)
+        if not (valid := joints.valid(every)).any():
+            worst = prove(StandingPoses(every), case, 1.0).violations[0].sentence(timed=False)
+            raise InfeasiblePlan(f"none of {count} poses is valid: {worst}; narrow limits.motion.joints or move home")
+        return Candidates(every[valid], count, f"{count} quasi-random points")
+    machine, _, _ = case.need_machine("pose candidates")
+    grid = case.need_poses("pose candidates")
     share = qmc.Sobol(6, seed=seed).random_base2(int(np.ceil(np.log2(count))))[:count]
     low, high = (np.array([values[k] for values in grid.lengths]) for k in (0, -1))
     radius, azimuth = grid.radius[1] * np.sqrt(share[:, 0]), 2 * np.pi * share[:, 1]

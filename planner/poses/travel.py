@@ -11,11 +11,16 @@ from numpy.typing import NDArray
 
 from cases.errors import InfeasiblePlan
 from cases.schema import Case
-from identification.evaluate import over_samples
-from identification.hexapod import Hexapod
+from identification.limits import mechanical_pace
+from identification.machines import kinetic
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
+<<<<<<< HEAD
 from planner.poses.space import valid_poses
 from postprocessors.execute.virtual import RuckigLaw
+=======
+from planner.poses.space import space_of
+from postprocessors.execute.ruckig_law import RuckigLaw
+>>>>>>> main
 
 Array = NDArray[np.float64]
 
@@ -24,18 +29,27 @@ COARSE = 17  # the same where there are so many pairs of poses that only their o
 MANY_PAIRS = 5000
 LIKE = 9  # decimals to which limits over the way agree [1/s, 1/s^2, 1/s^3] where moves have one time law
 CHUNK = 10_000  # pairs at once, bounds memory
-MARGIN = 1.0 - 1e-3  # share of the strut limits that moves are slowed to, for what happens between the instants
+SLOWINGS, SLOWED = 30, 0.95  # of a move that takes too large torques: weight does not shrink with the pace
+TORQUE_RATE = 1000.0  # [1/s] at which these are looked at
+MARGIN = 1.0 - 1e-3  # share of limits that moves use: for rounding, and for what struts do between the instants
 
 
 def fastest_move(case: Case, start: Array, end: Array) -> StraightMove:
-    """The fastest straight move within the limits, those of the struts included.
+    """The fastest straight move within the limits, those of struts and torques of joints included.
 
     Args:
-        start: shape (6,) [m, rad].
-        end: different from start, shape (6,) [m, rad].
+        start: coordinates, shape (n,) [m or rad].
+        end: different from start, shape (n,) [m or rad].
     """
-    limits = case.need_machine("moves between poses")[2].motion
-    move = StraightMove.fastest(start, end, limits.rate, limits.acceleration, limits.jerk)
+    limits = case.need_motion("moves between poses")[1]
+    box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
+    move = StraightMove.fastest(start, end, *box)
+    if case.chain is not None and case.chain.limits_effort:
+        for _ in range(SLOWINGS):
+            if (used := mechanical_pace(move, case, TORQUE_RATE)) <= 1.0:
+                break
+            move = StraightMove(move.start, move.end, move.profile.slowed(min(SLOWED, MARGIN / used)))
+        return move
     assert isinstance(move.profile, Profile)
     slowness = float(_slowness(case, start[None], end[None], _laws([move.profile], INSTANTS))[0])
     return move if slowness <= 1.0 else StraightMove(move.start, move.end, move.profile.slowed(1.0 / slowness))
@@ -49,11 +63,12 @@ def travel_times(case: Case, poses: Array) -> Array:
     Args:
         poses: shape (n, 6) [m, rad].
     """
-    limits = case.need_machine("moves between poses")[2].motion
+    limits = case.need_motion("moves between poses")[1]
     pairs = np.array(list(combinations(range(len(poses)), 2)), dtype=int).reshape(-1, 2)
     start, end = poses[pairs[:, 0]], poses[pairs[:, 1]]
     way = np.maximum(np.abs(end - start), 1e-12)
-    rows = np.column_stack([(limit / way).min(axis=1) for limit in (limits.rate, limits.acceleration, limits.jerk)])
+    box = (limit * MARGIN for limit in (limits.rate, limits.acceleration, limits.jerk))
+    rows = np.column_stack([(limit / way).min(axis=1) for limit in box])
     # Poses of a grid are the same ways apart: 115 440 pairs of the paper's 480 need 91 time laws.
     _, chosen, law = np.unique(rows.round(LIKE), axis=0, return_index=True, return_inverse=True)
     profiles = [fastest_profile(1.0, *map(float, row)) for row in rows[chosen]]
@@ -92,14 +107,12 @@ def _slowness(case: Case, start: Array, end: Array, laws: Array) -> Array:
         end: shape (n, 6) [m, rad].
         laws: laws of `_laws`, for each move.
     """
-    limits = case.need_machine("moves between poses")[2].motion
     way = (end - start)[:, None, :]
     pose = start[:, None, :] + laws[:, 0, :, None] * way
     rates, accelerations = (laws[:, k, :, None] * way for k in (1, 2))
-    flat = [np.ascontiguousarray(v.reshape(-1, 6)) for v in (pose, rates, accelerations)]
-    _, velocity, acceleration = over_samples(Hexapod.of(case).strut_motion, *flat)
-    fast = np.abs(velocity).reshape(len(start), -1).max(axis=1) / limits.strut_velocity_m_s
-    hard = np.abs(acceleration).reshape(len(start), -1).max(axis=1) / limits.strut_acceleration_m_s2
+    struts = kinetic(case, *(np.ascontiguousarray(v.reshape(-1, way.shape[2])) for v in (pose, rates, accelerations)))
+    fast = (np.abs(struts.velocities) / struts.velocity).reshape(len(start), -1).max(axis=1, initial=0.0)
+    hard = (np.abs(struts.accelerations) / struts.acceleration).reshape(len(start), -1).max(axis=1, initial=0.0)
     return np.asarray(np.maximum(fast, np.sqrt(hard)) / MARGIN)
 
 
@@ -112,7 +125,8 @@ def _instants(profile: Profile, instants: int) -> Array:
 def _passable(case: Case, start: Array, end: Array, instants: int) -> NDArray[np.bool_]:
     share = np.linspace(0.0, 1.0, instants)[:, None]
     pose = start[:, None, :] + share * (end - start)[:, None, :]
-    return np.asarray(valid_poses(case, pose.reshape(-1, 6)).reshape(len(start), -1).all(axis=1))
+    valid = space_of(case).valid(pose.reshape(-1, start.shape[1]))
+    return np.asarray(valid.reshape(len(start), -1).all(axis=1))
 
 
 Index = NDArray[np.int64]

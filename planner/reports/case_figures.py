@@ -74,8 +74,10 @@ def has_motion_box(case: Case) -> bool:
 
 
 def reach_figures(name: str) -> Reach | None:
-    """The reachable part of the motion box of a case; None where the case has no such box."""
+    """The reachable part of the motion box of a case; None where the case has no such box, or no limits."""
     case = load_case(name)
+    if case.chain is not None and case.limits is not None:
+        return reach(case)
     return reach(case) if has_motion_box(case) else None
 
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from cases.machine import HexapodMachine
 from cases.schema import Case
 from cases.units import DEG, MM
+from identification.limited_chain import frames_at
 from planner.reach import Reach, StaticLimits
 from planner.reports.machine import box_outlines, room, tool_outlines
 from planner.reports.reach import draw_coordinates
@@ -53,6 +54,47 @@ def case_figure(case: Case, reach: Reach) -> Figure:
     tilted.set(title="reach at home, tilted", xlabel="roll a [deg]", ylabel="pitch b [deg]")
     draw_coordinates(figure.add_subplot(grid[3]), reach)
     figure.colorbar(colours, ax=[over, tilted], label="largest share of a limit (1: end of reach)")
+    return figure
+
+
+def chain_figure(case: Case, reach: Reach) -> Figure:
+    """A chain at home in 3-D, with its bodies, its tool and the boxes that they stay out of, and each joint's reach.
+
+    Args:
+        case: case with a chain and limits.
+        reach: its reachable part of the motion box.
+
+    Raises:
+        CaseError: the case has no chain or no limits.
+    """
+    chain, _ = case.need_chain("the picture of the machine")
+    figure = Figure(figsize=(14, 7), layout="constrained")
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.3, 1.0))
+    axes: Axes3D = figure.add_subplot(grid[0], projection="3d")
+    frames = [np.eye(4), *(frame[0] for frame in frames_at(chain, chain.home[None]))]
+    origins = np.array([frame[:3, 3] for frame in frames]) / MM
+    axes.plot(*origins.T, color="tab:gray", linewidth=2.0, marker="o", markersize=4, label="joints")
+    for k, joint in enumerate(chain.joints, 1):
+        axes.text(*origins[k], joint.name, fontsize="small")
+    axes.plot(*origins[-1:].T, color="tab:red", marker="s", linestyle="", label="sensor")
+    owners = [(frames[0], chain.base, "0.3", "base"), (frames[-1], chain.tool, "tab:purple", "tool")]
+    owners += [
+        (frame, joint.bodies, "tab:blue", "links") for frame, joint in zip(frames[1:], chain.joints, strict=False)
+    ]
+    shown, named = [origins], set[str]()
+    for frame, bodies, colour, label in owners:
+        for line in tool_outlines(bodies):
+            points = line @ frame[:3, :3].T + frame[:3, 3] / MM
+            axes.plot(*points.T, color=colour, linewidth=0.8, label=None if label in named else label)
+            named.add(label)
+            shown.append(points)
+    every = np.vstack(shown)
+    for k, line in enumerate(box_outlines(chain.keep_out, *room(every.min(axis=0), every.max(axis=0), chain.keep_out))):
+        axes.plot(*line.T, color="tab:orange", linewidth=1.0, label=None if k else "kept out")
+    axes.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]", title=f"{case.name} at home, in {{B}}")
+    axes.set_aspect("equal")
+    axes.legend(loc="upper left")
+    draw_coordinates(figure.add_subplot(grid[1]), reach)
     return figure
 
 

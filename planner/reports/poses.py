@@ -7,6 +7,7 @@ from identification.saved_result import provenance
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_request import PoseRequest
+from planner.poses.space import places
 from planner.precision import parameter_words, std_text
 from planner.reports.charts import Chart, plain
 from planner.reports.figures import COLOURS, GREY, identifiability_items
@@ -35,11 +36,18 @@ def poses_page(plan: Plan, found: Identifiability) -> Page:
         warnings=(),
         sections=(
             Section("What the set promises", (Tiles(tiles), *_deviations(plan))),
-            Section("The machine in each pose", (posing_machine(case, plan.poses, "In the order of visit."),)),
+            *_pictures(plan),
             Section("Where the poses are", (_places(plan),)),
             Section("What the poses determine", identifiability_items(found)),
         ),
     )
+
+
+def _pictures(plan: Plan) -> tuple[Section, ...]:
+    """The machine in each pose; of a chain there is no picture yet."""
+    if plan.case.chain is not None:
+        return ()
+    return (Section("The machine in each pose", (posing_machine(plan.case, plan.poses, "In the order of visit."),)),)
 
 
 def _deviations(plan: Plan) -> tuple[Item, ...]:
@@ -57,11 +65,12 @@ def _places(plan: Plan) -> Plot:
     assert isinstance(plan.request, PoseRequest)
     figure = Chart()
     for poses, name, size, colour in (
-        (candidates_of(plan.request, plan.case).poses, "candidates", 5, GREY),
+        (candidates_of(plan.request, plan.case, plan.poses).poses, "candidates", 5, GREY),
         (plan.poses, "chosen", 10, COLOURS[1]),
     ):
+        at = places(plan.case, poses)
         marker = {"size": size, "color": colour}
-        figure.add_scatter(x=poses[:, 0] * 1e3, y=poses[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
+        figure.add_scatter(x=at[:, 0] * 1e3, y=at[:, 1] * 1e3, mode="markers", name=plain(name), marker=marker)
     figure.update_xaxes(title="x [mm]", constrain="domain")
     figure.update_yaxes(title="y [mm]", scaleanchor="x", constrain="domain")
     return Plot("places", figure.update_layout(height=460), "Seen from above; several orientations share a place.")

@@ -2,9 +2,8 @@
 
 from matplotlib.axes import Axes
 
-from cases.recording_format import POSE
 from planner.precision import share_text
-from planner.reach import UNITS, Reach
+from planner.reach import Reach
 
 COLUMNS = ("coordinate", "stated range", "reachable range", "limited by")
 
@@ -40,9 +39,9 @@ def share_sentences(reach: Reach) -> str:
 
 def coordinate_rows(reach: Reach) -> list[list[str]]:
     """Rows of `COLUMNS`: key of the case file, both ranges in its unit, what limits the lower and the upper end."""
-    stated, reachable = ((box / UNITS).T for box in (reach.stated, reach.reachable))
+    stated, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
     rows = []
-    for key, outer, inner, names in zip(POSE, stated, reachable, reach.limited_by, strict=True):
+    for key, outer, inner, names in zip(reach.keys, stated, reachable, reach.limited_by, strict=True):
         sides = [f"{side}: {name}" for side, name in zip(("below", "above"), names, strict=True) if name is not None]
         ranges = [f"[{low:.4g}, {high:.4g}]" for low, high in (outer, inner)]
         rows.append([key, *ranges, "; ".join(sides) or "the stated range"])
@@ -51,7 +50,7 @@ def coordinate_rows(reach: Reach) -> list[list[str]]:
 
 def draw_coordinates(axes: Axes, reach: Reach) -> None:
     """One bar a coordinate: what is stated, and what is reachable of it with the others at home."""
-    stated, reachable = ((box / UNITS).T for box in (reach.stated, reach.reachable))
+    stated, reachable = ((box / reach.units).T for box in (reach.stated, reach.reachable))
     for row, (outer, inner) in enumerate(zip(stated, reachable, strict=True)):
         size = max(-outer[0], outer[1])
         for (low, high), height, colour, label in (
@@ -63,7 +62,7 @@ def draw_coordinates(axes: Axes, reach: Reach) -> None:
             colour = "0.2" if end == whole else "red"
             axes.text(end / size, row + 0.38, f"{end:.3g}", ha=side, va="center", fontsize="small", color=colour)
     axes.axvline(0.0, color="0.4", linewidth=0.8)
-    axes.set_yticks(range(6), [f"{key.split('_')[0]} [{key.split('_')[1]}]" for key in POSE])
-    axes.set(xlim=(-1.1, 1.1), xticks=[], ylim=(5.7, -0.5))
+    axes.set_yticks(range(len(reach.keys)), [f"{key.split('_')[0]} [{key.split('_')[1]}]" for key in reach.keys])
+    axes.set(xlim=(-1.1, 1.1), xticks=[], ylim=(len(reach.keys) - 0.3, -0.5))
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), frameon=False, ncols=2)
     axes.set_title(f"{share_words(reach)} of the motion box reachable")

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cases.schema import Case
-from identification.evaluate import over_samples
-from identification.hexapod import Hexapod
+from identification.machines import kinetic
 from identification.motion import Motion, Trajectory
 from planner.search.ipopt import last_words
 
@@ -41,12 +40,12 @@ class Course:
 
     s: Array  # places on the path, its own time, shape (n,) [s]
     weights: Array  # weights of the integral over s, shape (n,) [s]
-    first: Array  # derivatives of the six coordinates and the six strut lengths with respect to s, shape (n, 12)
-    second: Array  # shape (n, 12)
-    third: Array  # third derivatives of the six coordinates, shape (n, 6)
-    velocity: Array  # limits, shape (12,)
-    acceleration: Array  # shape (12,)
-    jerk: Array  # shape (6,)
+    first: Array  # derivatives of the c coordinates and the lengths of k struts with respect to s, shape (n, c + k)
+    second: Array  # shape (n, c + k)
+    third: Array  # third derivatives of the coordinates, shape (n, c)
+    velocity: Array  # limits, shape (c + k,)
+    acceleration: Array  # shape (c + k,)
+    jerk: Array  # shape (c,)
 
     @classmethod
     def of(cls, path: Trajectory, case: Case, margin: float) -> "Course":
@@ -60,20 +59,19 @@ class Course:
         Raises:
             CaseError: the case has no machine or no limits.
         """
-        limits = case.need_machine("re-timing")[2].motion
+        limits = case.need_motion("re-timing")[1]
         knots = _knots(path.duration)
         s = (knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(POINTS) + 0.5) / POINTS).ravel()
         motion = path.at(s)
-        _, along, again = over_samples(Hexapod.of(case).strut_motion, motion.pose, motion.rates, motion.accelerations)
-        six = np.ones(6)
+        struts = kinetic(case, motion.pose, motion.rates, motion.accelerations)
         return cls(
             s,
             np.full(len(s), path.duration / len(s)),
-            np.hstack([motion.rates, along]),
-            np.hstack([motion.accelerations, again]),
+            np.hstack([motion.rates, struts.velocities]),
+            np.hstack([motion.accelerations, struts.accelerations]),
             motion.jerks,
-            np.concatenate([limits.rate, limits.strut_velocity_m_s * six]) * (1.0 - margin),
-            np.concatenate([limits.acceleration, limits.strut_acceleration_m_s2 * six]) * (1.0 - margin),
+            np.concatenate([limits.rate, struts.velocity]) * (1.0 - margin),
+            np.concatenate([limits.acceleration, struts.acceleration]) * (1.0 - margin),
             limits.jerk * (1.0 - margin),
         )
 

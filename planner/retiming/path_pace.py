@@ -31,6 +31,8 @@ FASTEST = 5.0  # times the planned pace, where as fast as possible is asked for
 LONGEST = 120.0  # [s] of a path: beyond that the search takes minutes
 SLOWER = 1.02  # steps in which a motion is stretched whose sensor forces are too large
 STRETCHES = 40
+PACED = ("velocity", "acceleration", "jerk", "sensor force", "sensor moment", "joint torque", "joint force")
+"""Words in the names of limits that a slower pace helps."""
 
 
 class RetimedPath(NamedTuple):
@@ -66,7 +68,7 @@ def retimed_path(
     if own and best.duration >= path.duration:
         return RetimedPath(path, (0.0, 0.0), "its own pace is the fastest that was found")
     motion = _inside(best, case)
-    return RetimedPath(motion, _off(motion, best, path), solver)
+    return RetimedPath(motion, _off(motion, best, path, case.need_motion("re-timing")[1].turns), solver)
 
 
 class _Round(NamedTuple):
@@ -127,23 +129,23 @@ def _inside(found: _Round, case: Case) -> PolynomialMotion:
         if report.worst_ratio <= 1.0 - MARGIN + TOLERANCE:
             return motion
         worst = max(report.checks, key=lambda c: c.ratio)
-        if not any(word in worst.name for word in ("velocity", "acceleration", "jerk", "sensor force")):
+        if not any(word in worst.name for word in PACED):
             if report.kept:  # inside, with less than the margin: the path itself leaves no more
                 return motion
             break
-        slower *= SLOWER if worst.name.startswith("sensor force") else 1.0 + 2e-4
+        slower *= SLOWER if worst.name.startswith(("sensor", "joint")) else 1.0 + 2e-4
     raise InfeasiblePlan(f"no pace keeps this path inside all limits: {worst.sentence()}; {remedy(worst, case)}")
 
 
-def _off(motion: PolynomialMotion, found: _Round, path: Trajectory) -> tuple[float, float]:
+def _off(motion: PolynomialMotion, found: _Round, path: Trajectory, turns: NDArray[np.bool_]) -> tuple[float, float]:
     t = np.linspace(0.0, motion.duration, int(motion.duration * WATCHED) + 2)
     off = motion.at(t).pose - path.at(found.motion.places(t / motion.duration * found.spline.duration)).pose
-    return float(np.linalg.norm(off[:, :3], axis=1).max()), float(np.abs(off[:, 3:]).max())
+    return float(np.linalg.norm(off[:, ~turns], axis=1).max()), float(np.abs(off[:, turns]).max(initial=0.0))
 
 
 def _require_rest(path: Trajectory, case: Case) -> None:
     ends = path.at([0.0, path.duration])
-    share = np.abs(ends.rates) / case.need_machine("re-timing")[2].motion.rate
+    share = np.abs(ends.rates) / case.need_motion("re-timing")[1].rate
     if not share.max() <= 1e-6:
         which = "begins" if not share[0].max() <= 1e-6 else "ends"
         raise InfeasiblePlan(f"the path {which} at {100 * share.max():.3g} % of a rate limit; it must be at rest there")

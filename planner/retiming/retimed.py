@@ -17,11 +17,19 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG, MM
+<<<<<<< HEAD
 from identification.criteria import CRITERIA, reference_scaling, singular_values
 from identification.limited import strut_motion
 from identification.limits import PROOF_RATE, LimitReport, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory, sample
+=======
+from identification.criteria import CRITERIA, singular_values
+from identification.limits import LimitReport, mechanical_pace, prove
+from identification.model import Model, identification_model
+from identification.motion import Joined, Standstill, Trajectory
+from identification.reference import reference_scaling
+>>>>>>> main
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.online_profile import OnlineProfile, UntimedMove, online_move, online_profile
 from identification.trajectories.profile import Profile, StraightMove
@@ -117,7 +125,9 @@ def retimed(
 def _slowed(count: int, moves: int) -> tuple[str, ...]:
     if not count:
         return ()
-    return (f"{count} of {moves} moves are slower than their coordinates allow, because of the limits of the struts",)
+    return (
+        f"{count} of {moves} moves are slower than their coordinates allow, because of struts or of joints' torques",
+    )
 
 
 def _rating(motion: Trajectory, case: Case, model: Model, bound: Bound) -> PaceRating:
@@ -142,7 +152,7 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
         UntimedMove: the motion is not a sequence of moves and pauses.
         CaseError: the case has no machine, limits or controller.
     """
-    case.need_machine("re-timing")
+    case.need_motion("re-timing")
     cycle = case.need_controller("re-timing in whole controller cycles").cycle
     if not isinstance(motion, Joined):
         raise UntimedMove("it is one continuous path, no sequence of moves; use --method ipopt")
@@ -156,7 +166,7 @@ def by_controller(motion: Trajectory, case: Case) -> tuple[Joined, int]:
             raise UntimedMove("it contains a continuous path; use --method ipopt")
         pace, move = 1.0, _timed(part, case, 1.0, cycle)
         for _ in range(SLOWINGS):
-            worst = _of_struts(move, case)
+            worst = mechanical_pace(move, case)
             if worst <= 1.0 - MARGIN / 2:
                 break
             pace *= (1.0 - MARGIN) / worst
@@ -170,7 +180,7 @@ def _timed(part: StraightMove | CircularMove, case: Case, pace: float, cycle: fl
     """A move under a controller's own law, with its limits at a share of their pace."""
     v, a, j = pace, pace**2, pace**3
     if isinstance(part, StraightMove):
-        box, kept = case.need_machine("re-timing")[2].motion, 1.0 - MARGIN
+        box, kept = case.need_motion("re-timing")[1], 1.0 - MARGIN
         rate, acceleration, jerk = box.rate * kept * v, box.acceleration * kept * a, box.jerk * kept * j
         law = online_move(part.start, part.end, rate, acceleration, jerk, cycle).profile
         assert isinstance(law, OnlineProfile)
@@ -191,16 +201,6 @@ def _seven_segments(law: OnlineProfile) -> Profile:
     if any(np.abs(ours - its).max() > SAME * np.abs(its).max() for ours, its in pairs):
         raise UntimedMove("ruckig's time law is not one of seven segments: change the limits or the cycle slightly")
     return found
-
-
-def _of_struts(move: Trajectory, case: Case) -> float:
-    """Largest share of the pace that the struts allow."""
-    machine, _, limits = case.need_machine("re-timing")
-    _, velocity, acceleration = strut_motion(sample(move, PROOF_RATE), machine)
-    return max(
-        float(np.abs(velocity).max()) / limits.motion.strut_velocity_m_s,
-        float(np.sqrt(np.abs(acceleration).max() / limits.motion.strut_acceleration_m_s2)),
-    )
 
 
 def retime(

@@ -17,7 +17,7 @@ from identification.hexapod import Hexapod
 from identification.motion import Joined, Standstill, Trajectory
 from identification.recording import Recording
 from identification.recording import record_of as about_recording
-from identification.runs.standstills import average, find_standstills, match, stands_only
+from identification.runs.standstills import average, delimited, find_standstills, match, stands_only
 from identification.saved_result import load_result
 from planner.plan_folder import load_plan
 from postprocessors.execute.executed_run import ExecutedRun
@@ -119,7 +119,7 @@ def standing_of(
         StandstillMismatch: a pose was not measured, or a standstill is none of the poses.
         RecordingError: no standstills, though there should be some.
     """
-    expected = still.poses if still.poses is not None else poses_of_record(recording.record)
+    expected = still.poses if still.poses is not None else poses_of_record(recording.record, len(case.drive_columns))
     if recording.t is None:
         if still.poses is None and not still.asked:
             return recording, None
@@ -133,14 +133,14 @@ def standing_of(
     told = {
         "count": len(standing.windows),
         "matched_to_poses": expected is not None,
-        "found_by": "trigger" if recording.trigger is not None and recording.trigger.any() else "motion",
+        "found_by": "trigger" if delimited(recording.trigger) else "motion",
         "restless": [k for k, s in enumerate(standing.scatter, 1) if s > RESTLESS],
     }
     return standing.averages, told
 
 
 def poses_of_plan(folder: Path, case: Case) -> Array:
-    """Poses of a plan in the order of visit, shape (n, 6) [m, rad].
+    """Poses of a plan in the order of visit, shape (n, k) [m or rad].
 
     Raises:
         FileProblem: no plan there, or damaged.
@@ -152,8 +152,8 @@ def poses_of_plan(folder: Path, case: Case) -> Array:
     return plan.poses
 
 
-def poses_of_record(record: Mapping[str, Any]) -> Array | None:
-    """Poses that a program measured, shape (n, 6); None where it measured a motion, or unknown.
+def poses_of_record(record: Mapping[str, Any], coordinates: int) -> Array | None:
+    """Poses that a program measured, shape (n, coordinates); None where it measured a motion, or unknown.
 
     Raises:
         FileProblem: the entry is damaged.
@@ -165,24 +165,24 @@ def poses_of_record(record: Mapping[str, Any]) -> Array | None:
         poses = np.array(entry, dtype=float)
     except (TypeError, ValueError) as error:
         raise FileProblem(f"recording.json: poses_m_rad: {error}; run the program again") from error
-    if poses.ndim != 2 or poses.shape[1] != 6 or not np.isfinite(poses).all():
-        raise FileProblem("recording.json: poses_m_rad: are not poses of six numbers; run the program again")
+    if poses.ndim != 2 or poses.shape[1] != coordinates or not np.isfinite(poses).all():
+        raise FileProblem(f"recording.json: poses_m_rad: are not poses of {coordinates} numbers; run the program again")
     return poses
 
 
-STANDS = 1e-4  # [m] that a strut may move while the trigger is on: it settles for some cycles
+STANDS = 1e-4  # [m or rad] that a drive may move while the trigger is on: it settles for some cycles
 
 
 def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Trajectory:
     """The whole way of a program that measures standing still, from home on, as its controller is expected to go it."""
-    machine, _, limits = case.need_machine("a run")
-    here, way = machine.home.vector, list[Trajectory]()
+    home, limits = case.need_motion("a run")
+    here, way = home, list[Trajectory]()
     for part in parts:
         motion: Trajectory | None
         if isinstance(part, Timed):
             motion = part.points
         elif isinstance(part, Untimed):
-            motion = predicted(part, limits.motion, guarantees)
+            motion = predicted(part, limits, guarantees)
         else:
             motion = Standstill(here, part.duration) if part.duration > 0.0 else None
         if motion is not None:
@@ -191,8 +191,13 @@ def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Tr
     return Joined(tuple(way))
 
 
+<<<<<<< HEAD
 def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[float, float]:
     """How long it took from home to home [s], and how far the machine stood from the program's poses, shape (n, 6) [m].
+=======
+def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
+    """How long it took from home to home, and how far the machine stood from the program's poses, shape (n, k).
+>>>>>>> main
 
     Raises:
         ExecutionError: the trigger did not come on once at each pose, or the machine moved while it was on.
@@ -208,11 +213,16 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[
         if (way := float(np.ptp(within, axis=0).max())) > STANDS:
             raise ExecutionError(
                 program,
-                f"at pose {k} a strut moved by {way * 1e3:.3g} mm while the trigger was on, on {run.controller}",
+                f"at pose {k} a drive moved by {way * 1e3:.3g} mm or mrad with the trigger on, on {run.controller}",
                 "run again",
             )
     there = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
+<<<<<<< HEAD
     off = float(np.linalg.norm(there[:, :3] - poses[:, :3], axis=1).max())
     return float(t[moving[-1] + 1] - t[moving[0]]), off
+=======
+    off = float(np.linalg.norm(there[:, :3] - run.execution.machine.positions(poses), axis=1).max())
+    return Stood(float(t[moving[-1] + 1] - t[moving[0]]), off)
+>>>>>>> main

@@ -34,7 +34,7 @@ def write(
     Args:
         plan: a motion or poses.
         dialect: the controller's language: one of `DIALECTS`; by default what the suffix of
-            `file` says, else that of the controller that the plan was made for, else linuxcnc.
+            `file` says, else that of the controller that the plan was made for, else the first that the case can.
         speed: share of the planned speed; 0.1 for a first try.
         accept: limits that the controller does not enforce and that the caller answers for, such as `("jerk",)`.
         file: name of the program, for messages; its suffix says how a table of set points is written.
@@ -70,7 +70,10 @@ def language_of(plan: Plan, dialect: str | None, file: Path | str | None = None)
     """The dialect of a name; without one that of a file's suffix, else of the controller that a plan was made for."""
     if dialect is not None:
         return dialect_named(dialect)
-    return dialect_named(usual_dialect(plan.worth.settings)) if file is None else dialect_of_file(str(file))
+    if file is not None:
+        return dialect_of_file(str(file))
+    path = isinstance(plan.request, Request) and not isinstance(plan.request.family, PointToPoint)
+    return dialect_named(usual_dialect(plan.case, plan.worth.settings, path))
 
 
 _IN_PROGRAM = re.compile(rb"plan hash ([0-9a-f]{%d})" % DIGITS)

@@ -81,6 +81,20 @@ def pose_shares(case: Case, poses: Array) -> dict[str, Array]:
     return {g.name: np.abs(g.kernel.values(states)) for g in state_limits(case) if g.peak is Peak.POSE}
 
 
+def standing_limits(case: Case) -> ca.Function:
+    """Coordinates -> shares of the limits that a standstill uses, torques and sensor forces with each load among them.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    count = len(box_middle(case)[0])
+    pose, still = ca.SX.sym("pose", count), ca.SX.zeros(count)
+    loads = tuple(range(len(case.bodies))) if case.sensors.range is not None else ()
+    of_machine = [share.value for share in machine_of(case).shares(case, pose, still, still)]
+    shares = ca.vertcat(ca.SX(0, 1), *of_machine, *_sensor_forces(case, loads, pose, still, still))
+    return ca.Function("standing_limits", [pose], [ca.densify(shares)], {"cse": True})
+
+
 def _extreme_states(case: Case) -> Array:
     home, box = case.need_motion("planning")
     n = len(home)

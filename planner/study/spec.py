@@ -35,12 +35,12 @@ Whole = Annotated[int, Field(strict=True)]
 class Grid(Part):
     """Values of each setting of `hexcite plan`; every combination is a cell. One value may stand without brackets.
 
-    Period, moves and knots that are not stated fit the duration, as they do there.
+    A model that is not stated is the machine's largest; period, moves and knots fit the duration, as they do there.
     """
 
     family: Values[str] = ("fourier",)
     criterion: Values[str] = ("D",)
-    model: Values[Whole] = (9,)
+    model: Values[Whole | None] = (None,)
     duration_s: Values[Positive] = (12.0,)
     order: Values[Whole] = (5,)
     period_s: Values[Positive | None] = (None,)

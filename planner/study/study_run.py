@@ -13,6 +13,7 @@ import numpy as np
 from cases.basis import KEPT, study_basis
 from cases.errors import HexciteError
 from cases.schema import Case
+from identification.model import full_model
 from planner.request import Request
 from planner.study.cluster import TaskEnd, run_tasks
 from planner.study.spec import Spec, cell_key, request_of, settings_of
@@ -136,7 +137,8 @@ def cells_of(spec: Spec, case: Case) -> list[Cell]:
         HexciteError: a combination cannot be planned, or there are too many.
     """
     ours, found = version("hexcite"), []
-    for settings in settings_of(spec):
+    for stated in settings_of(spec):
+        settings = {"model": full_model(case)} | stated
         request_of(settings)
         found.append(Cell(cell_key(settings, spec.execute, case, ours), settings))
     return found

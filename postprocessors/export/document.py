@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from cases.errors import HexciteError
 from postprocessors.export.calibration import Calibration
 
 SCHEMA_VERSION = 1
@@ -62,6 +61,16 @@ class ExportedKinematics(_Exported):
     drives: ExportedDrives | None
 
 
+class ExportedStruts(_Exported):
+    """Sensors in the struts of `kinematics`: J^-T has the columns (R^T n_k; p_k x R^T n_k).
+
+    n_k points from base joint k to platform joint k and has the length 1, p_k is platform joint k in {P}. What rods and
+    tubes add stands in `linear`, as the page on where sensors sit of hexcite's documents describes.
+    """
+
+    at: Literal["drive", "platform"] = Field(description="end of the strut at which the sensor sits")
+
+
 class Document(_Exported):
     """A calibrated measurement model: external = -structure (forces - A(pose, twist, twist rate) u), (1)-(22).
 
@@ -75,9 +84,11 @@ class Document(_Exported):
     model: int = Field(ge=0, le=9, description="identification model, Table 2")
     error_terms: list[str] = Field(description="forms of the error compensation, (12) to (15), in place of the model's")
     gravity_m_s2: Three = Field(description="in {B}")
-    structure: Annotated[list[Six], Field(min_length=6, max_length=6)] = Field(
-        description="J^-T of (2), row by row: sensor forces to force [N] and moment [N m] on the platform, in {P}"
+    structure: Annotated[list[Six], Field(min_length=6, max_length=6)] | None = Field(
+        description="J^-T of (2), row by row: sensor forces to force [N] and moment [N m] on the platform, in {P}; "
+        "null where the sensors sit in the struts, for there it depends on the pose"
     )
+    struts: ExportedStruts | None = Field(default=None, description="null where the sensors sit elsewhere")
     force_delay_s: float = Field(description="how much later than the motion the forces were recorded")
     kinematics: ExportedKinematics | None = Field(description="null for a sensor without a hexapod")
     linear: list[ExportedParameter] = Field(description="u of (17)")
@@ -89,17 +100,9 @@ class Document(_Exported):
 
 
 def document(calibration: Calibration) -> Document:
-    """Everything that a calibration holds.
-
-    Raises:
-        HexciteError: the sensors sit in struts; their structure matrix is none of the constants of a document.
-    """
+    """Everything that a calibration holds."""
     case, result = calibration.case, calibration.result
-    if calibration.model.struts is not None:
-        raise HexciteError(
-            f"{result.source}: the sensors sit in struts, whose structure matrix depends on the pose; a JSON document "
-            "has a constant one: export --to c, linuxcnc or st"
-        )
+    struts = calibration.model.struts
     kinematics = None
     if case.hexapod is not None:
         drives = case.recording.drives
@@ -128,7 +131,8 @@ def document(calibration: Calibration) -> Document:
         model=calibration.model.number,
         error_terms=list(result.terms),
         gravity_m_s2=case.gravity.tolist(),
-        structure=calibration.model.structure.tolist(),
+        structure=calibration.model.structure.tolist() if struts is None else None,
+        struts=struts and ExportedStruts(at=struts.sensors.at),
         force_delay_s=result.delay,
         kinematics=kinematics,
         linear=[

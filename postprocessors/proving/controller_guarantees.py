@@ -1,6 +1,7 @@
 """What SINUMERIK, TwinCAT and a setpoint generator answer for, as far as the case says that they are set up to."""
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -42,9 +43,28 @@ def _trapezoid_arc(velocity: float, acceleration: float, jerk: float, angle: flo
     return fastest_profile(1.0, min(velocity, turning), ALONG * acceleration)
 
 
+def _of_own_axes(controller: str, keeps: Iterable[str], smooth: bool, step: float) -> Guarantees:
+    """Of a machine whose axes are its joints: moves from rest to rest alone; `step` is the time of a cycle [s]."""
+    return Guarantees(
+        controller=controller,
+        shortest_block=step,
+        longest_block=0.0,
+        follows_paths=False,
+        even_blocks=False,
+        enforced=frozenset(keeps),
+        law=_seven_segments if smooth else _trapezoid,
+        arc_law=_seven_segment_arc if smooth else _trapezoid_arc,
+        jerk_time=0.0 if smooth else step,
+    )
+
+
 def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
     """SOFT keeps the jerk; how time passes within a block is the controller's, so that it must keep the rest itself."""
-    settings = case.need_controller("a SINUMERIK program").need_sinumerik(case.name)
+    controller = case.need_controller("a SINUMERIK program")
+    if case.chain is not None:
+        axes = controller.need_sinumerik_axes(case.name)
+        return _of_own_axes("SINUMERIK", axes.controller_keeps, smooth=True, step=axes.shortest_block)
+    settings = controller.need_sinumerik(case.name)
     polynomial = any(isinstance(e, Polynomial) for e in reading.events)
     return Guarantees(
         controller="SINUMERIK",
@@ -62,13 +82,19 @@ def sinumerik_guarantees(reading: Reading, case: Case) -> Guarantees:
 
 def sinumerik_tolerance(case: Case) -> Array:
     """How far POLY blocks may be off a motion that is not a polynomial, shape (6,) [m, rad]."""
+    if case.chain is not None:
+        return np.zeros(1)
     length, angle = case.need_controller("a SINUMERIK program").need_sinumerik(case.name).poly_tolerance
     return np.repeat([length, angle], 3)
 
 
 def twincat_guarantees(reading: Reading, case: Case) -> Guarantees:
     """`#SLOPE` decides on the jerk; between the points of a path the curve is the controller's."""
-    settings = case.need_controller("a TwinCAT program").need_twincat(case.name)
+    controller = case.need_controller("a TwinCAT program")
+    if case.chain is not None:
+        axes = controller.need_twincat_axes(case.name)
+        return _of_own_axes("TwinCAT", axes.controller_keeps, axes.slope == "TRAPEZ", axes.shortest_block)
+    settings = controller.need_twincat(case.name)
     smooth = settings.slope == "TRAPEZ"
     return Guarantees(
         controller="TwinCAT",

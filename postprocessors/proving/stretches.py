@@ -194,7 +194,7 @@ def measures_at_poses(program: Sequence[Stretch]) -> bool:
 
 
 def measured_poses(program: Sequence[Stretch]) -> Array:
-    """Poses at which the trigger is on, in order, shape (k, 6) [m, rad]; of programs that measure standing still."""
+    """Poses at which the trigger is on, in order, shape (k, n) [m or rad]; of programs that measure standing still."""
     here: Array | None = None
     poses: list[Array] = []
     for part in program:
@@ -204,4 +204,4 @@ def measured_poses(program: Sequence[Stretch]) -> Array:
             here = part.points.at([part.points.duration]).pose[0]
         elif part.trigger and part.duration > 0.0 and here is not None:
             poses.append(here)
-    return np.array(poses).reshape(-1, 6)
+    return np.array(poses)

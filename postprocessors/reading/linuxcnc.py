@@ -16,6 +16,7 @@ from cases.chain import Chain
 from cases.errors import ProgramError
 from cases.schema import Case
 from cases.units import DEG, MM
+from postprocessors.reading.axes import axis_letters
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
 from postprocessors.reading.words import Pause, Reading, Switch, Timing, each_word, program_lines
 
@@ -67,7 +68,7 @@ class _LinuxCncInterpreter(ModalState):
     """What the words mean."""
 
     def __init__(self, file: str, chain: Chain | None = None) -> None:
-        axes = "XYZABC" if chain is None else axis_letters(chain, file)
+        axes = "XYZABC" if chain is None else axis_letters(chain, "LinuxCNC", file)
         self.own_axes = chain is not None  # each axis is a joint; else they are the pose of a platform
         scale = np.array([MM if letter in "XYZ" else DEG for letter in axes])
         super().__init__(file, SPELLING, list(axes), ("A", "B", "C"), scale)
@@ -182,23 +183,6 @@ def read_linuxcnc_bytes(content: bytes, file: str, case: Case) -> Reading:
     """
     # one character a byte; what is not ASCII is refused there
     return read_linuxcnc(content.decode("latin-1"), file, case.chain)
-
-
-def axis_letters(chain: Chain, file: str) -> str:
-    """The axis of each joint of a chain, which is the joint's name.
-
-    Raises:
-        ProgramError: a joint whose name is not an axis of its kind.
-    """
-    for joint in chain.joints:
-        letters = "ABC" if joint.turns else "XYZ"
-        if joint.name not in tuple(letters):
-            problem = f"joint {joint.name} {'turns' if joint.turns else 'slides'} and is not an axis of LinuxCNC"
-            remedy = (
-                f"name it {', '.join(letters)} in machine.chain, or write with --dialect urscript, ros2 or setpoints"
-            )
-            raise ProgramError(file, 0, 0, f"{problem}; {remedy}")
-    return "".join(chain.names)
 
 
 def read_linuxcnc(text: str, file: str, chain: Chain | None = None) -> Reading:

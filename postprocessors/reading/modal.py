@@ -241,7 +241,7 @@ class ModalState(ABC):
         return Timing.FEED, self.feed * (MM if linear else DEG) / MINUTE
 
     def _require_counted(self, first: Word, linear: bool) -> None:
-        counted = ("X", "Y", "Z") if linear else self.angles
+        counted = tuple(a for a in self.axes if a in ("X", "Y", "Z")) if linear else self.angles
         if self.spelling.feed_group and self.feed_axes != counted:
             command = self.spelling.feed_group.format(",".join(counted))
             self.fail(first, f"F counts {', '.join(counted)} in this move only after {command}; add it before")

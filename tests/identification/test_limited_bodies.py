@@ -127,3 +127,45 @@ def test_the_search_keeps_off_before_anything_touches() -> None:
 def test_without_bodies_nothing_is_kept_off() -> None:
     bare = odd().model_copy(update={"keep_out": (TABLE,)})
     assert not found(bare, states(bare))
+
+
+THIN = KeepOut(name="sheet", x_mm=(200.0, 200.05), y_mm=(-100.0, 100.0), z_mm=(-100.0, 100.0))
+NEEDLE = {"name": "needle", "to_mm": [0.0, 0.0, 5.0], "radius_mm": 0.01}
+
+
+def slide(box: KeepOut = THIN) -> Chain:
+    """A needle on a slide along x, which a thin sheet stands across."""
+    joint = {
+        "name": "X", "kind": "prismatic", "axis": [1.0, 0.0, 0.0], "position_mm": [-1000.0, 1000.0], "home_mm": 0.0,
+    }  # fmt: skip
+    return Chain.model_validate({"joints": [joint], "tool": [NEEDLE], "keep_out": [box.model_dump()]})
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.25e-3, 0.5e-3, 0.75e-3])
+def test_nothing_passes_a_thin_box_between_two_instants(offset: float) -> None:
+    """2 m/s at 1 kHz are 2 mm a step, the sheet has 0.05 mm: no instant need see it."""
+    t = offset + np.arange(0.0, 0.2, 1e-3)
+    still = np.zeros((len(t), 1))
+    motion = Motion(t, 2.0 * t[:, None], np.full((len(t), 1), 2.0), still, still)
+    (quantity,) = body_clearances(motion, slide())
+    assert quantity.ratio.max() > 1.0
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_distances_of_few_instants_bound_those_of_many_and_not_by_much(name: str) -> None:
+    chain = CHAINS[name]
+    size = np.where([joint.turns for joint in chain.joints], 1.0, 0.1)
+    waves = np.random.default_rng(2).uniform(1.0, 3.0, len(chain.joints))
+    few, many = (np.linspace(0.0, 2.0, 2 * rate + 1) for rate in (1000, 20_000))
+
+    def nearest(t: np.ndarray) -> dict[str, float]:
+        angle = t[:, None] * waves
+        q, first, second = (size * np.sin(angle), size * waves * np.cos(angle), -size * waves**2 * np.sin(angle))
+        motion = Motion(t, chain.home + q, first, second, np.zeros_like(q))
+        return {q.name + label: float(v.min()) for q in body_clearances(motion, chain) for label, v in zip(
+            q.labels, q.values.T, strict=True)}  # fmt: skip
+
+    coarse, fine = nearest(few), nearest(many)
+    assert coarse.keys() == fine.keys()
+    for label, distance in fine.items():
+        assert distance - 0.012 <= coarse[label] <= distance, label

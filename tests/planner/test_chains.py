@@ -1,6 +1,5 @@
 """Chains of five, six and seven joints, one on a rail: planned, written, run and identified as hexapods are."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +29,7 @@ from planner.runs.running import execute
 from planner.runs.written import write
 from planner.search.parallel import SILENT, run_here
 from tests.chains import chain_case
-from tests.planner.command_line import refused
+from tests.planner.command_line import call, refused
 
 PLANS: dict[int, FamilySettings] = {5: Fourier(order=3), 6: PointToPoint(moves=8), 7: Spline(knots=40)}
 
@@ -197,21 +196,7 @@ def test_standing_outside_a_joints_end_is_reported():
 def test_the_demo_of_the_robot_is_right_within_its_deviations(tmp_path: Path):
     done = demo(load_case("ur10_wrist"), tmp_path / "demo", "virtual")
     assert done.worst < 4.0
-    assert (tmp_path / "demo" / "excitation.csv").is_file()
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        "poses ur10_wrist",
-        "plan ur10_wrist --family manual",
-        "validate ur10_wrist --undisturbed",
-        "case show ur10_wrist",
-    ],
-)
-def test_what_a_chain_cannot_do_yet_is_refused_in_one_line_that_names_it(command: str):
-    line = refused(*command.split())
-    assert re.search(r"machine\.chain: .* for hexapods only", line)
+    assert (tmp_path / "demo" / "excitation.script").is_file()
 
 
 def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):
@@ -232,3 +217,35 @@ def test_averaged_standstills_of_a_chain_give_mass_and_offsets(tmp_path: Path):
     assert result.estimate.model == 0
     assert result["m"].value == pytest.approx(2.61, abs=1e-6)
     assert result["f_q0_5"].value == pytest.approx(-0.22, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["ur10_wrist", "five_axis_table"])
+def test_a_chain_is_drawn_with_its_joints(name: str, tmp_path: Path):
+    assert call("case", "show", name, "-o", tmp_path / "chain.svg").code == 0
+    text = (tmp_path / "chain.svg").read_text(encoding="utf-8")
+    for joint in load_case(name).chain.names:
+        assert f"<!-- {joint} -->" in text
+
+
+@pytest.mark.parametrize("command", ["validate ur10_wrist", "validate strut_sensors"])
+def test_a_validation_says_in_one_line_which_machines_it_is_for(command: str):
+    assert "platform" in refused(*command.split())
+
+
+def test_a_home_inside_a_box_is_one_line_for_every_command(tmp_path: Path):
+    text = (Path("cases") / "ur10_wrist" / "case.toml").read_text(encoding="utf-8")
+    file = tmp_path / "case.toml"
+    file.write_text(text.replace("z_mm = [-500.0, -10.0]", "z_mm = [-500.0, 700.0]"), encoding="utf-8")
+    for command in (("case", "check"), ("plan",), ("poses",)):
+        assert "distance from floor" in refused(*command, file)
+
+
+def test_a_chain_that_cannot_turn_its_load_is_named_by_every_command_that_would_need_it(tmp_path: Path):
+    """The base joint alone turns it about the vertical: where its centre of gravity is along it changes nothing."""
+    lines = (Path("cases") / "ur10_wrist" / "case.toml").read_text(encoding="utf-8").splitlines()
+    others = ("shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    kept = [line for line in lines if not line.strip().startswith(tuple(f'{{ name = "{name}"' for name in others))]
+    file = tmp_path / "case.toml"
+    file.write_text("\n".join(kept), encoding="utf-8")
+    for command in ("plan", "bound", "poses"):
+        assert "mzC" in refused(command, file)

@@ -141,6 +141,7 @@ def test_the_same_seed_gives_the_same_plan(plan: dict[str, Any], tmp_path: Path)
     assert own == other
 
 
+@pytest.mark.slow
 def test_it_carries_more_information_than_limited_jerk_does(plan: dict[str, Any], tmp_path: Path):
     words = [*PLAN[:2], "--for", "virtual", *PLAN[4:], "--moves", 10, "-o", tmp_path / "smooth", "--json"]
     smooth = call(*words).json()

@@ -247,3 +247,23 @@ def test_cases_without_a_motion_box(name: str, place: str) -> None:
     assert "reach" not in call("case", "check", name).out
     message = refused("case", "check", name, "--propose")
     assert f"{name}/case.toml: {place}" in message
+
+
+def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
+    """A pillar beside the robot: the base turns towards it as far as bisection of the proof lets it."""
+    data = load_case("ur10_wrist").model_dump(mode="json", exclude_unset=True)
+    pillar = {"name": "pillar", "x_mm": [300.0, 900.0], "y_mm": [250.0, 400.0], "z_mm": [0.0, 2000.0]}
+    data["machine"]["chain"]["keep_out"].append(pillar)
+    case = Case.model_validate(data).found_at("ur10_wrist")
+    found = reach(case, 500)
+    assert not found.whole
+    assert found.limited_by[0][0] is None
+    assert found.limited_by[0][1].startswith("distance from pillar")
+    low, high = 0.0, float(case.limits.motion.pose[1, 0])
+    for _ in range(30):
+        middle = (low + high) / 2
+        pose = case.chain.home.copy()
+        pose[0] += middle
+        low, high = (middle, high) if prove(StandingPoses(np.array([pose, pose])), case, 1.0).kept else (low, middle)
+    assert found.reachable[1, 0] == pytest.approx(low, abs=1e-6)
+    assert found.keys == tuple(f"q{k}_deg" for k in range(1, 7))

@@ -40,3 +40,26 @@ def test_radians_names_and_the_output_bit_are_read(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.forces, wrench, atol=1e-12)
     np.testing.assert_array_equal(found.trigger, trigger == 1)
     assert np.diff(found.t) == pytest.approx(np.full(399, 0.002), abs=1e-6)
+
+
+def test_a_joint_without_ends_is_read_through_its_turns(tmp_path: Path) -> None:
+    """An encoder that begins anew after a turn says the same as one that counts turns; a gap in it does not matter."""
+    data = load_case("ur10_wrist").model_dump(exclude_none=True)
+    last = data["machine"]["chain"]["joints"][5]
+    last["kind"] = last.pop("position_deg") and "continuous"
+    case = Case.model_validate(data)
+    t = np.arange(400) / 500.0
+    q = np.zeros((400, 6))
+    q[:, 5] = 500.0 * np.sin(6.0 * t)
+    columns = [*case.drive_columns, "fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm"]
+
+    def recorded(name: str, turned: np.ndarray) -> np.ndarray:
+        text = [[f"{v:.9f}" for v in row] for row in np.column_stack([t, turned, np.ones((400, 6))])]
+        text[50][6] = "nan"
+        file = tmp_path / name
+        file.write_text("\n".join([",".join(["t_s", *columns]), *map(",".join, text)]) + "\n", encoding="utf-8")
+        return read(file, case).struts
+
+    counted = recorded("counted.csv", q)
+    wrapped = recorded("wrapped.csv", np.column_stack([q[:, :5], (q[:, 5] + 180.0) % 360.0 - 180.0]))
+    np.testing.assert_allclose(wrapped, counted, atol=1e-9)

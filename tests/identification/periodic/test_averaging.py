@@ -43,7 +43,7 @@ def clean() -> Estimate:
     return identify(recorded(CASE, Repeating()), CASE, conditioning=AUTO)
 
 
-@pytest.mark.parametrize("period", [1.3, 2.0, 2.0 / 3.0 * np.sqrt(3.0)])
+@pytest.mark.parametrize("period", few(1.3, 2.0, 2.0 / 3.0 * np.sqrt(3.0)))
 def test_an_ideal_machine_gives_its_parameters_back(period: float) -> None:
     """Whether or not the period is a whole number of samples: derivatives are analytic, nothing is differenced."""
     estimate = identify(recorded(ideal(CASE), Repeating(period, 3)), CASE, conditioning=AUTO)
@@ -91,7 +91,7 @@ def test_more_noise_of_the_struts_leaves_fewer_harmonics() -> None:
     assert counts[0] > counts[1] > counts[2] >= 4  # of the motion itself
 
 
-@pytest.mark.parametrize("delay_ms", [0.0, 2.5, 15.0])
+@pytest.mark.parametrize("delay_ms", few(2.5, 0.0, 15.0))
 def test_the_delay_is_found(delay_ms: float) -> None:
     case = simulated(ideal(CASE), force_delay_ms=delay_ms)
     estimate = identify(recorded(case, Repeating(periods=2)), case, conditioning=AUTO)

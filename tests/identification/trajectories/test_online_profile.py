@@ -70,7 +70,7 @@ def test_a_slowed_law_covers_the_same_way():
 def test_vectors_of_wrong_length_never_reach_ruckig(which: int, length: int):
     arguments = [HERE, THERE, RATE, ACCELERATION, JERK]
     arguments[which] = np.ones(length)
-    with pytest.raises(UntimedMove, match=r"expected \(6,\)"):
+    with pytest.raises(UntimedMove, match=r"has shape .*, expected"):
         online_move(*arguments, 1e-3)
 
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.errors import FileProblem, HexciteError
+from cases.loading import load_case
 from cases.schema import Case
 from planner.families.settings import FAMILIES
 from planner.request import Request
@@ -22,6 +23,7 @@ from planner.study.spec import (
     request_of,
     settings_of,
 )
+from planner.study.study_run import cells_of
 from tests.helpers import one_line
 
 HEAD = 'schema_version = 1\nname = "mine"\n'
@@ -136,3 +138,9 @@ def test_a_study_that_is_not_there() -> None:
 def test_what_cannot_be_planned_is_refused_before_the_work(settings: dict, says: str) -> None:
     with pytest.raises(HexciteError, match=says):
         request_of({"family": "fourier"} | settings)
+
+
+@pytest.mark.parametrize(("case", "model"), [("hexapod", 9), ("ur10_wrist", 6), ("strut_sensors", 6)])
+def test_a_model_that_is_not_stated_is_the_largest_of_the_machine(case: str, model: int) -> None:
+    cells = cells_of(Spec(schema_version=1, name="x", grid=Grid(family=["ptp"])), load_case(case))
+    assert [cell.settings["model"] for cell in cells] == [model]

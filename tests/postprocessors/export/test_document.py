@@ -8,7 +8,6 @@ import pytest
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from cases.errors import HexciteError
 from cases.loading import load_case
 from identification.model import identification_model
 from postprocessors.export import document as module
@@ -62,6 +61,16 @@ def test_physical_values_are_those_of_the_linear_ones(tmp_path: Path) -> None:
     assert physical["IC11"] == pytest.approx(linear["I11"] - steiner, rel=1e-9)
 
 
-def test_a_structure_matrix_that_depends_on_the_pose_is_no_constant_of_a_document(tmp_path: Path) -> None:
-    with pytest.raises(HexciteError, match=r"struts.*--to c"):
-        json_document(calibration(tmp_path, "strut_sensors", 6))
+def test_the_structure_of_sensors_in_struts_follows_from_the_file_by_virtual_work(tmp_path: Path) -> None:
+    """J^-T, transposed, turns the platform's twist in its own axes into strut velocities."""
+    data = json.loads(json_document(calibration(tmp_path, "strut_sensors", 6)))
+    assert (data["structure"], data["struts"]) == (None, {"at": "drive"})
+    assert {"h", "k", "d"} <= {p["name"] for p in data["linear"]}
+    base, platform = (np.array(data["kinematics"][name]) for name in ("base_m", "platform_m"))
+    s = states(load_case("strut_sensors"), 10, 3)
+    for pose, twist, velocities in zip(s.pose, s.twist, s.velocities, strict=True):
+        turn = Rotation.from_euler("xyz", pose[3:]).as_matrix()
+        struts = pose[:3] + platform @ turn.T - base
+        along = struts / np.linalg.norm(struts, axis=1)[:, None] @ turn
+        structure = np.vstack([along.T, np.cross(platform, along).T])
+        np.testing.assert_allclose(structure.T @ np.r_[turn.T @ twist[:3], turn.T @ twist[3:]], velocities, rtol=1e-12)

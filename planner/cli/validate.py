@@ -1,0 +1,125 @@
+"""`hexcite validate`: known weights mounted one after the other, identified by each method (section 8, Table 7)."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from planner.cli.console import Json, Overwrite, print_json, print_table, progress
+
+if TYPE_CHECKING:
+    from planner.validation.validation import Validation
+
+
+def validate(
+    case: Annotated[str, typer.Argument(help="Built-in name, folder or case file, with payloads.")],
+    methods: Annotated[
+        str | None,
+        typer.Option(help="Methods, separated by commas, by default all: Q5M, Q5N, D9M, D9N, ptp, spline."),
+    ] = None,
+    recordings: Annotated[
+        Path | None,
+        typer.Option(help="Instead: a real machine's runs, METHOD/0, METHOD/1, .. named after the weights mounted."),
+    ] = None,
+    weights: Annotated[
+        str | None, typer.Option(help="How many weights are mounted: 0,3,5; by default none, and each up to all.")
+    ] = None,
+    plans: Annotated[
+        Path | None, typer.Option(help="Folder of an earlier validation: take its plans instead of new ones.")
+    ] = None,
+    on: Annotated[str, typer.Option(help="Controller: virtual or linuxcnc.")] = "virtual",
+    starts: Annotated[int, typer.Option(help="Random starts of the optimised methods.")] = 2,
+    seed: Annotated[int, typer.Option(help="Seed of the starts and of the sensors' noise.")] = 0,
+    undisturbed: Annotated[
+        bool, typer.Option("--undisturbed", help="Without the disturbances of the simulated structure.")
+    ] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to write; hexcite-validation by default.")
+    ] = None,
+    overwrite: Overwrite = False,
+    json: Json = False,
+) -> None:
+    """Identify known weights by each method; compare with theory.
+
+    They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
+    what it models. Interrupted, the same command uses the plans that are there.
+    """
+    from cases.errors import CaseError
+    from cases.files import VALIDATION, check_folder, output_place
+    from cases.loading import load_case
+    from identification.model import RIGID, full_model
+    from planner.cli.console import save_with_page
+    from planner.validation.carrying_out import ValidationSettings, unfinished
+    from planner.validation.experiment import chosen, mounted_weights
+    from planner.validation.validation import disturbances_of, validate_recordings
+    from planner.validation.validation import validate as carried_out
+
+    settings = ValidationSettings(on, starts, seed, plans)
+    loaded = load_case(case)
+    if loaded.limits is not None and full_model(loaded) == RIGID:
+        raise CaseError(
+            f"case {loaded.name}",
+            "setup",
+            f"is {loaded.setup}: a validation compares methods for sensors in a hexapod's platform; run and identify "
+            "with and without a weight, and see what hexcite payload says of it",
+        )
+    if recordings is not None:
+        _only_recordings(
+            {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}
+        )
+    wanted = chosen(methods) if recordings is None else []
+    if loaded.payloads is None:
+        loaded.missing("payloads", "a validation with payloads")
+    mounted = mounted_weights(loaded, weights)
+    place = output_place(output, Path("hexcite-validation"), overwrite)
+    check_folder(place, VALIDATION, [folder for folder in (recordings, plans) if folder is not None], overwrite)
+    if recordings is not None:
+        named = None if methods is None else [name.strip() for name in methods.split(",")]
+        found = validate_recordings(loaded, recordings, named)
+        save_with_page(found, VALIDATION, place, overwrite)
+    else:
+        loaded.need_machine("a validation")  # before anything is made
+        disturbances_of(loaded, settings, undisturbed)
+        with unfinished(place, loaded, settings, overwrite) as work:
+            with progress("validating", len(wanted) * len(mounted), json) as count:
+                found = carried_out(
+                    loaded, wanted, mounted, settings, undisturbed=undisturbed, folder=work, count=count
+                )
+            save_with_page(found, VALIDATION, place, overwrite)
+    answer = {"report": str(place / "report.html")} | found.to_json()
+    if json:
+        print_json(answer)
+    else:
+        _show(answer, found)
+
+
+def _only_recordings(given: dict[str, Any]) -> None:
+    """Refuses what says how to simulate beside recordings of a machine."""
+    from cases.errors import HexciteError
+
+    for option in (name for name, wanted in given.items() if wanted):
+        raise HexciteError(f"{option}: nothing is simulated with --recordings; leave out one of both")
+
+
+def _show(answer: dict[str, Any], validation: "Validation") -> None:
+    from planner.reports.validation import TABLE_7, table_7
+    from planner.validation.remedy import REMEDY_COLUMNS
+    from planner.validation.verdict import OFF_COLUMNS, off_rows
+
+    found = list(validation.steps)
+    print(f"machine: {validation.machine}")
+    for method, told in validation.executed.items():
+        if ";" in told:
+            print(f"{method}: executed on {told}")
+    for method, why in validation.failed.items():
+        print(f"NOT RUN: {method}: {why}")
+    for method in dict.fromkeys(s.method for s in found):
+        print_table(f"{method}", TABLE_7, table_7([s for s in found if s.method == method]))
+    if rows := off_rows(found):
+        title = "Off by more than 3 reported standard deviations; parts of the error in these"
+        print_table(title, OFF_COLUMNS, rows)
+    if rows := [row for remedy in validation.remedies for row in remedy.rows()]:
+        print_table("The same recordings with the mode estimated too (identify --flexible)", REMEDY_COLUMNS, rows)
+    print(f"report written: {answer['report']}")
+    for finding in validation.findings:
+        print(finding.sentence())

@@ -1,0 +1,61 @@
+"""Motions of chains at another pace: limits of five, six and seven joints are satisfied, and none is left unused."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from identification.limits import prove
+from identification.model import identification_model
+from identification.motion import Joined, TimedPoints
+from identification.trajectories.path_timing import retime
+from identification.trajectories.profile import StraightMove
+from planner.retiming.path_pace import retimed_path
+from planner.retiming.retimed import RetimingMethod, retimed
+from tests.chains import chain_case
+
+SEED = 5
+
+
+@pytest.mark.parametrize("joints", [5, 6, 7])
+def test_moves_of_joints_last_whole_cycles_and_are_as_fast_as_one_joint_can_be(joints: int):
+    case = chain_case(joints)
+    home, box = case.need_motion("a test")
+    draw = np.random.default_rng(SEED)
+    places = home + np.vstack([draw.uniform(*(0.9 * box.pose)) for _ in range(6)])
+    slow = Joined(tuple(
+        StraightMove.fastest(a, b, 0.5 * box.rate, 0.25 * box.acceleration, 0.125 * box.jerk)
+        for a, b in pairwise(places)
+    ))  # fmt: skip
+    model = identification_model(case, 0)
+    found = retimed(slow, case, model, RetimingMethod.RUCKIG, False)
+    assert found.motion.duration == pytest.approx(slow.duration / 2, rel=0.03)
+    for part, planned in zip(found.motion.parts, slow.parts, strict=True):
+        assert part.duration / case.controller.cycle == pytest.approx(round(part.duration / case.controller.cycle))
+        assert part.at([part.duration]).pose[0] == pytest.approx(planned.at([planned.duration]).pose[0], abs=1e-12)
+        used = prove(part, case).checks
+        assert max(c.ratio for c in used if "angle" not in c.name and "distance" not in c.name) <= 1.0
+        assert max(c.ratio for c in used if c.name.split(" (")[0] in KINETIC) > 0.97
+
+
+KINETIC = {
+    *(f"angular {word}" for word in ("velocity", "acceleration", "jerk")), "velocity", "acceleration", "jerk",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("joints", [5])
+def test_a_path_of_joints_runs_as_fast_as_its_limits_let_it(joints: int):
+    case = chain_case(joints)
+    home, box = case.need_motion("a test")
+    draw = np.random.default_rng(SEED)
+    path = TimedPoints.through(
+        2.0 * np.arange(6), home + np.vstack([draw.uniform(*(0.3 * box.pose)) for _ in range(6)])
+    )
+    without_jerk = retime(path, case, fastest=True)
+    with_jerk, off_path, _ = retimed_path(path, case, fastest=True)
+    report = prove(with_jerk, case)
+    assert report.kept
+    assert without_jerk.duration <= with_jerk.duration * 1.001 <= path.duration
+    assert max(off_path) < 2e-3
+    accelerations = np.abs(without_jerk.at(np.linspace(0, without_jerk.duration, 4000)).accelerations)
+    assert (accelerations / case.limits.motion.acceleration).max() == pytest.approx(1.0, abs=0.01)
