@@ -95,8 +95,10 @@ def validate(
     They are mounted one after the other. Without --recordings the case's simulated machine is used, and the answer says
     what it models. Interrupted, the same command uses the plans that are there.
     """
+    from cases.errors import CaseError
     from cases.files import VALIDATION, check_folder, output_place
     from cases.loading import load_case
+    from identification.model import RIGID, full_model
     from planner.cli.console import save_with_page
     from planner.validation.carrying_out import ValidationSettings, unfinished
     from planner.validation.experiment import chosen, mounted_weights
@@ -105,6 +107,13 @@ def validate(
 
     settings = ValidationSettings(on, starts, seed, plans)
     loaded = load_case(case)
+    if loaded.limits is not None and full_model(loaded) == RIGID:
+        raise CaseError(
+            f"case {loaded.name}",
+            "setup",
+            f"is {loaded.setup}: a validation compares methods for sensors in a hexapod's platform; run and identify "
+            "with and without a weight, and see what hexcite payload says of it",
+        )
     if recordings is not None:
         _only_recordings(
             {"--weights": weights, "--plans": plans, "--on": on != "virtual", "--undisturbed": undisturbed}

@@ -14,13 +14,8 @@ from cases.schema import Case
 from identification.limits import mechanical_pace
 from identification.machines import kinetic
 from identification.trajectories.profile import Profile, StraightMove, fastest_profile
-<<<<<<< HEAD
-from planner.poses.space import valid_poses
-from postprocessors.execute.virtual import RuckigLaw
-=======
 from planner.poses.space import space_of
-from postprocessors.execute.ruckig_law import RuckigLaw
->>>>>>> main
+from postprocessors.execute.virtual import RuckigLaw
 
 Array = NDArray[np.float64]
 

@@ -254,8 +254,8 @@ _PAGES: "dict[str, Callable[[Any], Page]]" = {  # by name: to import the types o
 def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
     """The model of a plan of poses, and what its poses determine."""
     from identification.identifiability import analyse
-    from identification.model import identification_model
+    from planner.noise import standing_model
     from planner.poses.pose_criteria import pose_regressors
 
-    model = identification_model(plan.case, plan.model)
+    model = standing_model(plan.case, plan.model)
     return model, analyse(pose_regressors(model, plan.poses), model.names)

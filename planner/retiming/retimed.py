@@ -17,19 +17,10 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, InfeasiblePlan
 from cases.schema import Case
 from cases.units import DEG, MM
-<<<<<<< HEAD
 from identification.criteria import CRITERIA, reference_scaling, singular_values
-from identification.limited import strut_motion
-from identification.limits import PROOF_RATE, LimitReport, prove
-from identification.model import Model, identification_model
-from identification.motion import Joined, Standstill, Trajectory, sample
-=======
-from identification.criteria import CRITERIA, singular_values
 from identification.limits import LimitReport, mechanical_pace, prove
 from identification.model import Model, identification_model
 from identification.motion import Joined, Standstill, Trajectory
-from identification.reference import reference_scaling
->>>>>>> main
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.online_profile import OnlineProfile, UntimedMove, online_move, online_profile
 from identification.trajectories.profile import Profile, StraightMove

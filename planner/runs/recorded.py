@@ -191,13 +191,8 @@ def way_of(parts: tuple[Stretch, ...], case: Case, guarantees: Guarantees) -> Tr
     return Joined(tuple(way))
 
 
-<<<<<<< HEAD
 def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> tuple[float, float]:
-    """How long it took from home to home [s], and how far the machine stood from the program's poses, shape (n, 6) [m].
-=======
-def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
-    """How long it took from home to home, and how far the machine stood from the program's poses, shape (n, k).
->>>>>>> main
+    """How long it took from home to home [s], and how far the machine stood from the program's poses, shape (n, k) [m].
 
     Raises:
         ExecutionError: the trigger did not come on once at each pose, or the machine moved while it was on.
@@ -219,10 +214,5 @@ def stood(run: ExecutedRun, poses: NDArray[np.float64], program: Path) -> Stood:
     there = run.execution.kinematics(run.trigger.mean(axis=1)).pose
     t = np.arange(0.0, run.execution.duration, 1e-3)
     moving = np.flatnonzero(np.abs(np.diff(run.execution.struts(t), axis=0)).max(axis=1) > 1e-9)
-<<<<<<< HEAD
-    off = float(np.linalg.norm(there[:, :3] - poses[:, :3], axis=1).max())
-    return float(t[moving[-1] + 1] - t[moving[0]]), off
-=======
     off = float(np.linalg.norm(there[:, :3] - run.execution.machine.positions(poses), axis=1).max())
-    return Stood(float(t[moving[-1] + 1] - t[moving[0]]), off)
->>>>>>> main
+    return float(t[moving[-1] + 1] - t[moving[0]]), off

@@ -16,8 +16,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))  # started as a script: tests is not an installed package
 
 from cases.loading import load_case
+from identification.criteria import reference_scaling
 from identification.model import identification_model
-from identification.reference import reference_scaling
 from planner.bounds.kept import box_bound
 from planner.cli.console import print_table
 from planner.families.ptp import PointToPointFamily
