@@ -82,7 +82,6 @@ def frames_at(chain: Chain, q: Array) -> tuple[Array, ...]:
     """Moved frame of each joint, then the sensor's, as homogeneous matrices in {B}, each of shape (n, 4, 4).
 
     Args:
-        chain: the geometry.
         q: positions of the joints, shape (n, k) [rad or m].
     """
     still = np.zeros_like(q)

@@ -244,8 +244,6 @@ def mechanical_pace(move: Trajectory, case: Case, rate: float = PROOF_RATE) -> f
     """Largest share of a motion's pace that struts and torques of joints allow, above 1 where it is too fast.
 
     Args:
-        move: motion from rest to rest.
-        case: its limits.
         rate: samples a second [1/s].
     """
     shares = [0.0]

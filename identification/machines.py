@@ -118,19 +118,12 @@ def machine_of(case: Case) -> Machine:
 
 
 class Kinetic(NamedTuple):
-    """Motion of what has limits of velocity and acceleration beside the coordinates: k struts of a hexapod, or nothing.
+    """Motion of what has limits of rates and accelerations beside the coordinates: k struts of a hexapod, or nothing."""
 
-    Args:
-        velocities: shape (n, k) [m/s].
-        accelerations: shape (n, k) [m/s^2].
-        velocity: limits, shape (k,) [m/s].
-        acceleration: limits, shape (k,) [m/s^2].
-    """
-
-    velocities: Array
-    accelerations: Array
-    velocity: Array
-    acceleration: Array
+    velocities: Array  # shape (n, k) [m/s]
+    accelerations: Array  # shape (n, k) [m/s^2]
+    velocity: Array  # limits, shape (k,) [m/s]
+    acceleration: Array  # limits, shape (k,) [m/s^2]
 
 
 def kinetic(case: Case, pose: Array, rates: Array, accelerations: Array) -> Kinetic:

@@ -86,7 +86,6 @@ def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: b
     """The language of the controller that a plan was made for, else the first that the case has what it takes for.
 
     Args:
-        case: machine and settings of controllers.
         settings: settings of the plan.
         path: whether the motion is one path, of which controllers of a chain know tables of points alone.
     """

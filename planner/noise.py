@@ -97,7 +97,6 @@ def standing_model(case: Case, number: int) -> Model:
     """The model of averaged standstills; of a force/torque sensor as its stated noise weighs forces and moments.
 
     Args:
-        case: gives the sensors.
         number: number in Table 2.
 
     Raises:

@@ -26,21 +26,13 @@ MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: F
 
 
 class _Words(NamedTuple):
-    """How a controller writes what both have.
+    """How a controller writes what both have."""
 
-    Args:
-        name: its name, for messages.
-        move: the word of a straight move with exact stop.
-        group: command that names the axes whose way F counts.
-        dwell: the word before the seconds of a pause.
-        trigger: block that switches the trigger on or off.
-    """
-
-    name: str
-    move: str
-    group: Callable[[str], str]
-    dwell: str
-    trigger: Callable[[bool], str]
+    name: str  # its name, for messages
+    move: str  # the word of a straight move with exact stop
+    group: Callable[[str], str]  # command that names the axes whose way F counts
+    dwell: str  # the word before the seconds of a pause
+    trigger: Callable[[bool], str]  # block that switches the trigger on or off
 
 
 class _Writer:
@@ -87,7 +79,6 @@ def write_sinumerik_axes(program: NeutralProgram, case: Case) -> bytes:
     """The program's text for SINUMERIK 840D sl / ONE, plain ASCII.
 
     Args:
-        program: what to do.
         case: gives the chain, its limits and the controller's settings.
 
     Raises:

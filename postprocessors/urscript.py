@@ -37,7 +37,7 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
     """
     settings = case.need_controller("a URScript program").need_urscript(case.name)
     chain, limits = case.need_chain("a URScript program")
-    writer = _Writer(chain.home, settings, float(limits.rate.min()), float(limits.acceleration.min()))
+    writer = _UrScriptWriter(chain.home, settings, float(limits.rate.min()), float(limits.acceleration.min()))
     lines = [*(line for text in program.header for line in _comments(text))]
     for block in program.blocks:
         lines += writer.lines(block)
@@ -45,7 +45,7 @@ def write_urscript(program: NeutralProgram, case: Case) -> bytes:
     return f"def {settings.program_name}():\n{body}end\n".encode("ascii")
 
 
-class _Writer:
+class _UrScriptWriter:
     """Statements, and where the robot stands as it was written."""
 
     def __init__(self, home: Array, settings: UrScript, slowest: float, gentlest: float) -> None:

@@ -17,19 +17,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class JointSpace:
-    """The joints' part of the motion box among which refinement searches; a `PoseSpace` of chains.
+    """The joints' part of the motion box among which refinement searches; a `PoseSpace` of chains."""
 
-    Args:
-        case: case with a chain.
-        machine: its kinematics.
-        middle: of the box, shape (n,) [m or rad].
-        half: half of its sides, shape (n,) [m or rad].
-    """
-
-    case: Case
-    machine: Machine
-    middle: Array
-    half: Array
+    case: Case  # case with a chain
+    machine: Machine  # its kinematics
+    middle: Array  # of the box, shape (n,) [m or rad]
+    half: Array  # half of its sides, shape (n,) [m or rad]
 
     @classmethod
     def of(cls, case: Case) -> "JointSpace":

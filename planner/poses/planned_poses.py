@@ -115,7 +115,6 @@ def candidates_of(request: PoseRequest, case: Case, given: Array | None = None) 
     """The poses to choose from.
 
     Args:
-        request: what to plan.
         case: machine, limits and poses.
         given: poses of one's own, of the method of this name, shape (n, k) [m or rad].
 

@@ -61,7 +61,6 @@ def chain_figure(case: Case, reach: Reach) -> Figure:
     """A chain at home in 3-D, with its bodies, its tool and the boxes that they stay out of, and each joint's reach.
 
     Args:
-        case: case with a chain and limits.
         reach: its reachable part of the motion box.
 
     Raises:

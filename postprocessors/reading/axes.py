@@ -8,7 +8,6 @@ def axis_letters(chain: Chain, controller: str, file: str, endless: bool = True)
     """The axis of each joint of a chain, which is the joint's name.
 
     Args:
-        chain: the joints.
         controller: name of the controller, for messages.
         file: name of the program, for messages.
         endless: whether its axes that turn without end count their turns.
