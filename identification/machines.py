@@ -118,7 +118,7 @@ def machine_of(case: Case) -> Machine:
 
 
 class Kinetic(NamedTuple):
-    """Motion of what has limits of rates and accelerations beside the coordinates: k struts of a hexapod, or nothing."""
+    """Motion of what has limits of rates and accelerations beside the coordinates: k struts of a hexapod, or none."""
 
     velocities: Array  # shape (n, k) [m/s]
     accelerations: Array  # shape (n, k) [m/s^2]
