@@ -116,7 +116,7 @@ def output_place(named: Path | None, usual: Path, overwrite: bool) -> Path:
     """Where a command writes: the place that was named, else the usual one, or a free name beside it.
 
     Args:
-        named: with -o; None where nothing was named.
+        named: place given with -o; None where none was given.
         overwrite: whether the usual place may be replaced.
     """
     if named is not None:

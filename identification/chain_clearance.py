@@ -42,9 +42,9 @@ def clearance_shares(chain: Chain, q: ca.SX, middle: Array, frames: Sequence[Pla
     """Shares of what keeps bodies from boxes and from each other: 1 where the clearance begins, 0 far away.
 
     Args:
-        chain: with bodies of links and tool, and boxes to keep out of.
+        chain: chain with bodies of links and tool, and boxes to keep out of.
         q: positions of the joints, shape (n,).
-        middle: of the motion box, shape (n,) [rad or m].
+        middle: middle of the motion box, shape (n,) [rad or m].
         frames: moved frame of each joint.
     """
     still = Placed(0, ca.SX(3, 1), ca.SX.eye(3))

@@ -99,7 +99,7 @@ def limited_coordinates(
 
     Args:
         home: coordinates there, shape (k,).
-        reach: where the machine gets at all.
+        reach: region that the machine reaches.
         in_box: whether the box of `limits` holds; else only the reach limits the coordinates.
     """
     scale = np.where(limits.turns, 1 / DEG, 1 / MM)  # to mm and degrees for the report

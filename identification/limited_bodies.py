@@ -36,7 +36,7 @@ def clearances(chain: Chain, frames: Sequence[tuple[Array, Array, Array]], t: Ar
     of two bodies at one of the sum of their radii.
 
     Args:
-        chain: with bodies of base, links and tool, and boxes to keep out of.
+        chain: chain with bodies of base, links and tool, and boxes to keep out of.
         frames: T, T', T'' of the moved frame of each joint and of the sensor's, shapes (n, 4, 4).
         t: the instants, shape (n,) [s].
     """

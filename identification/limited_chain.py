@@ -48,7 +48,7 @@ def joint_efforts(motion: Motion, chain: Chain, gravity: Array, bodies: Sequence
     """What the drives must do to move links and load, against 80 % of what they can; friction is not in it.
 
     Args:
-        chain: with the inertia of every link, or nothing is limited.
+        chain: chain with the inertia of every link, or nothing is limited.
         gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
         bodies: that may be behind the sensor, one at a time.
     """

@@ -120,7 +120,7 @@ def pose_fields(disturbances: Disturbances, home: Array, poses: Array) -> PoseFi
     """The errors in poses.
 
     Args:
-        home: where the machine's poses are counted from, shape (6,) [m, rad].
+        home: pose from which the machine's poses are counted, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
     """
     reduced = (poses - home) / _lengths(disturbances)
@@ -138,7 +138,7 @@ def pose_covariance(disturbances: Disturbances, home: Array, poses: Array, weigh
     """Covariance over machines of a sensor's error between poses, shape (n, n) [N^2].
 
     Args:
-        home: where the machine's poses are counted from, shape (6,) [m, rad].
+        home: pose from which the machine's poses are counted, shape (6,) [m, rad].
         poses: shape (n, 6) [m, rad].
         weight: weight of what is on the platform [N].
     """

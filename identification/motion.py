@@ -208,7 +208,7 @@ def sample(trajectory: Trajectory, rate: float) -> Motion:
     """The trajectory at equal time steps that include both ends.
 
     Args:
-        rate: at least this many samples a second [1/s].
+        rate: fewest samples a second [1/s].
     """
     steps = max(1, int(np.ceil(trajectory.duration * rate - 1e-9)))
     return trajectory.at(np.linspace(0.0, trajectory.duration, steps + 1))

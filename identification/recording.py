@@ -126,7 +126,7 @@ def write_recording(file: Path, recording: Recording, case: Case) -> None:
     """Writes one table in our column names: as Parquet where the file's name says so, else as CSV.
 
     Args:
-        file: where; write into an atomic folder.
+        file: file to write; write into an atomic folder.
     """
     import pyarrow as pa
     import pyarrow.csv as pacsv

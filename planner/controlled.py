@@ -48,7 +48,7 @@ def controlled(case: Case, controller: str | None) -> Controlled:
     """The case as a controller executes point-to-point moves.
 
     Args:
-        case: whose limits of jerk count unless the controller's time law knows none.
+        case: case whose limits of jerk count unless the controller's time law knows none.
         controller: a name of `CONTROLLERS`; None for none.
 
     Raises:

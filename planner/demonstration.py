@@ -59,7 +59,7 @@ def demo(
         case: case with a simulated machine.
         folder: folder to make: plan, program, recording and result are written there, one after the other.
         on: controller: virtual or linuxcnc; by default LinuxCNC if it is installed and the program is for it.
-        seed: of the starts and of the sensors' noise.
+        seed: seed of the starts and of the sensors' noise.
         starts: number of random starts; one is enough for a demo.
         done: called with the value of each step: plan, program, outcome of the run, result.
 

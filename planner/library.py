@@ -35,11 +35,11 @@ class Settings(TypedDict, total=False):
         criterion: letter of Table 4.
         model: number in Table 2; the one with all that the machine can tell unless given.
         payload: number of the case's payloads that are mounted, at most.
-        payload_from: at least, where that is another number.
+        payload_from: fewest payloads, where that is another number.
         targets: standard deviations to be met, such as `("m=0.05kg",)`; the duration is then the longest allowed.
         starts: number of random starts; as many as pay unless given.
         seconds: time for the search [s].
-        seed: of the starts.
+        seed: seed of the starts.
     """
 
     criterion: str
@@ -61,7 +61,7 @@ class PoseSettings(TypedDict, total=False):
         method: name of the method.
         model: number in Table 2, 0 to 5; the largest of the machine unless given.
         candidates: number of quasi-random candidates; the grid of the case unless given, of a chain 2048.
-        seed: of these.
+        seed: seed of these.
         noise: standard deviation of an averaged force [N].
     """
 

@@ -82,7 +82,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
     """Reads a plan folder; its figures are computed anew from its motion and compared.
 
     Args:
-        folder: where it is.
+        folder: its folder.
         case: case for which the motion is taken, instead of the plan's own.
         stale: read it although what it was computed from has changed in its case.
 

@@ -51,7 +51,7 @@ class Plan:
         assumed_noise: assumed noise of a force sample behind it, of poses of an averaged force [N].
         assumed_rate: samples of a recording a second behind it [1/s].
         worth: figures of the motion or of the poses, and how they were found.
-        saved: where it was loaded from; None for a new plan.
+        saved: folder from which it was loaded; None for a new plan.
     """
 
     case: Case

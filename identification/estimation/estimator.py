@@ -67,7 +67,7 @@ def require_alive(forces: Array) -> None:
     """Refuses channels that read one and the same value: a cable came off, or an amplifier is at its end.
 
     Args:
-        forces: as recorded, shape (n, 6), n >= 2.
+        forces: recorded forces, shape (n, 6), n >= 2.
 
     Raises:
         IdentificationError: names the first such channel.

@@ -146,7 +146,7 @@ def with_priors(
         forces: shape (n, 6) [N, or N and N m].
         model: model that the regressors belong to.
         weights: diagonal of W for one sample, shape (6,); s0 is estimated, only their ratios matter.
-        priors: at most one for each name.
+        priors: priors, at most one for each name.
         filtered: what was done to regressors and forces before.
 
     Raises:

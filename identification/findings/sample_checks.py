@@ -151,7 +151,7 @@ def behind(lines: Lines, rows: NDArray[np.int64], count: int) -> str:
     """Behind which rows samples are missing, and how many.
 
     Args:
-        lines: where the rows stand.
+        lines: places of the rows.
         rows: before each of the gaps, counted from 0, shape (gaps,).
         count: samples that are missing in all.
     """

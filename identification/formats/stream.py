@@ -109,7 +109,7 @@ class Recording:
         poses: poses of {P} in {B}, shape (n, 6) [m, rad].
         specific_forces: acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2].
         others: what was sampled by other clocks, on the same time axis.
-        lines: where the rows stand in the file.
+        lines: places of the rows in the file.
         weights: weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
         averaged: how forces were averaged that were sampled faster than the motion.
         override: override of the feed, shape (n,); 1 is none.

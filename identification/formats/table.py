@@ -108,7 +108,7 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
     Args:
         source: the file, for the message.
         t: time, shape (n,) [s].
-        lines: where the rows stand in the file.
+        lines: places of the rows in the file.
 
     Raises:
         RecordingError: there is no clock, or between gaps it is not uniform; the message names the first step that

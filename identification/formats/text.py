@@ -230,7 +230,7 @@ def explain(
     """The error for a block that could not be read: its first line that is to blame.
 
     Args:
-        file: where the block is from.
+        file: file that the block is from.
         wanted: positions of the fields that must be numbers.
         cause: what the parser said, for damage that is not understood here.
     """

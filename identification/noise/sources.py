@@ -195,7 +195,7 @@ def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dic
     """The bias of u as that of physical parameters.
 
     Args:
-        u: as estimated, shape (u,).
+        u: estimated parameters, shape (u,).
         bias: bias of it, shape (u,).
         std: standard deviation of the physical parameters as reported, shape (parameters,).
     """

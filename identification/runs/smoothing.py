@@ -60,7 +60,7 @@ def smoothed(run: Run, fit: Fit, basis: Array, w: Array, delay: float) -> Run:
         fit: fit of it; its values begin with u.
         basis: basis of the free parameters, shape (u, free).
         w: W for one sample, shape (6, 6).
-        delay: as estimated [s].
+        delay: estimated delay [s].
     """
     part, (size, free) = run.excerpt(), basis.shape
     matrices, share = part.regressors(delay), len(part.rows) / len(run.rows)

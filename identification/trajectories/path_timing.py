@@ -88,8 +88,7 @@ def retime(path: Trajectory, case: Case, fastest: bool = False) -> RetimedMotion
     Args:
         path: a motion from rest to rest; its pace, not its shape, is changed.
         case: gives the limits.
-        fastest: as fast as the limits allow, up to `FASTEST` times the planned pace; otherwise never faster than
-            planned.
+        fastest: whether as fast as the limits allow, up to `FASTEST` times the planned pace; else as planned at most.
 
     Raises:
         UntimedPath: the path does not begin and end at rest, is not finite, or no pace keeps the limits.

@@ -73,7 +73,7 @@ def read_values(texts: Sequence[str], units: Mapping[str, str], option: str) -> 
     """Exact values in SI by name.
 
     Args:
-        texts: as typed.
+        texts: typed texts.
         units: SI unit of each parameter that may be named.
         option: option that they were given with, for messages.
 

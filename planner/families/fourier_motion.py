@@ -84,7 +84,7 @@ def run_in(time: Array, duration: float) -> tuple[Array, Array, Array, Array]:
     so carries nothing but its own harmonic while it runs.
 
     Args:
-        time: after the start out of rest, shape (n,) [s], from 0 to duration.
+        time: time after the start out of rest, shape (n,) [s], from 0 to duration.
         duration: [s].
 
     Returns:

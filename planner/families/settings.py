@@ -225,8 +225,8 @@ class PointToPoint(FamilySettings):
 
     Args:
         moves: 8 to 64; None for as many as reach their velocity, where jerk is limited ten in three seconds at most.
-        controller: whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat, setpoints,
-            urscript, ros2; None for the one that the case plans for, else limited jerk.
+        controller: controller whose time law the moves are planned with: linuxcnc, virtual, sinumerik, twincat,
+            setpoints, urscript, ros2; None for the one that the case plans for, else limited jerk.
     """
 
     moves: int | None = None

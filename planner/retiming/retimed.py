@@ -88,7 +88,7 @@ def retimed(
     Args:
         motion: motion from rest to rest.
         case: limits and controller.
-        model: whose parameters count.
+        model: model whose parameters count.
         method: how.
         fastest: whether ipopt makes the path as fast as the limits allow, instead of never faster than planned.
         told: how it is getting on.

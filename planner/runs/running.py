@@ -219,10 +219,10 @@ def run(
     """The recording of a program's run: sensors and encoders are simulated for what the controller really executed.
 
     Args:
-        program: as `write` or `read_program` returned it, or its file.
+        program: program, or its file.
         case: case with a simulated machine.
         on: controller: virtual or linuxcnc.
-        seed: of the sensors' noise.
+        seed: seed of the sensors' noise.
         payload: number of the case's weights that are mounted.
         disturbed: whether the case's disturbances are on: vibration, ripple, errors that depend on the pose.
 

@@ -190,7 +190,7 @@ def read_linuxcnc(text: str, file: str, chain: Chain | None = None) -> Reading:
 
     Args:
         file: its name, for messages.
-        chain: whose joints are the axes; without one the axes are the pose of a platform.
+        chain: chain whose joints are the axes; without one the axes are the pose of a platform.
 
     Raises:
         ProgramError: anything that is not understood, with line and column; no end of program.

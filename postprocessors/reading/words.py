@@ -170,7 +170,7 @@ def each_word(
     """What stands in a line from a position on, word by word.
 
     Args:
-        position: where to begin.
+        position: first position.
         unreadable: makes an error of the column and the first characters of what is not a word.
 
     Raises:
