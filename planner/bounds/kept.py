@@ -26,6 +26,7 @@ from identification.model import Model, full_model, identification_model
 from planner.bounds.design import Design, optimal_design, searched_design
 from planner.bounds.features import box_features
 from planner.bounds.tight import tight_design
+from planner.infeasible import require_identifiable
 
 PROVEN = "multiplicative and exchange steps; dmax proven by branch and bound over angles and rates, corners of the rest"
 ESTIMATE = "multiplicative and exchange steps; dmax by branch and bound that ran out of time, an estimate"
@@ -132,11 +133,13 @@ def bound(
         progress: told the state of things now and then.
 
     Raises:
-        HexciteError: no duration, an unknown model, a case without machine or limits, or `tight` of sensors in struts.
+        HexciteError: no duration, an unknown model, a case without machine or limits, `tight` of sensors in struts, or
+            a machine whose motions do not determine all parameters.
     """
     require_time(time_limit)
     case.need_motion("the information limit")
     found = identification_model(case, full_model(case) if model is None else model)
+    require_identifiable(case, found)
     if tight:
         case.need_machine("the tight information limit")
         if found.struts is not None:

@@ -32,11 +32,10 @@ def bound(
 
     from cases.files import check_file, json_text, write_text
     from cases.loading import load_case
-    from identification.model import full_model, identification_model
+    from identification.model import full_model
     from identification.noise.pose_field import PoseField
     from planner.bounds.kept import bound as information_limit
     from planner.bounds.kept import require_time
-    from planner.infeasible import require_identifiable
 
     require_time(time_limit)
     if output is not None:
@@ -44,7 +43,6 @@ def bound(
     loaded = load_case(case)
     began = perf_counter()
     model = full_model(loaded) if model is None else model
-    require_identifiable(loaded, identification_model(loaded, model))
     with status_text(f"information limit of {loaded.name}, model {model}", json) as tell:
         found = information_limit(loaded, model, tight, time_limit=time_limit, renew=renew or not tight, progress=tell)
     answer = {
