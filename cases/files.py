@@ -1,13 +1,15 @@
 """Files and folders that are either whole or absent, also when the process is killed while it writes."""
 
 import errno
+import hashlib
 import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, NoReturn
@@ -305,3 +307,30 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise FileProblem(path, "holds no JSON object", f"write it again with {made_by}")
     return value
+
+
+_TOOLS = ("hexcite", "numpy", "scipy", "casadi", "pyarrow")
+
+
+def provenance(files: Sequence[Path]) -> dict[str, Any]:
+    """Origin of what was computed from files: `inputs`, each with its SHA-256, and `versions`.
+
+    Args:
+        files: files that were read; they are read once more, piece by piece.
+    """
+    return {"inputs": [{"file": str(f), "sha256": _sha256(f)} for f in files], "versions": _versions()}
+
+
+def _sha256(file: Path) -> str:
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for name in _TOOLS:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # run from a folder that was never installed
+            found[name] = "unknown"
+    return found

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from cases.machine import MotionLimits
 from cases.schema import Case
@@ -170,6 +169,8 @@ def path_error(planned: Trajectory, execution: Execution, windows: Array) -> flo
     positions = execution.machine.positions(sample(planned, PLAN_RATE).pose)
     # Where the machine stands or only turns, a query would look at thousands of places that are all as near.
     passed = positions[np.r_[True, np.any(np.diff(positions, axis=0) != 0.0, axis=1)]]
+    from scipy.spatial import cKDTree  # loads slowly, and plans that look at a mode do without
+
     tree = cKDTree(passed)
     executed = execution.kinematics(np.clip(instants(windows), 0.0, execution.duration)).pose[:, :3]
     return float(tree.query(executed)[0].max())

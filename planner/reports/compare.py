@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from identification.saved_result import provenance
+from cases.files import provenance
 from planner.comparison.advising import Recommendation, warnings_of
 from planner.comparison.entries import Entry, Level, Told
 from planner.precision import parameter_words, std_text, value_text

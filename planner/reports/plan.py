@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.files import provenance
 from cases.schema import Case
 from cases.units import MM
 from identification.criteria import reference_scaling
@@ -17,7 +18,6 @@ from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
 from identification.overload import SHARE, load_shares
 from identification.parameters import nominal_parameters, physical_form
-from identification.saved_result import provenance
 from planner.comparison.beside_manual import Beside
 from planner.plans import Plan
 from planner.precision import parameter_words, std_text

@@ -1,9 +1,9 @@
 """The page of a pose set: the machine in each pose, what the set promises, and what its poses determine."""
 
+from cases.files import provenance
 from identification.identifiability import Identifiability
 from identification.model import identification_model
 from identification.parameters import physical_form
-from identification.saved_result import provenance
 from planner.plans import Plan
 from planner.poses.planned_poses import candidates_of
 from planner.poses.pose_request import PoseRequest

@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from cases.files import provenance
 from cases.schema import Case
-from identification.saved_result import provenance
 from planner.precision import parameter_words, with_deviation
 from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY

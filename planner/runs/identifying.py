@@ -9,6 +9,7 @@ import numpy as np
 
 from cases.basis import KEPT, result_basis
 from cases.errors import IdentificationError, RecordingError
+from cases.files import provenance
 from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.finding import Kind, warning
@@ -22,7 +23,6 @@ from identification.recording import Recording, files_of, read
 from identification.result import Estimate
 from identification.runs.rates import on_one_clock
 from identification.samples import USUAL, Conditioning
-from identification.saved_result import provenance
 from planner.plans import Plan
 from planner.runs.recorded import UNSAID, StandstillWish, fitting_case, shorter_than_planned, standing_of
 
