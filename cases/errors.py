@@ -4,6 +4,7 @@ Every message is one line that names the place (file, key, row, block), the valu
 line prints it and exits with 1.
 """
 
+import re
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
@@ -27,6 +28,7 @@ class HexciteError(Exception):
         self.remedy = remedy or self.problem.rpartition("; ")[2] * ("; " in self.problem)
         told = f"{self.problem}; {remedy}" if remedy else self.problem
         super().__init__(f"{self.place}: {told}" if self.place else told)
+        self.place, self.problem, self.remedy = map(_of_arguments, (self.place, self.problem, self.remedy))
 
     def at(self, source: str) -> Self:
         """The same error with its file in front, which the mathematics does not know."""
@@ -36,12 +38,30 @@ class HexciteError(Exception):
         return _rebuilt(type(self), (f"{source}: {self.args[0]}",), vars(self) | {"place": place})
 
     def __str__(self) -> str:
-        """One printable line, whatever names and values it quotes."""
+        """One printable line, whatever names and values it quotes; options are named as arguments of the library."""
+        return _of_arguments(self.typed)
+
+    @property
+    def typed(self) -> str:
+        """The same line with options as they are typed on the command line."""
         return "".join(c if c.isprintable() else repr(c)[1:-1] for c in super().__str__())
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Rebuilt from its parts on its way out of a worker process."""
         return _rebuilt, (type(self), self.args, self.__dict__)
+
+
+_OPTION = re.compile(r"hexcite [a-z][^,;:)]*|(?<![\w-])--(?P<name>[a-z]+(-[a-z]+)*)| with -o\b")
+"""A command of ours, which stays, or an option."""
+
+
+def _of_arguments(text: str) -> str:
+    """A text with options as arguments: time_limit for --time-limit."""
+    return _OPTION.sub(_of_argument, text)
+
+
+def _of_argument(found: re.Match[str]) -> str:
+    return found[0] if found[0].startswith("hexcite") else (found["name"] or "").replace("-", "_")
 
 
 def _rebuilt(kind: type[Kind], args: tuple[Any, ...], parts: dict[str, Any]) -> Kind:

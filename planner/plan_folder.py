@@ -123,7 +123,7 @@ def load_plan(folder: Path, case: Case | None = None, stale: bool = False) -> Pl
         noise, rate = float(data["assumed_noise_N"]), float(data.get("assumed_rate_Hz", RATE_OF_0_1))
         return Plan(own, request, motion, limits, predicted, noise, rate, worth, saved)
     except HexciteError as error:
-        raise FileProblem(file, str(error), "plan again") from error
+        raise FileProblem(file, error.typed, "plan again") from error
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise FileProblem(file, f"entry {error} is missing or damaged", "plan again") from error
 

@@ -164,7 +164,7 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
         return rated(request, case, found, seconds)
     except IdentificationError as error:
         place = found.settings.get("sequence", f"no plan for model {request.model}")
-        raise IdentificationError(f"{place}: {error}") from error
+        raise IdentificationError(f"{place}: {error.typed}") from error
 
 
 def make_until_ctrl_c(request: Request, case: Case, listener: Listener) -> Plan:

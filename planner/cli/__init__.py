@@ -68,7 +68,7 @@ def main() -> None:
         with ctrl_c_raises():
             app()
     except HexciteError as error:
-        _stop(str(error))
+        _stop(error.typed)
     except Interrupted as error:
         print(f"hexcite: interrupted; {str(error) or 'nothing was written'}", file=sys.stderr)
         sys.exit(130)

@@ -82,7 +82,7 @@ def identified(recording: Recording, case: Case, wish: Wish, stale: tuple[str, .
         estimate = estimate_parameters(run, case, number, how, wish.terms, wish.conditioning)
     except StrutsDoNotClose as error:
         if other := fitting_case(error.lengths, case, case.origin or None):
-            raise IdentificationError(f"{error}; they fit the case {other}, name it with --case") from error
+            raise IdentificationError(f"{error.typed}; they fit the case {other}, name it with --case") from error
         raise
     estimate = replace(estimate, findings=(*estimate.findings, *shorter_than_planned(whole)))
     return result_of(run, case, estimate, standing, (*stale, *(() if how.biases is None else how.biases.stale)))

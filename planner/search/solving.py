@@ -274,7 +274,7 @@ def run_safely(task: Task, watch: Watch) -> Start | Failed:
     try:
         return run_start(task, watch)
     except HexciteError as error:
-        return Failed(task.seed, str(error))
+        return Failed(task.seed, error.typed)
 
 
 def seeds_of(seed: int, starts: int) -> list[int]:

@@ -43,7 +43,7 @@ def work(job: Job) -> list[dict[str, Any]]:
     try:
         row, plan = _plan(job)
     except HexciteError as error:
-        return [{"noise_seed": PLANNED, "status": FAILED, "reason": str(error), "seconds": 0.0}]
+        return [{"noise_seed": PLANNED, "status": FAILED, "reason": error.typed, "seconds": 0.0}]
     if not job.noise_seeds:
         return [row]
     began = time.perf_counter()
@@ -51,7 +51,7 @@ def work(job: Job) -> list[dict[str, Any]]:
         return [row, *_runs(job, plan, began)]
     except HexciteError as error:
         seconds = (time.perf_counter() - began) / len(job.noise_seeds)
-        failure = {"status": FAILED, "reason": str(error), "seconds": seconds}
+        failure = {"status": FAILED, "reason": error.typed, "seconds": seconds}
         return [row, *({"noise_seed": seed} | failure for seed in job.noise_seeds)]
 
 

@@ -149,7 +149,7 @@ def carry_out(
             count(f"{method}: on {settings.on}", 0)
             excitation = _excitation(method, settings, program)
         except HexciteError as error:
-            failed[method] = str(error).replace(f"{folder}/", "")
+            failed[method] = error.typed.replace(f"{folder}/", "")
             count(method, len(mounted))
             continue
         executed[method] = excitation.controller

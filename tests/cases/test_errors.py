@@ -56,3 +56,13 @@ def test_mathematics_does_not_know_the_file() -> None:
     assert (str(error), error.place) == ("run.csv: line 7: is not a number; correct it", "run.csv: line 7")
     assert str(error.at("run.csv")) == str(error)
     assert RecordingError("is empty; record again").at("run.csv").place == "run.csv"
+
+
+def test_the_library_names_arguments_where_the_command_line_names_options() -> None:
+    error = HexciteError("--time-limit 0 s", "is too short; see hexcite bound CASE --tight", "allow --time-limit 60")
+    assert str(error) == "time_limit 0 s: is too short; see hexcite bound CASE --tight; allow time_limit 60"
+    assert error.typed == "--time-limit 0 s: is too short; see hexcite bound CASE --tight; allow --time-limit 60"
+    assert (error.place, error.remedy) == ("time_limit 0 s", "allow time_limit 60")
+    assert str(HexciteError("a.json", "is there", "choose another place with -o, or --overwrite")).endswith(
+        "choose another place, or overwrite"
+    )

@@ -168,5 +168,5 @@ def test_periods_are_not_counted_over_a_gap(lines: list[str], tmp_path: Path) ->
     from identification.samples import Conditioning, Periodic
 
     recording = read_recording(damaged(lines, tmp_path, without(1500, 1580)), CASE)
-    with pytest.raises(RecordingError, match=r"line 1500: samples are missing before this one, .*leave --period out"):
+    with pytest.raises(RecordingError, match=r"line 1500: samples are missing before this one, .*leave period out"):
         identify(recording, CASE, conditioning=Conditioning(Periodic(None, None)))

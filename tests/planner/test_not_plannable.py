@@ -156,7 +156,7 @@ def test_every_limit_has_a_remedy_that_names_keys_of_the_case(hexapod_case: Case
 def test_moves_need_their_controller_cycles(hexapod_case: Case):
     case = changed(hexapod_case, controller__cycle_ms=50.0)
     words = (
-        r"12 s is too short for 40 moves: 4 phases of 3 .* of 50 ms take 0.6 s; choose at least 24 s, or --moves 20 or"
+        r"12 s is too short for 40 moves: 4 phases of 3 .* of 50 ms take 0.6 s; choose at least 24 s, or moves 20 or"
     )
     with pytest.raises(HexciteError, match=words) as caught:
         require_plannable(Request(PointToPoint()), case)
@@ -173,7 +173,7 @@ def test_moves_need_the_time_in_which_accelerations_rise(hexapod_case: Case):
         hexapod_case, limits__motion__jerk_m_s3=[50.0] * 3, limits__motion__angular_jerk_rad_s3=[100.0] * 3
     )
     with pytest.raises(
-        HexciteError, match=r"4 s is too short for 40 moves: .* 0.2 s .* at least 8 s, or --moves 20"
+        HexciteError, match=r"4 s is too short for 40 moves: .* 0.2 s .* at least 8 s, or moves 20"
     ) as caught:
         require_plannable(request, softer)
     one_line(caught.value)

@@ -56,7 +56,7 @@ def test_a_setting_outside_its_range_is_named_with_its_value(setting: str, value
 
 def test_order_1_needs_two_periods_for_it_is_led_in_and_out_of_over_one():
     Request(Fourier(order=1, period=3.0), duration=6.0)
-    with pytest.raises(HexciteError, match=r"order 1 needs two periods.*--duration 6 or more"):
+    with pytest.raises(HexciteError, match=r"order 1 needs two periods.*duration 6 or more"):
         Request(Fourier(order=1, period=3.0), duration=3.0)
 
 
@@ -113,7 +113,7 @@ def test_moves_that_are_not_stated_fit_the_duration(duration: float, moves: int,
     [
         ({"knots": 19}, "19 knots are outside 20 to 150"),
         ({"knots": 151}, "151 knots"),
-        ({"duration": 60.0}, "600 knots are outside 20 to 150; choose --knots about 120, or --duration 15 or less"),
+        ({"duration": 60.0}, "600 knots are outside 20 to 150; choose knots about 120, or duration 15 or less"),
         ({"duration": 0.5}, "duration 0.5 s is too short for a spline"),
         ({"duration": float("nan")}, "duration nan s"),
     ],

@@ -83,11 +83,9 @@ def test_a_single_period_can_be_given_where_it_ends_as_it_began() -> None:
 
 def test_a_wrong_period_is_refused_with_the_right_one() -> None:
     t, struts, _ = run(1.25, 3)
-    with pytest.raises(
-        RecordingError, match=r"--period 1: a period later .* mm rms .* has a period of 1\.25\d* s"
-    ) as e:
+    with pytest.raises(RecordingError, match=r"period 1: a period later .* mm rms .* has a period of 1\.25\d* s") as e:
         given_part(t, struts, np.arange(len(t)), 1.0)
-    assert "leave --period out" in one_line(e.value)
+    assert "leave period out" in one_line(e.value)
 
 
 @pytest.mark.parametrize("period", [1e-9, 0.004, 1e3])

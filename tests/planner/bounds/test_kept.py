@@ -33,7 +33,7 @@ def test_sensors_in_struts_have_no_tight_bound() -> None:
     with pytest.raises(CaseError) as told:
         bound(load_case("strut_sensors"), tight=True)
     assert told.value.key == "sensor_frame.struts"
-    assert "--tight" in one_line(told.value)
+    assert "tight" in one_line(told.value)
 
 
 @pytest.fixture(scope="module")

@@ -110,7 +110,7 @@ def test_a_grid_of_ten_million_poses_says_what_it_would_need_and_offers_sampling
     fine = with_poses(x_mm=[-300.0, 300.0, 6.0], y_mm=[-300.0, 300.0, 6.0], azimuth_deg=[0.0, 359.0, 2.0])
     assert fine.poses is not None
     assert fine.poses.grid_size > 10_000_000
-    with pytest.raises(HexciteError, match=r"would need about \d.* GB and .* h; .*--candidates 20000") as error:
+    with pytest.raises(HexciteError, match=r"would need about \d.* GB and .* h; .*candidates 20000") as error:
         grid_candidates(fine)
     one_line(error.value)
 

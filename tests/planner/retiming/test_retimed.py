@@ -107,9 +107,9 @@ def test_each_kind_of_motion_has_its_method():
 
 def test_a_continuous_path_is_nothing_for_ruckig():
     points = TimedPoints.through(np.arange(6.0), np.tile(HOME, (6, 1)))
-    with pytest.raises(InfeasiblePlan, match="use --method ipopt"):
+    with pytest.raises(InfeasiblePlan, match="use method ipopt"):
         retimed(points, CASE, MODEL, RetimingMethod.RUCKIG, False)
-    with pytest.raises(InfeasiblePlan, match="use --method ipopt"):
+    with pytest.raises(InfeasiblePlan, match="use method ipopt"):
         retimed(Joined((points,)), CASE, MODEL, RetimingMethod.RUCKIG, False)
 
 

@@ -66,7 +66,7 @@ def test_what_other_settings_left_behind_is_not_used(tmp_path: Path):
 
     assert not left(ValidationSettings("virtual", 2, 0), True)
     assert left(ValidationSettings("linuxcnc", 2, 0), True)  # plans are the same, whatever executes them
-    with pytest.raises(FileProblem, match="--overwrite"):
+    with pytest.raises(FileProblem, match="overwrite"):
         left(ValidationSettings("virtual", 2, 1), False)
     assert not left(ValidationSettings("virtual", 2, 1), False, overwrite=True)
     assert not (tmp_path / "v.unfinished").exists()  # nothing in it is worth keeping
