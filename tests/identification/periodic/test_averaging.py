@@ -170,8 +170,8 @@ def test_residuals_are_told_at_every_sample_of_the_periods(clean: Estimate) -> N
 @pytest.mark.parametrize(
     ("change", "wish", "message"),
     [
-        ({}, Periodic(harmonics=500), "--harmonics 500: a period of 2 s holds 80 of them up to"),
-        ({}, Periodic(period=3.0), "--period 3: a period later the struts are"),
+        ({}, Periodic(harmonics=500), "harmonics 500: a period of 2 s holds 80 of them up to"),
+        ({}, Periodic(period=3.0), "period 3: a period later the struts are"),
         ({"t": None}, Periodic(), "is not a moving run"),
         ({"struts": None}, Periodic(), "needs"),
         ({"trigger": np.zeros(8801, dtype=bool)}, Periodic(), "trigger: is never 1"),
