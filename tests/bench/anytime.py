@@ -19,7 +19,7 @@ def anytime(folder: Path, command: Command, case: str = "hexapod", picture: Path
         folder: for the plans.
         command: runs hexcite; gives wall time and output.
         case: machine.
-        picture: SVG to write.
+        picture: PNG to write.
     """
     curves: dict[str, list[tuple[float, float]]] = {}
     for family in WANTED:
@@ -50,5 +50,5 @@ def _draw(curves: dict[str, list[tuple[float, float]]], picture: Path) -> None:
     axes.set_ylabel("D-efficiency")
     axes.set_ylim(bottom=0.0)
     axes.legend()
-    figure.savefig(picture, metadata={"Date": None})
+    figure.savefig(picture)
     print(f"picture written: {picture}")
