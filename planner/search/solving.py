@@ -227,7 +227,8 @@ class _Run:
                 return begin
         if not isinstance(self.family, PointToPointFamily):
             return self.family.start(draw, self.problem.worst) if begin is None else begin / max(worst, 1.0)
-        walk = None if begin is None else self.family.split(begin)[0]
+        # Where accelerations step, the walk of another machine that does not fit leads to worse plans than chance.
+        walk = None if begin is None or self.family.steps else self.family.split(begin)[0]
         proposals = (PROPOSALS if walk is None else WARM) * self.family.moves**2
         return annealed_start(task.case, self.model, self.scaling, self.family, draw, proposals, self.told, walk)
 
