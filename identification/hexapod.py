@@ -5,7 +5,7 @@ as CasADi functions; NumPy arrays go through them sample by sample.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -67,13 +67,14 @@ class Hexapod:
         self.platform = np.asarray(platform, dtype=float)
         self.home = np.asarray(home, dtype=float)
 
-    @classmethod
-    def of(cls, case: Case) -> "Hexapod":
+    @staticmethod
+    def of(case: Case) -> "Hexapod":
         """The hexapod of a case; raises CaseError where the case has no machine. Joints and home are enough."""
         machine = case.hexapod
         if machine is None or case.setup == "1a":
             machine = case.need_machine("the kinematics")[0]
-        return cls(machine.base.points, machine.platform.points, machine.home.vector)
+        joints, home = np.stack([machine.base.points, machine.platform.points]), machine.home.vector
+        return _of_joints(joints.tobytes(), home.tobytes())
 
     @property
     def count(self) -> int:
@@ -293,6 +294,13 @@ class Hexapod:
         drift = over_samples(self.jacobian_drift, pose, twist_)[0]
         rate = np.linalg.solve(jacobian, (np.asarray(accelerations) - drift)[:, :, None])[:, :, 0]
         return Kinematics(pose, twist_, np.asarray(rate, dtype=np.float64))
+
+
+@lru_cache(maxsize=32)
+def _of_joints(joints: bytes, home: bytes) -> Hexapod:
+    """The same joints are the same hexapod, whose CasADi functions are then built once."""
+    base, platform = np.frombuffer(joints).reshape(2, 6, 3)
+    return Hexapod(base, platform, np.frombuffer(home))
 
 
 def _between(index: NDArray[np.int_], known: NDArray[np.int_], poses: Array) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cases.errors import HexciteError, IdentificationError
 from cases.recording_format import STRUTS
 from cases.schema import Case
+from identification.estimation.compressed import triangle
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.model import Model, regressors
@@ -187,7 +188,7 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
     else:
         run = moving_run(recording, case, model, found=found)
         assert run.recording.struts is not None
-        rows = run.rows[:: max(1, len(run.rows) // INSTANTS)]
+        rows = run.rows[:: -(-len(run.rows) // INSTANTS)]
         lengths, velocities, accelerations = decimated(
             run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)]
         )
@@ -239,7 +240,8 @@ def _left(data: Data, matrices: Array | None, order: Order = STRAIGHT, mass: int
     size = np.linalg.norm((columns * root[:, None]).reshape(-1, columns.shape[2]), axis=0)
     scaled = columns / np.where(size > 0.0, size, 1.0)
     flat = (scaled * root[:, None]).reshape(-1, columns.shape[2])
-    values = np.linalg.lstsq(flat, (forces * root).ravel(), rcond=1e-9)[0]
+    small = triangle(np.column_stack([flat, (forces * root).ravel()]))
+    values = np.linalg.lstsq(small[:, :-1], small[:, -1], rcond=1e-9)[0]
     if mass is not None and values[mass] < 0.0:
         return nothing
     residuals = forces - scaled @ values
