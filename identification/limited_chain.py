@@ -5,7 +5,7 @@ Torques are those of Lagrange's equations in this form: the sum over bodies of t
 of r r^T over the mass (Uicker 1965), G the acceleration of gravity.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,8 @@ from identification.overload import SHARE
 Array = NDArray[np.float64]
 
 _Frames = tuple[Array, Array, Array]
+Frames = Sequence[_Frames]
+"""T, T', T'' of the moved frame of each joint, then of the sensor's, shapes (n, 4, 4)."""
 
 
 def joint_ranges(motion: Motion, chain: Chain) -> Iterable[Quantity]:
@@ -34,27 +36,35 @@ def joint_ranges(motion: Motion, chain: Chain) -> Iterable[Quantity]:
             yield Quantity.between(name, unit, labels, motion.pose[:, own], low, high, 1.0 / float(chain.units[own][0]))
 
 
-def frame_motion(motion: Motion, chain: Chain) -> tuple[tuple[Array, Array, Array], Array]:
+def frame_motion(
+    motion: Motion, chain: Chain, frames: Frames | None = None
+) -> tuple[tuple[Array, Array, Array], Array]:
     """Rotation of the sensor frame with its first and second time derivative, and the acceleration of its origin.
+
+    Args:
+        frames: frames of the motion, where they are known.
 
     Returns:
         R, R', R'', shapes (n, 3, 3), and p'', shape (n, 3) [m/s^2], in {B}.
     """
-    *_, (place, first, second) = _frames(motion, chain)
+    *_, (place, first, second) = chain_frames(motion, chain) if frames is None else frames
     return (place[:, :3, :3], first[:, :3, :3], second[:, :3, :3]), second[:, :3, 3]
 
 
-def joint_efforts(motion: Motion, chain: Chain, gravity: Array, bodies: Sequence[RigidBody]) -> Iterable[Quantity]:
+def joint_efforts(
+    motion: Motion, chain: Chain, gravity: Array, bodies: Sequence[RigidBody], frames: Frames | None = None
+) -> Iterable[Quantity]:
     """What the drives must do to move links and load, against 80 % of what they can; friction is not in it.
 
     Args:
         chain: chain with the inertia of every link, or nothing is limited.
         gravity: gravitational acceleration in {B}, shape (3,) [m/s^2].
         bodies: that may be behind the sensor, one at a time.
+        frames: frames of the motion, where they are known.
     """
     if not chain.limits_effort:
         return
-    frames = list(_frames(motion, chain))
+    frames = chain_frames(motion, chain) if frames is None else frames
     pull = np.zeros((4, 4))
     pull[:3, 3] = gravity
     links = [
@@ -85,13 +95,13 @@ def frames_at(chain: Chain, q: Array) -> tuple[Array, ...]:
         q: positions of the joints, shape (n, k) [rad or m].
     """
     still = np.zeros_like(q)
-    return tuple(frame[0] for frame in _frames(Motion(np.zeros(len(q)), q.copy(), still, still, still), chain))
+    return tuple(frame[0] for frame in chain_frames(Motion(np.zeros(len(q)), q.copy(), still, still, still), chain))
 
 
-def body_clearances(motion: Motion, chain: Chain) -> Iterable[Quantity]:
+def body_clearances(motion: Motion, chain: Chain, frames: Frames | None = None) -> Iterable[Quantity]:
     """Distances of the chain's bodies from boxes and from each other; see `clearances`."""
     if chain.tool or any(joint.bodies for joint in chain.joints):
-        yield from clearances(chain, list(_frames(motion, chain)), motion.t)
+        yield from clearances(chain, chain_frames(motion, chain) if frames is None else frames, motion.t)
 
 
 def _mechanics(frame: _Frames, body: RigidBody, pull: Array) -> Array:
@@ -113,15 +123,15 @@ def _generalised(frame: Array, joint: Joint, behind: Array) -> Array:
     return np.asarray(np.einsum("ni,ni->n", axis, moment - np.cross(frame[:, :3, 3], behind[:, 3, :3])))
 
 
-def _frames(motion: Motion, chain: Chain) -> Iterator[_Frames]:
+def chain_frames(motion: Motion, chain: Chain) -> Frames:
     """T, T', T'' of the moved frame of each joint, then of the sensor's, shapes (n, 4, 4)."""
-    count = len(motion.t)
+    count, found = len(motion.t), []
     total: _Frames = (np.tile(np.eye(4), (count, 1, 1)), np.zeros((count, 4, 4)), np.zeros((count, 4, 4)))
     for k, joint in enumerate(chain.joints):
         total = _fixed(total, _placed(joint))
         total = _times(total, _moved(joint, motion.pose[:, k], motion.rates[:, k], motion.accelerations[:, k]))
-        yield total
-    yield _fixed(total, _placed(chain.sensor))
+        found.append(total)
+    return [*found, _fixed(total, _placed(chain.sensor))]
 
 
 def _fixed(before: _Frames, then: Array) -> _Frames:

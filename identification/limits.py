@@ -23,7 +23,7 @@ from identification.limited import (
     rotation_motion,
     strut_velocities,
 )
-from identification.limited_chain import body_clearances, frame_motion, joint_efforts, joint_ranges
+from identification.limited_chain import body_clearances, chain_frames, frame_motion, joint_efforts, joint_ranges
 from identification.motion import Motion, Trajectory
 from identification.overload import Loads, sensor_loads
 
@@ -165,13 +165,16 @@ def of_coordinates(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantit
 
 def of_mechanics(motion: Motion, case: Case, in_box: bool) -> Iterable[Quantity]:
     """Struts, joints, boxes, singularities and sensors: what takes the rotation of the load to compute."""
-    rotation, acceleration = load_motion(motion, case)
+    if case.chain is not None:
+        frames = chain_frames(motion, case.chain)
+        rotation, acceleration = frame_motion(motion, case.chain, frames)
+        yield from joint_efforts(motion, case.chain, case.gravity, case.bodies, frames)
+        yield from body_clearances(motion, case.chain, frames)
+    else:
+        rotation, acceleration = load_motion(motion, case)
     if case.hexapod is not None:
         machine, workspace, limits = case.need_machine("the proof of limits")
         yield from limited_struts(motion, rotation, machine, workspace, limits.motion)
-    if case.chain is not None:
-        yield from joint_efforts(motion, case.chain, case.gravity, case.bodies)
-        yield from body_clearances(motion, case.chain)
     yield from sensor_loads(rotation, acceleration, Loads.of(case))
 
 
