@@ -9,7 +9,7 @@ demo: .venv/.runtime ## the whole chain on the built-in hexapod, to hexcite-demo
 	$(BIN)/hexcite demo --overwrite
 
 test: .venv/.dev ## the tests
-	$(BIN)/pytest -n auto -m "not slow"
+	$(BIN)/pytest -n auto --dist worksteal -m "not slow"
 
 check: lint test ## format, lint, types, import contracts, tests
 

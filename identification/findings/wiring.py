@@ -177,11 +177,13 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
     slopes = struts = matrices = None
     if recording.t is None or case.setup == "1a":
         used = np.flatnonzero(~found.bad)
-        forces = recording.forces[used]
         if recording.struts is None or case.chain is not None:
             matrices = standstills(recording, case, model, found).matrices
         else:
-            struts = (recording.struts[used], np.zeros_like(forces), np.zeros_like(forces))
+            used = used[:: max(1, -(-len(used) // INSTANTS))]
+            lengths = recording.struts[used]
+            struts = (lengths, np.zeros_like(lengths), np.zeros_like(lengths))
+        forces = recording.forces[used]
     elif recording.struts is None:
         wrist = wrist_run(recording, case, model, MOST_DELAY, bad=found.bad)
         matrices, forces = wrist.regressors(0.0), wrist.forces

@@ -56,8 +56,8 @@ def once(shared: Path, cache: Path) -> Callable[[str, Callable[[], Any]], Any]:
 
 @pytest.fixture(scope="session")
 def planned(shared: Path, once: Callable[[str, Callable[[], Any]], Any]) -> dict[str, Any]:
-    """The answer of `hexcite plan hexapod --family fourier --starts 2`; its folder is `shared/plan`."""
-    plan = ("plan", "hexapod", "--family", "fourier", "--starts", 2, "-o", shared / "plan", "--json")
+    """The answer of `hexcite plan hexapod --family fourier --starts 1`; its folder is `shared/plan`."""
+    plan = ("plan", "hexapod", "--family", "fourier", "--starts", 1, "-o", shared / "plan", "--json")
     return once("planned", lambda: hexcite(*plan, cwd=shared).json())
 
 

@@ -7,15 +7,28 @@ from typing import Any
 
 import pytest
 
+from cases.loading import built_in_cases
 from tests.planner.command_line import call, refused
 
 
+@pytest.fixture(scope="module")
+def made(chain: dict[str, Any], shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a machine of one's own and a result that names its file."""
+    folder = tmp_path_factory.mktemp("mine")
+    text = built_in_cases()["hexapod"].read_text(encoding="utf-8").replace('name = "hexapod"', 'name = "mine"')
+    (folder / "machine.toml").write_text(text, encoding="utf-8")
+    run = shared / "recording" / "recording.csv"
+    call("identify", run, "--case", folder / "machine.toml", "-o", folder / "result")
+    return folder
+
+
 @pytest.fixture
-def mine(chain: dict[str, Any], shared: Path, tmp_path: Path, hexapod_file: Path) -> Path:
-    """A result of one's own machine, whose file it names."""
-    hexapod_file.write_text(hexapod_file.read_text().replace('name = "hexapod"', 'name = "mine"'), encoding="utf-8")
-    call("identify", shared / "recording" / "recording.csv", "--case", hexapod_file, "-o", tmp_path / "result")
-    return tmp_path / "result"
+def mine(made: Path, tmp_path: Path, hexapod_file: Path) -> Path:
+    """A copy of the result, which names the copy of the machine."""
+    hexapod_file.write_text((made / "machine.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    result = Path(shutil.copytree(made / "result", tmp_path / "result")) / "result.json"
+    result.write_text(result.read_text().replace(str(made / "machine.toml"), str(hexapod_file)), encoding="utf-8")
+    return result.parent
 
 
 def test_results_know_their_case(mine: Path, shared: Path, tmp_path: Path, hexapod_file: Path) -> None:

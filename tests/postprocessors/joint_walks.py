@@ -20,7 +20,7 @@ def robot() -> Case:
     return ROBOT.model_copy(update={"controller": ROBOT.controller.model_copy(update={"urscript": urscript})})
 
 
-def walk(case: Case, moves: int = 6, jerk: bool = True, share: float = 0.95, seed: int = 0) -> Joined:
+def walk(case: Case, moves: int = 3, jerk: bool = True, share: float = 0.95, seed: int = 0) -> Joined:
     """Moves between random places of the motion box, each as fast as a share of its limits allows.
 
     Args:

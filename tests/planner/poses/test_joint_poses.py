@@ -1,5 +1,6 @@
 """Poses of chains: inside joints and clearances, as good as any, in programs, and identified."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,22 +19,20 @@ from planner.runs.identifying import identify
 from planner.runs.running import execute
 from planner.runs.written import write
 from tests.chains import chain_case
+from tests.helpers import few
 from tests.planner.command_line import call, refused
 
 COUNT = 10
 
 
-@pytest.fixture(scope="module")
-def plans() -> dict[int, Plan]:
-    """Poses of five, six and seven joints."""
-    return {joints: plan_poses(chain_case(joints), count=COUNT, candidates=512) for joints in (5, 6, 7)}
+@cache
+def plan_of(joints: int) -> Plan:
+    return plan_poses(chain_case(joints), count=COUNT, candidates=512)
 
 
-@pytest.mark.parametrize("joints", [5, 6, 7])
-def test_poses_of_joints_lie_in_the_box_clear_of_everything_and_no_design_is_better(
-    plans: dict[int, Plan], joints: int, tmp_path: Path
-):
-    plan = plans[joints]
+@pytest.mark.parametrize("joints", few(6, 5, 7))
+def test_poses_of_joints_lie_in_the_box_clear_of_everything_and_no_design_is_better(joints: int, tmp_path: Path):
+    plan = plan_of(joints)
     case = plan.case
     home, box = case.need_motion("a test")
     assert plan.poses.shape == (COUNT, joints)
@@ -48,10 +47,10 @@ def test_poses_of_joints_lie_in_the_box_clear_of_everything_and_no_design_is_bet
     assert [table[name][3] for name in box.columns] == pytest.approx(plan.poses[3] / case.chain.units, abs=1e-6)
 
 
-@pytest.mark.parametrize("dialect", ["urscript", "ros2", "setpoints"])
-def test_standstills_of_a_robot_are_executed_found_and_identified(plans: dict[int, Plan], dialect: str):
+@pytest.mark.parametrize("dialect", few("ros2", "urscript", "setpoints"))
+def test_standstills_of_a_robot_are_executed_found_and_identified(dialect: str):
     """A joint trajectory switches no output: there standstills are found where the joints stand."""
-    plan = plans[6]
+    plan = plan_of(6)
     program = write(plan, dialect, accept=("jerk",) if dialect == "urscript" else ())
     recording = execute(program, plan.case, "virtual", seed=1).recording
     result = identify(recording, plan.case, poses=plan)

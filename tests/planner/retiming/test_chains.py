@@ -13,11 +13,12 @@ from identification.trajectories.profile import StraightMove
 from planner.retiming.path_pace import retimed_path
 from planner.retiming.retimed import RetimingMethod, retimed
 from tests.chains import chain_case
+from tests.helpers import few
 
 SEED = 5
 
 
-@pytest.mark.parametrize("joints", [5, 6, 7])
+@pytest.mark.parametrize("joints", few(5, 6, 7))
 def test_moves_of_joints_last_whole_cycles_and_are_as_fast_as_one_joint_can_be(joints: int):
     case = chain_case(joints)
     home, box = case.need_motion("a test")

@@ -10,6 +10,7 @@ from cases.recording_format import STRUTS
 from cases.schema import Case
 from identification.hexapod import Hexapod
 from identification.loaded import Circumstances
+from tests.helpers import few
 from tests.planner.browser import opened
 from tests.planner.command_line import call, hexcite, refused
 from tests.planner.validation.excitations import CASE, poses
@@ -18,14 +19,15 @@ from tests.simulated_machine import simulate_standstills
 Q5N = (1.81, 1.93, 2.07, 2.33, 2.74, 3.14)  # Table 7
 
 
-def test_the_command_prints_table_7_and_says_what_machine_it_was(tmp_path: Path, browser: Browser):
+@pytest.mark.parametrize("weights", few("0", "0,5"))
+def test_the_command_prints_table_7_and_says_what_machine_it_was(weights: str, tmp_path: Path, browser: Browser):
     answer = hexcite(
-        "validate", "hexapod", "--methods", "Q5N", "--weights", "0,5", "-o", tmp_path / "v", "--json"
+        "validate", "hexapod", "--methods", "Q5N", "--weights", weights, "-o", tmp_path / "v", "--json"
     ).json()
     assert answer["simulated"] is True
     assert "structural mode" in answer["machine"]
     assert answer["not_run"] == {}
-    assert [row["weights"] for row in answer["rows"]] == [0, 5]
+    assert [row["weights"] for row in answer["rows"]] == [int(k) for k in weights.split(",")]
     for row in answer["rows"]:
         printed = Q5N[row["weights"]]
         assert printed / 1.5 < row["s0_N"] < printed * 1.5
@@ -36,7 +38,7 @@ def test_the_command_prints_table_7_and_says_what_machine_it_was(tmp_path: Path,
     assert (tmp_path / "v" / "programs" / "Q5N.mpf").is_file()
     with opened(browser, Path(answer["report"]), 400) as tab:
         assert (tab.errors, tab.requests) == ([], [])
-        assert "100 kg" in tab.page.locator("table").nth(1).inner_text()
+        assert f"{20 * int(weights[-1])} kg" in tab.page.locator("table").nth(1).inner_text()
 
 
 def write_standstills(case: Case, file: Path, weights: int) -> None:
