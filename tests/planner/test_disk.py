@@ -48,8 +48,8 @@ COMMANDS = {
 @pytest.mark.parametrize(
     ("command", "size", "mode", "word"),
     [
-        ("identify", "300k", "rw", "No space left on device"),
         ("post", "1m", "ro", "Read-only file system"),
+        pytest.param("identify", "300k", "rw", "No space left on device", marks=pytest.mark.slow),
         *(
             pytest.param(command, size, mode, word, marks=pytest.mark.slow)
             for size, mode, word in (("12k", "rw", "No space left on device"), ("1m", "ro", "Read-only file system"))

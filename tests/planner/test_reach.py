@@ -99,7 +99,7 @@ def test_corners_that_random_poses_miss_count(hexapod_case: Case) -> None:
     assert 0.9 < largest_box(hexapod_case).share < 1.0
 
 
-@pytest.mark.parametrize("name", ["small", "with_vice"])
+@pytest.mark.parametrize("name", few("small", "with_vice"))
 def test_the_share_is_that_of_the_independent_proof(name: str, request: pytest.FixtureRequest) -> None:
     case = request.getfixturevalue(name)
     found = reach(case)

@@ -271,6 +271,7 @@ def test_figures_tables_and_words_speak_to_a_screen_reader(browser: Browser, res
         assert all(len(term.get_attribute("title") or "") > 10 for term in terms)
 
 
+@pytest.mark.slow
 def test_paper_is_white_though_the_screen_is_dark(browser: Browser, result_page: Path):
     with opened(browser, result_page, scheme="dark") as tab:
         tab.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")

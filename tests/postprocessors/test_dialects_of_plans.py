@@ -46,7 +46,7 @@ MOTIONS = {
 FORMS = {"sinumerik": ".mpf", "twincat": ".nc", "setpoints": ".csv", "setpoints, packed": ".parquet"}
 
 
-@pytest.mark.parametrize("speed", [1.0, 0.1])
+@pytest.mark.parametrize("speed", [1.0, 0.4])
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_motion_is_written_and_proven(name: str, form: str, speed: float):

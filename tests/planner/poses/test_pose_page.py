@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Browser
 
 from planner.precision import std_text
@@ -9,6 +10,7 @@ from tests.planner.browser import opened
 from tests.planner.command_line import call
 
 
+@pytest.mark.slow
 def test_a_pose_plan_has_its_page(tmp_path: Path, browser: Browser):
     answer = call(
         "poses", "hexapod", "--method", "backward", "--count", "12", "-o", tmp_path / "poses", "--json"
