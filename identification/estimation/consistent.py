@@ -7,7 +7,7 @@ linear in u, so that the problem is convex; its size is that of u, whatever the 
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
@@ -23,23 +23,8 @@ Array = NDArray[np.float64]
 
 BODY = tuple(p.name for block in (MASS, FIRST_MOMENT, INERTIA) for p in block.parameters)
 _INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+_NONE = "no consistent body was found"
 ACCURACIES = (1e-9, 1e-7)  # of the solver: 1e-9 gives 1e-6 standard deviations, but is not always within its reach
-
-
-@dataclass(frozen=True, slots=True)
-class ConsistentFit:
-    """A physically consistent estimate."""
-
-    # the consistent estimate; None where the solver failed. Its covariances, s0 and degrees of freedom are those of the
-    # free one: the projection onto a convex set that holds the truth brings the estimate nearer to it (in the metric of
-    # F), so that the confidence ellipsoid of (28) holds the truth at least as often (ours)
-    fit: Fit | None
-    bound: bool  # whether the free estimate was inconsistent
-    rise: float  # rise of chi^2 by the constraint, over s0^2; 0 where it did not bind
-    # probability that noise makes a consistent body look as inconsistent as this or more, at most; a tiny one says that
-    # the model or the data are wrong, not the luck
-    p_value: float
-    failure: str | None  # why the solver failed, or None
 
 
 def pseudo_inertia(body: Array) -> Array:
@@ -63,8 +48,14 @@ def _basis() -> Array:
 _BASIS = _basis()
 
 
-def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit, thinnest: float) -> ConsistentFit:
+def consistent(
+    regressors: Array, forces: Array, names: Sequence[str], free: Fit, thinnest: float
+) -> tuple[Fit, float, float]:
     """The consistent estimate nearest to a free one, in chi^2.
+
+    Its covariances, s0 and degrees of freedom are those of the free one: the projection onto a convex set that holds
+    the truth brings the estimate nearer to it (in the metric of F), so that the confidence ellipsoid of (28) holds the
+    truth at least as often (ours).
 
     Args:
         regressors: A_j, shape (n, 6, u); for the residuals.
@@ -74,8 +65,13 @@ def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit
         thinnest: rms distance of the body's mass from any plane through its centre of gravity, at least [m]. A sheet
             of thickness d has d / sqrt(12); above 0, since a body on the bound has no volume otherwise.
 
+    Returns:
+        The estimate, the rise of chi^2 by the constraint over s0^2, 0 where it did not bind, and the probability that
+        noise makes a consistent body look as inconsistent as this or more, at most: a tiny one says that the model or
+        the data are wrong, not the luck.
+
     Raises:
-        IdentificationError: the model has no inertia, so that any positive mass is consistent.
+        IdentificationError: the model has no inertia, so that any positive mass is consistent; or no body is found.
     """
     missing = [name for name in BODY if name not in names]
     if missing:
@@ -89,21 +85,18 @@ def consistent(regressors: Array, forces: Array, names: Sequence[str], free: Fit
     basis[0, :3, :3] -= thinnest**2 * np.eye(3)  # Sigma_C >= m thinnest^2, as one LMI (Schur complement; ours)
     start = np.einsum("kij,k->ij", basis, free.values[index])
     if np.linalg.eigvalsh(start)[0] >= 0.0:
-        return ConsistentFit(free, False, 0.0, 1.0, None)
+        return free, 0.0, 1.0
     # The covariance of the body alone moves the rest along: what is inconsistent has ten unknowns, in all models.
     root = _root(free.covariance)
     root = root @ np.linalg.qr(root[index].T)[0]
-    step, failure = _nearest(start, np.einsum("kij,kr->rij", basis, root[index]))
-    if step is None:
-        return ConsistentFit(None, True, np.inf, 0.0, failure)
+    step = _nearest(start, np.einsum("kij,kr->rij", basis, root[index]))
     values = free.values + root @ step
     if np.linalg.eigvalsh(pseudo_inertia(values[index]))[0] <= 0.0:
-        return ConsistentFit(None, True, np.inf, 0.0, "the data want a mass below zero; check the sense of the sensor")
+        raise IdentificationError(f"{_NONE}: the data want a mass below zero; check the sense of the sensor")
     rise, freedoms = float(step @ step), np.linalg.matrix_rank(root[index] / _unit(free.covariance)[index, None])
     # The truth is consistent: it is at least as far from the free estimate as the nearest consistent one.
     p_value = float(fdtrc(freedoms, free.freedom, rise / freedoms))
-    fit = replace(free, values=values, residuals=forces - regressors @ values)
-    return ConsistentFit(fit, True, rise, p_value, None)
+    return replace(free, values=values, residuals=forces - regressors @ values), rise, p_value
 
 
 def _unit(covariance: Array) -> Array:
@@ -120,8 +113,8 @@ def _root(covariance: Array) -> Array:
     return np.asarray(unit[:, None] * directions[:, kept] * np.sqrt(variances[kept]))
 
 
-def _nearest(start: Array, slopes: Array) -> tuple[Array | None, str | None]:
-    """The shortest z, shape (r,), with start + sum z_k slopes_k positive semidefinite; or why there is none.
+def _nearest(start: Array, slopes: Array) -> Array:
+    """The shortest z, shape (r,), with start + sum z_k slopes_k positive semidefinite.
 
     Args:
         start: shape (4, 4).
@@ -143,7 +136,9 @@ def _nearest(start: Array, slopes: Array) -> tuple[Array | None, str | None]:
                 warnings.simplefilter("ignore")  # what cvxpy warns of is in the status
                 problem.solve(solver=cp.CLARABEL, **tolerances)
         except cp.SolverError as error:
-            return None, f"Clarabel: {error}".splitlines()[0]
+            raise IdentificationError(f"{_NONE}: Clarabel: {error}".splitlines()[0]) from error
         if problem.status == cp.OPTIMAL:
-            return np.asarray(z.value, dtype=float), None
-    return None, f"Clarabel ends with {problem.status}; the free estimate is too far from any body"
+            return np.asarray(z.value, dtype=float)
+    raise IdentificationError(
+        f"{_NONE}: Clarabel ends with {problem.status}; the free estimate is too far from any body"
+    )

@@ -1,14 +1,14 @@
 """Gauss-Markov estimation of the linear parameters: (23) to (28), with weights and rank said aloud."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cases.errors import IdentificationError
 from identification.estimation.compressed import Compressed, compress, determined, fit_along, inverse_root, with_kernel
-from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit
+from identification.estimation.fit import EACH, UNFILTERED, Filtered, Fit, settled
 
 Array = NDArray[np.float64]
 
@@ -177,25 +177,16 @@ LEAST = 60  # independent samples: with fewer the 21 variances and covariances f
 DEPENDENT = 1e-10  # least eigenvalue of the channels' correlation below which one follows from the others
 
 
-@dataclass(frozen=True, slots=True)
-class FullWeightsFit:
-    """An estimate with W = channels^-1 at every sample."""
-
-    # `weights` is the diagonal of W; s0 is 1 up to the turns that are left; covariances allow for W being estimated
-    fit: Fit
-    channels: Array  # covariance of the six channels' noise, of the recorded forces, shape (6, 6) [N^2, N^2 m..]
-    converged: bool  # whether the last turn changed it by less than `WEIGHT_TOLERANCE` of its variances
-    rounds: int  # turns taken
-
-
 def full_weights(
     regressors: Array,
     forces: Array,
     names: Sequence[str],
     nuisance: int = 0,
     filtered: Filtered = UNFILTERED,
-) -> FullWeightsFit:
+) -> tuple[Fit, Array]:
     """Gauss-Markov (24) with W the inverse of the full channel covariance.
+
+    Weights are the diagonal of W; s0 is 1 up to the turns that are left.
 
     W from n samples is on average too large by n / (n - 7), the mean of the inverse Wishart distribution (Hartlap,
     Simon & Schneider 2007, Astron. Astrophys. 464:399), and its scatter costs the estimate up to as much again: the
@@ -205,6 +196,9 @@ def full_weights(
         regressors: A_j, shape (n, 6, u).
         forces: shape (n, 6) [N, or N and N m].
         nuisance: so many of the last columns are not parameters of the model.
+
+    Returns:
+        The fit, and the covariance of the noise of the recorded forces, shape (6, 6) [N^2, N^2 m..].
 
     Raises:
         IdentificationError: as `gauss_markov`; too few samples for 21 variances; a channel that the others determine.
@@ -227,7 +221,8 @@ def full_weights(
         channels, rounds = new, rounds + 1
         fit = _weighted(regressors, forces, names, channels, nuisance, filtered)
     raised = (independent / (independent - sensors - 1)) ** 2
-    return FullWeightsFit(replace(fit, covariance=raised * fit.covariance), channels, converged, rounds)
+    findings = settled("full", converged, rounds)
+    return replace(fit, covariance=raised * fit.covariance, findings=findings), channels
 
 
 def _weighted(

@@ -21,7 +21,7 @@ from identification.estimation.nonlinear import nonlinear
 from identification.estimation.priors import Prior, with_priors
 from identification.estimation.robust import huber
 from identification.estimation.selection import Selection, estimate_selected, select
-from identification.finding import Finding, Kind, note, warning
+from identification.finding import Kind, note, warning
 from identification.model import Model
 from identification.noise.stated import StatedNoise
 from identification.parameters import physical_form
@@ -191,65 +191,54 @@ def method(
 
 
 def _robust(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
-    found = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
-    share = ", ".join(f"{100 * r:.0f}" for r in found.reduced)
+    fit, kept = huber(regressors, forces, names, problem.pooled, problem.nuisance, problem.filtered, problem.alike)
+    share = ", ".join(f"{100 * r:.0f}" for r in np.mean(kept < 1.0, axis=0))
     told = f"robust: {share} % of the samples of channels 1 to 6 count less (18 % where noise is Gaussian)"
-    return replace(found.fit, findings=(note(Kind.ESTIMATOR, told), *_settled("robust", found.converged, found.rounds)))
+    return replace(fit, findings=(note(Kind.ESTIMATOR, told), *fit.findings))
 
 
 def _full(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Fit:
-    found = full_weights(regressors, forces, names, problem.nuisance, problem.filtered)
-    return replace(found.fit, findings=_settled("full", found.converged, found.rounds))
-
-
-def _settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
-    if converged:
-        return ()
-    return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
+    return full_weights(regressors, forces, names, problem.nuisance, problem.filtered)[0]
 
 
 def _consistent(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, free: Estimator) -> Fit:
-    start = free(regressors, forces, names)
-    found = consistent(regressors, forces, names, start, THINNEST)
-    if found.fit is None:
-        raise IdentificationError(f"no consistent body was found: {found.failure}")
+    fit, rise, p_value = consistent(regressors, forces, names, free(regressors, forces, names), THINNEST)
     told = "consistent: the estimate is that of a real body, the constraint did not bind"
-    if found.bound:
-        told = f"consistent: the constraint bound and raised chi^2 by {found.rise:.3g} s0^2; chance does so in at most "
-        told += f"{100 * found.p_value:.2g} % of runs"
-    findings = (*start.findings, note(Kind.ESTIMATOR, told))
-    if found.bound and found.p_value < UNLIKELY:
+    if rise:
+        told = f"consistent: the constraint bound and raised chi^2 by {rise:.3g} s0^2; chance does so in at most "
+        told += f"{100 * p_value:.2g} % of runs"
+    findings = (*fit.findings, note(Kind.ESTIMATOR, told))
+    if rise and p_value < UNLIKELY:
         far = "no real body is near what the data say; model or data are wrong"
         findings = (*findings, warning(Kind.ESTIMATOR, far))
-    return replace(found.fit, findings=findings)
+    return replace(fit, findings=findings)
 
 
 def _nonlinear(
     regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, known: Mapping[str, float]
 ) -> Fit:
-    pooled = problem.pooled
-    weights = np.ones(6) if pooled else gauss_markov_of(problem)(regressors, forces, names).weights
     physical = [p.name for p in physical_form(problem.model).parameters]
     linear = [name for name in known if name in problem.model.names and name not in physical]
     if linear:
         raise IdentificationError(
             f"the estimator nonlinear knows physical parameters, not {', '.join(linear)}; fix {', '.join(physical)}"
         )
-    found = nonlinear(regressors, forces, problem.model, weights, known, problem.filtered)
-    if found.fit is None:
-        raise IdentificationError(f"the non-linear form was not solved: {found.failure}")
-    return replace(found.fit, findings=(note(Kind.ESTIMATOR, f"nonlinear: {found.steps} Gauss-Newton steps"),))
+    weights = _weights(regressors, forces, names, problem)
+    return nonlinear(regressors, forces, problem.model, weights, known, problem.filtered)
+
+
+def _weights(regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem) -> Array:
+    """Diagonal of W for one sample, shape (6,), by Gauss-Markov where channels differ."""
+    return np.ones(6) if problem.pooled else gauss_markov_of(problem)(regressors, forces, names).weights
 
 
 def _with_priors(
     regressors: Array, forces: Array, names: Sequence[str], problem: FitProblem, priors: Sequence[Prior]
 ) -> Fit:
-    weights = np.ones(6) if problem.pooled else gauss_markov_of(problem)(regressors, forces, names).weights
-    found = with_priors(regressors, forces, problem.model, weights, priors, problem.filtered)
-    if found.fit is None:
-        raise IdentificationError(f"data and priors have no solution: {found.failure}")
+    weights = _weights(regressors, forces, names, problem)
+    fit, effects = with_priors(regressors, forces, problem.model, weights, priors, problem.filtered)
     findings = []
-    for effect in found.effects:
+    for effect in effects:
         told = f"prior {effect.prior.name} = {effect.prior.value:.6g} +- {effect.prior.std:.2g}: the data hold "
         told += f"{100 * effect.data_share:.0f} % of what is known about it"
         if effect.data_share > 0.0:
@@ -260,4 +249,4 @@ def _with_priors(
                 f"prior {effect.prior.name} disagrees with the data by {abs(effect.conflict):.1f} standard deviations"
             )
             findings.append(warning(Kind.ESTIMATOR, f"{told}; doubt one of them"))
-    return replace(found.fit, findings=tuple(findings))
+    return replace(fit, findings=tuple(findings))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from identification.finding import Finding
+from identification.finding import Finding, Kind, warning
 from identification.noise.pose_field import PoseField
 
 Array = NDArray[np.float64]
@@ -52,6 +52,13 @@ class Fit:
     # as a prior that disagrees, or a search that did not settle
     findings: tuple[Finding, ...] = ()
     field: PoseField | None = None  # errors that depend on the pose, where the run shows them
+
+
+def settled(name: str, converged: bool, rounds: int) -> tuple[Finding, ...]:
+    """What to say of an estimator that finds its weights in turns."""
+    if converged:
+        return ()
+    return (warning(Kind.ESTIMATOR, f"{name}: W still changed after {rounds} rounds; compare with gauss-markov"),)
 
 
 Estimator = Callable[[Array, Array, Sequence[str]], Fit]

@@ -8,8 +8,7 @@ Least squares of a non-linear residual by Gauss-Newton steps with halving (Noced
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -19,6 +18,7 @@ from cases.errors import IdentificationError
 from identification.estimation.compressed import column_scale, compress, fit_along, with_kernel
 from identification.estimation.fit import UNFILTERED, Filtered, Fit
 from identification.estimation.selection import require_names
+from identification.finding import Kind, note
 from identification.model import Model
 from identification.parameters import FIRST_MOMENT, INERTIA, MASS, physical_form
 from identification.pose import skew
@@ -28,21 +28,6 @@ Array = NDArray[np.float64]
 _INERTIA_INDEX = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 TOLERANCE = 1e-9  # of a standard deviation of each parameter
 ROUNDING = 1e-14  # of the forces: smaller steps only move the last digits
-
-
-@dataclass(frozen=True, slots=True)
-class NonlinearFit:
-    """An estimate in physical parameters."""
-
-    # fit in u, so that `physical_form` gives the values below back; rank and condition are those of the local Jacobian;
-    # None where the search failed
-    fit: Fit | None
-    values: Array  # p, shape (p,); where the search failed the last ones
-    # covariance of p, s0^2 (J^T W J)^-1 with the local Jacobian J, zero for known ones, shape (p, p); None where the
-    # search failed
-    covariance: Array | None
-    steps: int  # steps of Gauss-Newton
-    failure: str | None  # why it failed, or None
 
 
 def linear_map(model: Model) -> ca.Function:
@@ -73,8 +58,8 @@ def nonlinear(
     weights: Array,
     known: Mapping[str, float],
     filtered: Filtered = UNFILTERED,
-) -> NonlinearFit:
-    """Estimates the physical parameters by Gauss-Newton.
+) -> Fit:
+    """Fit of u by Gauss-Newton in the physical parameters; rank and condition are those of the local Jacobian.
 
     It starts from 1 kg at the origin: with all parameters free u(p) is reached in a few steps from any mass but zero,
     since mass, first moments and inertia each become linear once the ones before them are right.
@@ -89,7 +74,7 @@ def nonlinear(
 
     Raises:
         IdentificationError: a name that the model does not have, a value that is not finite, no free parameter, fewer
-            forces than unknowns, or parameters that the data do not determine.
+            forces than unknowns, parameters that the data do not determine, or a search that fails.
     """
     names = [p.name for p in physical_form(model).parameters]
     beyond = regressors.shape[2] - len(names)
@@ -103,29 +88,25 @@ def nonlinear(
     start = np.array([known.get(name, 1.0 if name == "m" else 0.0) for name in names])
     mapping, compressed = linear_map(model), compress(regressors, forces, weights)
 
-    def full(theta: Array) -> tuple[Array, Array, Array]:
+    def full(theta: Array) -> tuple[Array, Array]:
         physical = start.copy()
         physical[free] = theta
         u, derivative = (value.full() for value in mapping(physical[: len(names) - beyond]))
         jacobian = np.eye(len(names))
         jacobian[: len(derivative), : len(derivative)] = derivative
-        return physical, np.r_[u[:, 0], physical[len(names) - beyond :]], jacobian[:, free]
+        return np.r_[u[:, 0], physical[len(names) - beyond :]], jacobian[:, free]
 
     def residual(theta: Array) -> tuple[Array, Array]:
-        _, u, tangent = full(theta)
+        u, tangent = full(theta)
         return compressed.root @ u - compressed.right, compressed.root @ tangent
 
     noise = np.sqrt(compressed.rest / (compressed.rows - len(names)))
     length = np.sqrt(compressed.rest + np.sum(compressed.right**2))
-    found = gauss_newton(residual, start[free], float(TOLERANCE * noise + ROUNDING * length))
-    physical, u, tangent = full(found.at)
-    if found.failure is not None:
-        return NonlinearFit(None, physical, None, found.steps, found.failure)
+    found, steps = gauss_newton(residual, start[free], float(TOLERANCE * noise + ROUNDING * length))
+    u, tangent = full(found)
     labels = [name for name, f in zip(names, free, strict=True) if f]
     fit = with_kernel(fit_along(compressed, labels, u, tangent, beyond, filtered), regressors, filtered)
-    onto = np.zeros((len(names), len(names)))
-    onto[free] = np.linalg.pinv(tangent)  # tangent has full rank: du/dp has it for every mass but zero
-    return NonlinearFit(fit, physical, onto @ fit.covariance @ onto.T, found.steps, None)
+    return replace(fit, findings=(note(Kind.ESTIMATOR, f"nonlinear: {steps} Gauss-Newton steps"),))
 
 
 Residual = Callable[[Array], tuple[Array, Array]]
@@ -136,16 +117,8 @@ HALVINGS = 30
 RESOLVED = 1e-10  # of |r|^2: less of it than a step promises may drown in rounding, and the step is taken unseen
 
 
-class Minimum(NamedTuple):
-    """Where the search ended."""
-
-    at: Array  # theta, shape (p,)
-    steps: int  # taken
-    failure: str | None  # why this is not a minimum, and what to do; None where it is one
-
-
-def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:
-    """Minimises |r(theta)|^2.
+def gauss_newton(residual: Residual, start: Array, tolerance: float) -> tuple[Array, int]:
+    """The theta of least |r(theta)|^2, shape (p,), and the steps to it.
 
     Directions that nothing determines stay where they started: rank is the caller's to judge at the end.
 
@@ -153,11 +126,14 @@ def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:
         start: theta, shape (p,).
         tolerance: length of a step, as the change of r that it predicts, below which it is the last. Where r is in
             standard deviations of the noise no parameter is then further from the minimum than so many of its own.
+
+    Raises:
+        IdentificationError: where the search ended is not a minimum.
     """
     at = np.asarray(start, dtype=float)
     r, jacobian = residual(at)
     if not np.isfinite(r).all() or not np.isfinite(jacobian).all():
-        return Minimum(at, 0, "the model has no finite value at the start; start from a mass above zero")
+        raise IdentificationError("the model has no finite value at the start; start from a mass above zero")
     for steps in range(1, STEPS + 1):
         scale = column_scale(jacobian)
         step = scale * np.linalg.lstsq(jacobian * scale, -r, rcond=None)[0]
@@ -170,8 +146,8 @@ def gauss_newton(residual: Residual, start: Array, tolerance: float) -> Minimum:
                 break
             share /= 2.0
         else:
-            return Minimum(at, steps, "no step lowers chi^2 any more, yet the gradient is not zero; start nearer")
+            raise IdentificationError("no step lowers chi^2 any more, yet the gradient is not zero; start nearer")
         at, r, jacobian = at + share * step, new, new_jacobian
         if predicted <= tolerance:
-            return Minimum(at, steps, None)
-    return Minimum(at, STEPS, f"the steps did not become small within {STEPS}; start nearer or give more known values")
+            return at, steps
+    raise IdentificationError(f"the steps did not become small within {STEPS}; start nearer or give more known values")

@@ -118,19 +118,6 @@ class PriorEffect(NamedTuple):
     data_share: float  # of the information about this parameter, the share that is not this prior's, 0 to 1
 
 
-@dataclass(frozen=True, slots=True)
-class PriorFit:
-    """An estimate from data and priors."""
-
-    # fit of u; covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom
-    # those of the data alone; None where the search failed
-    fit: Fit | None
-    effects: tuple[PriorEffect, ...]  # one for each prior; none where the search failed
-    # trace of the resolution matrix over u: the share of the unknowns that the data determine, 0 to 1
-    data_share: float
-    failure: str | None  # why the search failed, or None
-
-
 def with_priors(
     regressors: Array,
     forces: Array,
@@ -138,8 +125,10 @@ def with_priors(
     weights: Array,
     priors: Sequence[Prior],
     filtered: Filtered = UNFILTERED,
-) -> PriorFit:
-    """The most probable u, by Gauss-Newton since a prior on a physical parameter is not linear in u.
+) -> tuple[Fit, tuple[PriorEffect, ...]]:
+    """The most probable u, by Gauss-Newton since a prior on a physical parameter is not linear in u; effects of priors.
+
+    Covariances, rank and condition are those of data and priors together, s0 and its degrees of freedom of the data.
 
     Args:
         regressors: A_j, shape (n, 6, u); columns beyond the model's (a delay) have no prior.
@@ -150,8 +139,8 @@ def with_priors(
         filtered: what was done to regressors and forces before.
 
     Raises:
-        IdentificationError: priors that cannot be used (see `PseudoMeasurements.of`), fewer forces than unknowns, or
-            parameters that neither data nor priors determine, by name.
+        IdentificationError: priors that cannot be used (see `PseudoMeasurements.of`), fewer forces than unknowns,
+            parameters that neither data nor priors determine, by name, or a search that fails.
     """
     pseudo = PseudoMeasurements.of(priors, model)
     beyond = regressors.shape[2] - len(model.names)
@@ -171,18 +160,16 @@ def with_priors(
         errors = np.concatenate([root @ u - right, (values - pseudo.values) / pseudo.std])
         return errors, np.vstack([root, rows / pseudo.std[:, None]])
 
-    found = gauss_newton(residual, _start(root, right, pseudo), TOLERANCE + floor / noise)
-    if found.failure is not None:
-        return PriorFit(None, (), 0.0, found.failure)
-    jacobian = residual(found.at)[1]
+    values, _ = gauss_newton(residual, _start(root, right, pseudo), TOLERANCE + floor / noise)
+    jacobian = residual(values)[1]
     rank, condition = determined(jacobian, names, compressed.rows, beyond)
     spread = inverse_root(jacobian)
     covariance = spread @ spread.T
-    residuals = forces - regressors @ found.at
+    residuals = forces - regressors @ values
     of_data = long_run_covariance(scores(regressors, residuals, weights)) / noise**4
     of_priors = jacobian[len(root) :].T @ jacobian[len(root) :]
     fit = Fit(
-        values=found.at,
+        values=values,
         covariance=covariance,
         covariance_robust=covariance @ (of_data + of_priors) @ covariance,
         s0=noise * float(np.sqrt(filtered.stride)),
@@ -192,7 +179,7 @@ def with_priors(
         rank=rank,
         condition=condition,
     )
-    return PriorFit(fit, _effects(pseudo, fit), float(np.sum((root @ spread) ** 2)) / len(names), None)
+    return fit, _effects(pseudo, fit)
 
 
 def _start(root: Array, right: Array, pseudo: PseudoMeasurements) -> Array:

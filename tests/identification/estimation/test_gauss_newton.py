@@ -1,7 +1,9 @@
 """Gauss-Newton finds minima, and says so when it does not."""
 
 import numpy as np
+import pytest
 
+from cases.errors import IdentificationError
 from identification.estimation.nonlinear import STEPS, gauss_newton
 
 Array = np.ndarray
@@ -14,36 +16,32 @@ def rosenbrock(x: Array) -> tuple[Array, Array]:
 
 
 def test_a_linear_problem_takes_one_step_and_one_to_see_it() -> None:
-    found = gauss_newton(lambda x: (MATRIX @ x - RIGHT, MATRIX), np.full(3, 100.0), 1e-10)
-    assert (found.steps, found.failure) == (2, None)
-    np.testing.assert_allclose(found.at, np.linalg.lstsq(MATRIX, RIGHT)[0], rtol=1e-10)
+    found, steps = gauss_newton(lambda x: (MATRIX @ x - RIGHT, MATRIX), np.full(3, 100.0), 1e-10)
+    assert steps == 2
+    np.testing.assert_allclose(found, np.linalg.lstsq(MATRIX, RIGHT)[0], rtol=1e-10)
 
 
 def test_it_finds_the_end_of_a_curved_valley() -> None:
-    found = gauss_newton(rosenbrock, np.array([-1.2, 1.0]), 1e-12)
-    assert found.failure is None
-    np.testing.assert_allclose(found.at, [1.0, 1.0], rtol=1e-12)
+    found, _ = gauss_newton(rosenbrock, np.array([-1.2, 1.0]), 1e-12)
+    np.testing.assert_allclose(found, [1.0, 1.0], rtol=1e-12)
 
 
 def test_it_halves_steps_that_go_too_far() -> None:
     """Atan has its root at 0, and full steps from beyond 1.39 run away from it."""
-    found = gauss_newton(lambda x: (np.arctan(x), np.diag(1.0 / (1.0 + x**2))), np.array([3.0]), 1e-12)
-    assert found.failure is None
-    np.testing.assert_allclose(found.at, 0.0, atol=1e-12)
+    found, _ = gauss_newton(lambda x: (np.arctan(x), np.diag(1.0 / (1.0 + x**2))), np.array([3.0]), 1e-12)
+    np.testing.assert_allclose(found, 0.0, atol=1e-12)
 
 
 def test_what_nothing_determines_stays_where_it_was() -> None:
     matrix = MATRIX * [1.0, 0.0, 1.0]
-    found = gauss_newton(lambda x: (matrix @ x - RIGHT, matrix), np.array([1.0, 7.0, 1.0]), 1e-10)
-    assert found.failure is None
-    assert found.at[1] == 7.0
+    found, _ = gauss_newton(lambda x: (matrix @ x - RIGHT, matrix), np.array([1.0, 7.0, 1.0]), 1e-10)
+    assert found[1] == 7.0
 
 
 def test_failures_are_told() -> None:
-    slow = gauss_newton(lambda x: (x**2, np.diag(2.0 * x)), np.array([1.0]), 1e-40)
-    assert slow.steps == STEPS
-    assert "did not become small within 50" in slow.failure
-    uphill = gauss_newton(lambda x: (MATRIX @ x - RIGHT, -MATRIX), np.zeros(3), 1e-10)
-    assert "no step lowers chi^2" in uphill.failure
-    nowhere = gauss_newton(lambda x: (np.array([np.nan]), np.eye(1)), np.zeros(1), 1e-10)
-    assert "no finite value at the start" in nowhere.failure
+    with pytest.raises(IdentificationError, match=f"did not become small within {STEPS}"):
+        gauss_newton(lambda x: (x**2, np.diag(2.0 * x)), np.array([1.0]), 1e-40)
+    with pytest.raises(IdentificationError, match=r"no step lowers chi\^2"):
+        gauss_newton(lambda x: (MATRIX @ x - RIGHT, -MATRIX), np.zeros(3), 1e-10)
+    with pytest.raises(IdentificationError, match="no finite value at the start"):
+        gauss_newton(lambda x: (np.array([np.nan]), np.eye(1)), np.zeros(1), 1e-10)

@@ -97,7 +97,7 @@ def test_a_tare_leaves_only_the_offsets() -> None:
 
 @pytest.mark.parametrize(
     "estimator",
-    [EQUAL, per_channel, lambda a, f, names: huber(a, f, names, pooled=True).fit],
+    [EQUAL, per_channel, lambda a, f, names: huber(a, f, names, pooled=True)[0]],
     ids=["W=1", "W", "huber"],
 )
 def test_every_estimator_serves_it_and_nuisances_stay_free(estimator) -> None:
