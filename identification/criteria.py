@@ -2,13 +2,19 @@
 
 With mu_1 >= ... >= mu_u the singular values of the scaled regressor, F = A^T A has the eigenvalues mu^2. Values of
 different motions are comparable in one scaling only: the reference scaling (CONVENTIONS).
+
+Which parameters a regressor determines, alone or only together (section 5): Pearson correlation of the columns, QR
+decomposition of the scaled regressor with the paper's numerical zero (Figure 3), singular values, and the combinations
+that stay identifiable where parameters are not.
 """
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import qr
 
 from cases.errors import IdentificationError
 from cases.schema import Case
@@ -98,3 +104,147 @@ def information(model: Model, scaling: Array, states: BoxStates) -> Array:
     """Mean of H A^T A H over states (equal sensors, W = 1), shape (u, u)."""
     matrices = over_samples(model.coordinate_regressor, *states)[0].reshape(-1, len(scaling)) * scaling
     return np.asarray(matrices.T @ matrices / len(states.pose))
+
+
+INVOLVED = 1e-3  # share of a unit direction from which a parameter counts as part of it
+
+
+class Group(NamedTuple):
+    """Parameters that can only be determined together."""
+
+    parameters: tuple[str, ...]  # their names
+    hidden: int  # so many directions among them that the data do not see
+    # what is determined instead: sums of factor times parameter, by name; empty where nothing is
+    combinations: tuple[dict[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Identifiability:
+    """What a regressor says about the parameters of its columns."""
+
+    names: tuple[str, ...]  # names of the columns
+    correlation: Array  # Pearson coefficients of the columns, shape (u, u); 0 for a column without variation
+    r: Array  # R of the QR decomposition of the scaled regressor (26), shape (u, u), no negative diagonal elements
+    zero: float  # the paper's numerical zero m n eps max|R_ii|
+    singular_values: Array  # singular values of the scaled regressor, descending, shape (u,)
+    rank: int  # singular values above the numerical zero
+    groups: tuple[Group, ...]
+
+    @property
+    def condition(self) -> float:
+        """mu_1 / mu_u, infinite where the rank is not full."""
+        full = self.rank == len(self.names)
+        return float(self.singular_values[0] / self.singular_values[-1]) if full else float("inf")
+
+    def strongest(self, count: int = 5) -> list[tuple[str, str, float]]:
+        """The pairs of parameters with the largest correlation, the largest first."""
+        upper = np.triu(np.abs(self.correlation), 1)
+        order = np.argsort(-upper, axis=None)[:count]
+        pairs = [np.unravel_index(int(k), upper.shape) for k in order]
+        return [(self.names[i], self.names[j], float(self.correlation[i, j])) for i, j in pairs]
+
+    def to_json(self) -> dict[str, Any]:
+        """Tables for JSON."""
+        return {
+            "names": list(self.names),
+            "rank": self.rank,
+            "numerical_zero": self.zero,
+            "singular_values": self.singular_values.tolist(),
+            "correlation": self.correlation.tolist(),
+            "r": self.r.tolist(),
+            "groups": [
+                {"parameters": list(g.parameters), "hidden": g.hidden, "combinations": list(g.combinations)}
+                for g in self.groups
+            ],
+        }
+
+    @classmethod
+    def of_json(cls, data: Mapping[str, Any]) -> "Identifiability":
+        """From what `to_json` made; raises KeyError, TypeError or ValueError where an entry is damaged."""
+        return cls(
+            names=tuple(str(name) for name in data["names"]),
+            correlation=np.array(data["correlation"], dtype=float),
+            r=np.array(data["r"], dtype=float),
+            zero=float(data["numerical_zero"]),
+            singular_values=np.array(data["singular_values"], dtype=float),
+            rank=int(data["rank"]),
+            groups=tuple(
+                Group(tuple(g["parameters"]), int(g["hidden"]), tuple(dict(c) for c in g["combinations"]))
+                for g in data["groups"]
+            ),
+        )
+
+
+def analyse(regressors: Array, names: Sequence[str]) -> Identifiability:
+    """Analyses a regressor.
+
+    Args:
+        regressors: A_j, shape (n, 6, u), weighted if channels differ in unit.
+    """
+    matrix = regressors.reshape(-1, regressors.shape[2])
+    norms = np.linalg.norm(matrix, axis=0)
+    scaled = matrix / np.where(norms > 0.0, norms, 1.0)  # (26)
+    r = np.asarray(np.linalg.qr(scaled, mode="r"))
+    r = r * np.where(np.diag(r) < 0.0, -1.0, 1.0)[:, None]
+    _, singular, directions = np.linalg.svd(r)
+    zero = float(matrix.shape[0] * np.finfo(float).eps * np.abs(np.diag(r)).max())  # Figure 3
+    rank = int(np.sum(singular > zero))
+    factors = np.where(norms > 0.0, norms, 1.0)
+    return Identifiability(
+        names=tuple(names),
+        correlation=_correlation(matrix),
+        r=r,
+        zero=zero,
+        singular_values=singular,
+        rank=rank,
+        groups=tuple(_groups(directions[rank:], factors, names)),
+    )
+
+
+def _correlation(matrix: Array) -> Array:
+    deviation = matrix - matrix.mean(axis=0)
+    size = np.linalg.norm(deviation, axis=0)
+    alive = size > 0.0
+    unit = np.where(alive, deviation / np.where(alive, size, 1.0), 0.0)
+    return np.asarray(unit.T @ unit)
+
+
+def _groups(hidden: Array, factors: Array, names: Sequence[str]) -> list[Group]:
+    """Splits the directions that are not seen into groups of parameters that share none of them.
+
+    Two parameters belong together where some hidden direction mixes them. The projector onto the hidden space does not
+    depend on the basis the decomposition chose for it, and its blocks are the groups.
+    """
+    projector = hidden.T @ hidden
+    left = [k for k in range(len(names)) if projector[k, k] > INVOLVED**2]
+    groups = []
+    while left:
+        members, frontier = {left[0]}, [left[0]]
+        while frontier:
+            near = {int(k) for k in np.flatnonzero(np.abs(projector[frontier.pop()]) > INVOLVED**2)} - members
+            members |= near
+            frontier += near
+        index = sorted(members)
+        left = [k for k in left if k not in members]
+        groups.append(_group(hidden[:, index], factors[index], [names[k] for k in index]))
+    return groups
+
+
+def _group(hidden: Array, factors: Array, names: list[str]) -> Group:
+    """Base parameters of a group: one determined combination for each direction of its space that is seen.
+
+    In reduced form, as in Gautier (1991), "Numerical calculation of the base inertial parameters of robots": as many
+    parameters as there are directions stand with factor 1, each in one combination; the rest are added to them.
+    """
+    _, size, basis = np.linalg.svd(hidden)
+    count = int(np.sum(size > INVOLVED))
+    seen = basis[count:] * factors  # from scaled back to the parameters' own units
+    pivots = qr(basis[count:], mode="r", pivoting=True)[1][: len(seen)]
+    combinations = []
+    for pivot, row in sorted(
+        zip(pivots, np.linalg.solve(seen[:, pivots], seen), strict=True), key=lambda pair: pair[0]
+    ):
+        negligible = np.abs(row) * factors[pivot] <= INVOLVED * factors
+        others = {names[k]: float(row[k]) for k in np.flatnonzero(~negligible) if k not in pivots}
+        combinations.append({names[pivot]: 1.0} | others)
+    return Group(tuple(names), count, tuple(combinations))

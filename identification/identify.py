@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from cases.errors import IdentificationError, NegativeMass, RecordingError
 from cases.schema import Case
+from identification.criteria import Identifiability, analyse
 from identification.estimation.biases import Biases, accelerometer_bias, drift_told, mass_told
 from identification.estimation.estimator import require_alive
 from identification.estimation.estimators import FitProblem, Method
@@ -22,7 +23,6 @@ from identification.findings.fit_checks import CHECKS, other_mass, require_scale
 from identification.findings.sample_checks import Scan, scan
 from identification.findings.wiring import require_wiring
 from identification.fitting import GAUSS_MARKOV, SANDWICHED, Fitted, fit_samples
-from identification.identifiability import Identifiability, analyse
 from identification.model import RIGID, Model, full_model, identification_model
 from identification.noise.sources import NoiseSources, noise_sources
 from identification.parameters import MASS

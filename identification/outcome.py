@@ -12,7 +12,7 @@ from scipy.fft import rfft, rfftfreq
 from cases.files import RESULT, atomic_folder, check_folder, json_text, read_json
 from cases.schema import Case
 from cases.units import as_html
-from identification.identifiability import Identifiability
+from identification.criteria import Identifiability
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
 from identification.result import Estimate, Value

@@ -110,7 +110,7 @@ def require_identifiable(case: Case, model: Model) -> None:
     size = np.linalg.norm(columns, axis=0)
     if np.linalg.matrix_rank(columns / np.where(size > 0.0, size, 1.0), tol=HIDDEN * len(columns) ** 0.5) == len(size):
         return
-    from identification.identifiability import analyse  # SciPy, for the few who need it
+    from identification.criteria import analyse  # SciPy, for the few who need it
 
     found = analyse(matrices.reshape(STATES, -1, len(size)), model.names)
     words = []

@@ -24,8 +24,7 @@ from planner.poses.pose_criteria import (
     total_information,
 )
 from planner.poses.pose_request import METHODS, PoseMethod, PoseRequest
-from planner.poses.refinement import refine
-from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change
+from planner.poses.removal import MOST_EXHAUSTIVE, reduce_best, reduce_smallest_change, refine
 from planner.poses.space import Candidates, grid_candidates, sampled_candidates, space_of
 from planner.poses.travel import duration, fastest_move, require_ways, shortest_order, travel_times
 from planner.worth import PoseWorth

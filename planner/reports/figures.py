@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cases.schema import Case
 from cases.units import DEG, MM
-from identification.identifiability import Identifiability
+from identification.criteria import Identifiability
 from identification.motion import Motion
 from planner.precision import bounds_text, std_text, value_text
 from planner.reports.charts import Chart, plain, thinned

@@ -24,7 +24,7 @@ from cases.files import write_text
 from planner.reports.charts import Chart, script_json
 
 if TYPE_CHECKING:
-    from identification.identifiability import Identifiability
+    from identification.criteria import Identifiability
     from identification.model import Model
     from identification.outcome import Result
     from planner.comparison.advising import Comparison
@@ -253,7 +253,7 @@ _PAGES: "dict[str, Callable[[Any], Page]]" = {  # by name: to import the types o
 
 def _of_poses(plan: "Plan") -> "tuple[Model, Identifiability]":
     """The model of a plan of poses, and what its poses determine."""
-    from identification.identifiability import analyse
+    from identification.criteria import analyse
     from planner.noise import standing_model
     from planner.poses.pose_criteria import pose_regressors
 

@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 from cases.files import provenance
 from cases.schema import Case
 from cases.units import MM
-from identification.criteria import reference_scaling
+from identification.criteria import analyse, reference_scaling
 from identification.evaluate import over_samples
-from identification.identifiability import analyse
 from identification.limited import strut_motion
 from identification.limits import load_motion
 from identification.model import RIGID, Model, identification_model

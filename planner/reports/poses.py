@@ -1,7 +1,7 @@
 """The page of a pose set: the machine in each pose, what the set promises, and what its poses determine."""
 
 from cases.files import provenance
-from identification.identifiability import Identifiability
+from identification.criteria import Identifiability
 from identification.model import identification_model
 from identification.parameters import physical_form
 from planner.plans import Plan

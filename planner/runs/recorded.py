@@ -22,7 +22,7 @@ from identification.saved_result import load_result
 from planner.plan_folder import load_plan
 from postprocessors.execute.executed_run import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Stretch, Timed, Untimed
 
 SHORTER, SHORTER_BY = 0.02, 0.1  # of a plan, and [s], by which a run may be shorter

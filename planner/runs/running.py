@@ -28,7 +28,7 @@ from postprocessors.execute.linuxcnc.stretching import acceleration_headroom
 from postprocessors.execute.virtual import run_virtual
 from postprocessors.program_file import Program, read_program
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.predicted import planned_excitation
+from postprocessors.proving.homing import planned_excitation
 from postprocessors.proving.stretches import Stretch, measured_poses, measures_at_poses, stretches
 
 CONTROLLERS = ("virtual", "linuxcnc")

@@ -18,7 +18,7 @@ from identification.trajectories.path_timing import UntimedPath, keeps_pace, ret
 from identification.trajectories.profile import TimeLaw
 from postprocessors.execute.executed_run import ExecutedRun
 from postprocessors.proving.guarantees import Guarantees, Law, limits_jerk
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Still, Stretch, Timed, measures_at_poses, stretches
 from postprocessors.reading.words import Reading
 

@@ -30,8 +30,7 @@ from identification.trajectories.polynomial import PolynomialMotion, Tabulated
 from identification.trajectories.profile import StraightMove
 from postprocessors.proving.forces import Steady
 from postprocessors.proving.guarantees import UNTIMED, Answering, family
-from postprocessors.proving.homing import way_home
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted, way_home
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed
 
 FEWEST, MOST = 64, 1000  # samples of a move that the controller times: smooth, whatever its duration

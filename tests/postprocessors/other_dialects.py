@@ -20,7 +20,7 @@ from postprocessors.blocks import (
 )
 from postprocessors.dialects import Language, dialect
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import ProgramProof, prove_program
 from postprocessors.proving.stretches import Stretch, Timed, stretches
 from postprocessors.reading.words import Move, Pause, Reading, Switch

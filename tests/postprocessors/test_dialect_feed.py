@@ -9,7 +9,7 @@ from cases.errors import ProgramError
 from cases.units import DEG, MM
 from identification.trajectories.profile import StraightMove
 from postprocessors.blocks import ExactStopMove, NeutralProgram, SplinePath, TimedPath, ToHome
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from tests.postprocessors.other_dialects import (
     BOTH,

@@ -14,7 +14,7 @@ from identification.motion import TimedPoints
 from identification.trajectories.circle import Plane, fastest_circle
 from identification.trajectories.profile import StraightMove
 from postprocessors.blocks import Arc, Dwell, ExactStopMove, NeutralProgram, TimedPath, ToHome, Trigger
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.sinumerik_words import LONGEST_LINE
 from postprocessors.reading.words import Pause, Switch

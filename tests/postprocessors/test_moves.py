@@ -16,7 +16,7 @@ from identification.trajectories.polynomial import Piece, PolynomialMotion
 from identification.trajectories.profile import StraightMove
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.stretching import linuxcnc_guarantees
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.stretches import Timed, Untimed, stretches
 from postprocessors.reading.linuxcnc import read_linuxcnc
 from postprocessors.reading.words import Turn

@@ -11,7 +11,7 @@ from cases.loading import load_case
 from identification.trajectories.polynomial import polynomials_of
 from postprocessors.dialects import dialect
 from postprocessors.execute.linuxcnc.session import run_linuxcnc
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.proving.stretches import Untimed, stretches
 from postprocessors.writing import proven_program

@@ -12,7 +12,7 @@ from identification.motion import Joined, Measurement
 from identification.trajectories.polynomial import polynomials_of
 from identification.trajectories.profile import StraightMove
 from postprocessors.dialects import dialect
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.proving.stretches import Untimed, stretches
 from postprocessors.writing import proven_program

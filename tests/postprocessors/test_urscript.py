@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cases.errors import CaseError, ProgramError
 from cases.loading import load_case
 from postprocessors.dialects import dialect
-from postprocessors.proving.predicted import predicted
+from postprocessors.proving.homing import predicted
 from postprocessors.proving.proof import prove_program
 from postprocessors.proving.stretches import Untimed, stretches
 from postprocessors.writing import Written, proven_program

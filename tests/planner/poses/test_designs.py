@@ -6,8 +6,7 @@ import pytest
 
 from planner.poses.continuous import approximate_design, continuous_bound
 from planner.poses.pose_criteria import POSE_CRITERIA, pose_regressors, total_information
-from planner.poses.refinement import refine
-from planner.poses.removal import reduce_best
+from planner.poses.removal import reduce_best, refine
 from planner.poses.space import margins_of
 from tests.planner.poses.conftest import Setting
 
