@@ -14,7 +14,7 @@ from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 
 # A failure is told at once; `--hypothesis-profile bench` takes its time to make it small.
 AT_ONCE = (Phase.explicit, Phase.reuse, Phase.generate)
-SEEDS = 2
+SEEDS = 1
 settings.register_profile("check", derandomize=True, deadline=None, max_examples=20, print_blob=True, phases=AT_ONCE)
 settings.register_profile("bench", deadline=None, max_examples=5000, print_blob=True)
 settings.load_profile("check")
@@ -27,7 +27,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of a test that is repeated over seeds, `make test` runs the first two; `make bench` runs the others."""
+    """Of a test that is repeated over seeds, `make test` runs the first; `make bench` runs the others."""
     for item in items:
         repeated = getattr(item, "callspec", None)
         if repeated is not None and repeated.indices.get("seed", 0) >= SEEDS:

@@ -30,7 +30,7 @@ FACTOR = 2.0  # by which another order must lower the residuals: chance does not
 ALIKE = 1.2  # ratio of residuals below which nothing tells struts from force channels
 SMALL = 0.01  # share of what varies in the forces: a model that leaves less has its cables in order
 LEAST = 60  # forces beyond the unknowns
-INSTANTS = 150  # that are tried
+INSTANTS = 90  # that are tried
 
 
 def require_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> None:

@@ -34,7 +34,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("runs")
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=12)
 @given(seed=st.integers(0, 2**32), asked=st.sampled_from(ASKED))
 def test_a_damaged_run_ends_in_an_answer_or_in_one_line(seed: int, asked: Conditioning, folder: Path) -> None:
     file = folder / "damaged.csv"

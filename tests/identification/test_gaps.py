@@ -19,7 +19,7 @@ from identification.result import Estimate
 from identification.runs.preparation import moving_run
 from identification.saved_result import SavedResult
 from identification.simulate import simulate_recording
-from tests.helpers import Harmonic, one_line
+from tests.helpers import Harmonic, few, one_line
 from tests.simulated_machine import PoseExecution
 
 CASE = load_case("hexapod")
@@ -126,7 +126,7 @@ def test_values_beyond_the_filters_reach_are_those_of_the_sound_run(lines: list[
 
 
 @pytest.mark.parametrize(
-    "edit", [without(1500, 1501), without(1500, 1503), emptied(1500, 1503), emptied(1500, 1501, 1)]
+    "edit", few(without(1500, 1503), emptied(1500, 1501, 1), without(1500, 1501), emptied(1500, 1503), kept=2)
 )
 def test_a_few_samples_are_bridged(edit: Edit, lines: list[str], tmp_path: Path) -> None:
     sound, estimate = identified(damaged(lines, tmp_path)), identified(damaged(lines, tmp_path, edit))

@@ -93,6 +93,7 @@ def test_its_motion_satisfies_the_limits_of_the_coordinates_and_nearly_the_other
         assert check.ratio <= (1.05 if "strut" in check.name or "joint" in check.name else 1.0 + 1e-6), check.name
 
 
+@pytest.mark.slow
 def test_no_waypoint_of_a_walk_exceeds_a_limit_of_poses_on_a_box_that_is_not_within_reach(tight: Case):
     """At any temperature, at every step of the way: limits of poses are no matter of a price."""
     model = identification_model(tight, 9)

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from planner.search.ipopt import INSIDE, Reached, solve
 from planner.search.program import NonlinearProgram
 from planner.search.rows import Blocks, LinearRows
+from tests.helpers import few
 from tests.planner.search.conftest import Small
 
 
@@ -83,7 +84,7 @@ def test_a_watch_that_has_seen_enough_stops_it():
     assert len(seen) == 3
 
 
-@pytest.mark.parametrize("iterations", [3, 8, 15])
+@pytest.mark.parametrize("iterations", few(8, 3, 15))
 def test_out_of_iterations_it_returns_the_best_inside_the_bounds(iterations: int, small: Small):
     """Of all iterates that it passed; the last may be worse, or outside."""
     _, problem, at = small

@@ -58,16 +58,14 @@ def not_worse(values: list[float]) -> None:
     assert efficiencies.min() > 1.0 - WORSE, (values, efficiencies)
 
 
-FIRST = ["fourier", *(pytest.param(name, marks=pytest.mark.slow) for name in ("ptp", "spline"))]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_wider_box_never_gives_less(family: str):
     not_worse([logdet(family, box=share) for share in (0.5, 1.0)])
 
 
-@pytest.mark.parametrize("family", FIRST)
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
 def test_looser_limits_never_give_less(family: str):
     not_worse([logdet(family, limits=share) for share in (0.7, 1.0)])
 

@@ -20,6 +20,7 @@ from planner.search.state_limits import near_limits, state_limits
 from planner.search.states import state_size
 from tests.bench.machines.description import case_of
 from tests.bench.machines.designed import DESIGNED
+from tests.helpers import few
 from tests.planner.search.conftest import Small, family_of
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.independent import strut_lengths
@@ -183,7 +184,7 @@ def test_more_starts_go_on_where_fewer_ended():
 
 
 @pytest.mark.parametrize("name", ["fourier", "led", "ptp", "spline"])
-@pytest.mark.parametrize("far", [1.02, 1.3, 3.0])
+@pytest.mark.parametrize("far", few(1.3, 1.02, 3.0))
 def test_what_is_drawn_back_satisfies_every_limit_and_is_not_smaller_than_needed(
     name: str, far: float, hexapod_case: Case
 ):

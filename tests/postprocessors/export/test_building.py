@@ -45,6 +45,7 @@ int main(void)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("gcc")
 def test_sanitizers_find_nothing(tmp_path: Path) -> None:
     """Windows and delays of all lengths, jumps, values that are not numbers: no bounds are left, nothing overflows."""

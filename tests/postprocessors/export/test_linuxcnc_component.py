@@ -19,6 +19,7 @@ from identification.parameters import linear_parameters
 from postprocessors.execute.linuxcnc.isolation import preload_works
 from postprocessors.execute.linuxcnc.session import linuxcnc_missing
 from postprocessors.export.c99 import half_window, linuxcnc_component
+from tests.helpers import few
 from tests.postprocessors.export.calibrations import calibration
 from tests.postprocessors.export.compiled import SYSTEM_PATH, build_component
 from tests.postprocessors.export.rig import run_rig
@@ -196,7 +197,7 @@ def test_a_second_instance_from_the_pose_is_tared_by_its_pin(logged: Logged) -> 
 
 
 @pytest.mark.usefixtures("tools")
-@pytest.mark.parametrize(("name", "delay"), [("ft_wrist", 0.0), ("hexapod", -0.0017)])
+@pytest.mark.parametrize(("name", "delay"), few(("ft_wrist", 0.0), ("hexapod", -0.0017)))
 def test_components_of_other_sensors_and_delays_compile(name: str, delay: float, tmp_path: Path) -> None:
     made = calibration(tmp_path, name, 6, delay_s={"value": delay, "std": 1e-4})
     source = tmp_path / "some_force.comp"
