@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,15 +139,11 @@ ALIKE = 1e-3  # of figures that are computed anew: another computer rounds other
 CLOCK = 1e-6  # [s] of durations
 
 
-class Mismatch(NamedTuple):
-    """A figure that is not the motion's: the key of plan.json, what it says there and what it should be."""
-
-    key: str
-    said: object
-    found: float
+_Mismatch = tuple[str, object, float]
+"""A figure that is not the motion's: the key of plan.json, what it says there and what it should be."""
 
 
-def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:
+def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[_Mismatch]:
     """Figures of plan.json that the motion beside them does not have, one after the other.
 
     Args:
@@ -168,7 +164,7 @@ def mismatches(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator
         yield from _of_excitation(data, motion, case)
 
 
-def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:
+def _of_excitation(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[_Mismatch]:
     case = _recorded_as_planned(case, data)
     model = identification_model(case, _whole(data, "model"))
     scaling = reference_scaling(case, model)
@@ -197,7 +193,7 @@ def _chosen(case: Case, model: Model, noise: ExpectedNoise, scaling: Array, moti
     return information_of(seen_through(model, noise.whitening), scaling, motion, errors)
 
 
-def _of_criterion(data: dict[str, Any], mu: Array) -> Iterator[Mismatch]:
+def _of_criterion(data: dict[str, Any], mu: Array) -> Iterator[_Mismatch]:
     letter = str(data["criterion"])
     if letter not in CRITERIA:
         raise ValueError("criterion")
@@ -206,7 +202,7 @@ def _of_criterion(data: dict[str, Any], mu: Array) -> Iterator[Mismatch]:
     yield from _unlike("criterion_value", data["criterion_value"], score, within)
 
 
-def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[Mismatch]:
+def _of_poses(data: dict[str, Any], motion: Trajectory, case: Case) -> Iterator[_Mismatch]:
     parts = motion.parts if isinstance(motion, Joined) else ()
     poses = np.array([part.pose for part in parts if isinstance(part, Measurement)])
     yield from _unlike("count", data["count"], float(len(poses)), 0.0)
@@ -231,7 +227,7 @@ def _whole(data: dict[str, Any], key: str) -> int:
     return int(data[key])
 
 
-def _unlike_deviations(data: dict[str, Any], expected: dict[str, float]) -> Iterator[Mismatch]:
+def _unlike_deviations(data: dict[str, Any], expected: dict[str, float]) -> Iterator[_Mismatch]:
     said = data["predicted_std"]
     if list(said) != list(expected):
         raise ValueError("predicted_std")
@@ -239,10 +235,10 @@ def _unlike_deviations(data: dict[str, Any], expected: dict[str, float]) -> Iter
         yield from _unlike(f"predicted_std.{name}", said[name], std)
 
 
-def _unlike(key: str, said: object, found: float, within: float | None = None) -> Iterator[Mismatch]:
+def _unlike(key: str, said: object, found: float, within: float | None = None) -> Iterator[_Mismatch]:
     within = ALIKE * abs(found) if within is None else within
     if isinstance(said, bool) or not isinstance(said, int | float) or not abs(said - found) <= within:
-        yield Mismatch(key, said, found)
+        yield key, said, found
 
 
 def problem_of(data: dict[str, Any], motion: Trajectory, case: Case) -> str | None:
@@ -255,5 +251,6 @@ def problem_of(data: dict[str, Any], motion: Trajectory, case: Case) -> str | No
         return f"entry {error} is missing or damaged"
     if first is None:
         return None
-    said = f"{first.said:.6g}" if isinstance(first.said, int | float) else repr(first.said)
-    return f"{first.key} is {said}, but {first.found:.6g} by its motion: changed by hand or by another version"
+    key, said, found = first
+    words = f"{said:.6g}" if isinstance(said, int | float) else repr(said)
+    return f"{key} is {words}, but {found:.6g} by its motion: changed by hand or by another version"

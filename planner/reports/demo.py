@@ -12,7 +12,7 @@ from planner.precision import parameter_words, std_text, value_text
 from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import colour, errors_plot, identifiability_items, limits_plot, motion_plots
 from planner.reports.identify import delay_words, noise_tile, residual_items, run_inputs
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
 from planner.reports.plan import pictured, starts_items
 from planner.runs.running import RunOutcome
 
@@ -66,15 +66,15 @@ def _headline(answer: dict[str, Any], chain: Demo) -> Tiles:
     m, z = known["m"].std_robust, known["zC"].std_robust
     return Tiles(
         (
-            Tile(f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
-            Tile(
+            (f"{run['duration_s']:.2f} s", f"excitation as executed ({run['planned_s']:.2f} s planned)"),
+            (
                 f"{run['d_efficiency']:.2f}",
                 f"D-efficiency as executed, behind the evaluation's filter ({plan['d_efficiency']:.2f} planned, "
                 f"{run['d_efficiency_planned']:.2f} as programmed)",
             ),
-            Tile(f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
-            Tile(f"{z * 1e6:.3g} µm", "robust standard deviation of the centre of gravity, z"),
-            Tile(f"{chain.worst:.2f}", "largest error in reported standard deviations"),
+            (f"{m * 1e3:.3g} g", "robust standard deviation of the mass"),
+            (f"{z * 1e6:.3g} µm", "robust standard deviation of the centre of gravity, z"),
+            (f"{chain.worst:.2f}", "largest error in reported standard deviations"),
             noise_tile(chain.result),
         )
     )

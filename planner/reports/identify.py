@@ -14,7 +14,7 @@ from planner.reports.figures import (
     residuals_plot,
     spectrum_plot,
 )
-from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, Tiles
 
 PARAMETER_COLUMNS = ("parameter", "value", "±", "unit", "95 % from", "to", "std (28)", "std robust")
 ALIKE = 1.3  # times that robust deviations may be larger than those by (28) where noise is white
@@ -45,12 +45,12 @@ def _headline(result: Result) -> Tiles:
     body = (("m", 1.0, "kg", "mass, with its standard deviation"), ("zC", 1e3, "mm", "centre of gravity, z"))
     known = result.parameters
     tiles = [
-        Tile(f"{with_deviation(known[name].value * scale, known[name].reported * scale)} {unit}", text)
+        (f"{with_deviation(known[name].value * scale, known[name].reported * scale)} {unit}", text)
         for name, scale, unit, text in body
         if name in known  # a frame that does not move tells offsets alone
     ]
     condition, rank = result.record["condition"], result.record["rank"]
-    tiles += [noise_tile(result), Tile(f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
+    tiles += [noise_tile(result), (f"{condition:.3g}", f"condition of the scaled regressor, rank {rank}")]
     return Tiles(tuple(tiles))
 
 
@@ -62,15 +62,13 @@ def _verdicts(result: Result) -> Answers:
     warnings = len(result.warnings)
     return Answers(
         (
-            Answer(
-                rank >= count, "Every parameter is determined.", f"rank {rank}, condition {record['condition']:.3g}"
-            ),
-            Answer(
+            (rank >= count, "Every parameter is determined.", f"rank {rank}, condition {record['condition']:.3g}"),
+            (
                 ratio <= ALIKE,
                 "The residuals look like white noise.",
                 f"std robust is at most {ratio:.2f} times std (28); the larger of them is reported",
             ),
-            Answer(
+            (
                 not warnings,
                 "Nothing odd was found in the recording and in the fit.",
                 "no warnings" if not warnings else f"warnings: {warnings}, at the top of this page",
@@ -79,14 +77,14 @@ def _verdicts(result: Result) -> Answers:
     )
 
 
-def noise_tile(result: Result) -> Tile:
+def noise_tile(result: Result) -> tuple[str, str]:
     """s0, and what it is; a filter keeps from it what the recorded forces have above the pass band."""
     record = result.record
     recorded = f"recorded forces less the model: {record['s0_N']:.3g} N rms"
     if record["weights"] != "equal":
-        return Tile(f"{record['s0']:.3g}", f"s0, 1 where the weights are right ({recorded})")
+        return (f"{record['s0']:.3g}", f"s0, 1 where the weights are right ({recorded})")
     filtered = "" if record["delay_s"] is None else ", the filter's stop band included"
-    return Tile(f"{record['s0']:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
+    return (f"{record['s0']:.3g} N", f"s0, noise of one force by the residuals ({recorded}{filtered})")
 
 
 def parameter_items(result: Result) -> tuple[Item, ...]:

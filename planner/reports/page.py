@@ -58,18 +58,10 @@ _TERM = re.compile("|".join(rf"(?<![\w-]){re.escape(term)}(?!\w)" for term in so
 
 
 @dataclass(frozen=True, slots=True)
-class Tile:
-    """A figure that matters: `value` with its unit, and what it means in a line."""
-
-    value: str
-    meaning: str
-
-
-@dataclass(frozen=True, slots=True)
 class Tiles:
-    """The figures that matter, side by side."""
+    """The figures that matter, side by side: each a value with its unit, and what it means in a line."""
 
-    tiles: tuple[Tile, ...]
+    tiles: tuple[tuple[str, str], ...]
     kind: str = "tiles"
 
 
@@ -82,19 +74,10 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
-    """A claim that figures bear out or not."""
-
-    holds: bool
-    claim: str
-    figures: str
-
-
-@dataclass(frozen=True, slots=True)
 class Answers:
-    """Claims with their answers, one below the other."""
+    """Claims that figures bear out or not, one below the other: whether each holds, the claim and the figures."""
 
-    answers: tuple[Answer, ...]
+    answers: tuple[tuple[bool, str, str], ...]
     kind: str = "answers"
 
 

@@ -23,7 +23,7 @@ from planner.precision import parameter_words, std_text
 from planner.reports.charts import Chart, plain, thinned
 from planner.reports.figures import COLOURS, GREY, identifiability_items, limits_plot, motion_plots
 from planner.reports.machine import moving_machine
-from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, Tiles
 from planner.search.ipopt import solver_text
 
 Array = NDArray[np.float64]
@@ -105,14 +105,14 @@ def _headline(plan: Plan) -> Tiles:
     worth = plan.of_motion[1]
     kind = "certified" if worth.bound.certified else "an estimate"
     tiles = [
-        Tile(f"{plan.motion.duration:.2f} s", "duration, from rest to rest"),
-        Tile(f"{worth.d_efficiency:.3f}", f"D-efficiency against the box bound ({kind})"),
-        Tile(f"{worth.condition:.3g}", "condition in reference scaling"),
-        Tile(f"{plan.limits.worst_ratio * 100:.1f} %", "most that is used of any limit"),
+        (f"{plan.motion.duration:.2f} s", "duration, from rest to rest"),
+        (f"{worth.d_efficiency:.3f}", f"D-efficiency against the box bound ({kind})"),
+        (f"{worth.condition:.3g}", "condition in reference scaling"),
+        (f"{plan.limits.worst_ratio * 100:.1f} %", "most that is used of any limit"),
     ]
     if worth.d_efficiency_tight is not None and worth.tight is not None:
         kind = "certified" if worth.tight.certified else "an estimate"
-        tight = Tile(
+        tight = (
             f"{worth.d_efficiency_tight:.3f}",
             f"D-efficiency against motions of limited jerk from rest to rest ({kind})",
         )
@@ -127,12 +127,12 @@ def _verdicts(plan: Plan) -> Answers:
     proven = [v for v in limits if v["status"] == "proven"]
     most = max(proven, key=lambda v: v["ratio"])
     claims = [
-        Answer(
+        (
             all(v["ratio"] <= 1.0 + 1e-6 for v in proven),
             "The motion keeps every limit that is proven.",
             f"{len(proven)} limits; most used is {most['at']} with {100 * most['ratio']:.1f} %",
         ),
-        Answer(
+        (
             not steps,
             "Jerk is limited.",
             f"accelerations step in {', '.join(steps)}: for controllers without a jerk limit"

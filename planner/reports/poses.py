@@ -12,7 +12,7 @@ from planner.precision import parameter_words, std_text
 from planner.reports.charts import Chart, plain
 from planner.reports.figures import COLOURS, GREY, identifiability_items
 from planner.reports.machine import posing_machine
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
 
 
 def poses_page(plan: Plan, found: Identifiability) -> Page:
@@ -20,10 +20,10 @@ def poses_page(plan: Plan, found: Identifiability) -> Page:
     about = plan.to_json()
     case, settings = plan.case, about["settings"]
     tiles = (
-        Tile(str(about["count"]), f"poses of {about['candidates']} candidates"),
-        Tile(f"{about['duration_s']:.1f} s", f"measuring time, of it {about['travel_s']:.1f} s of travel"),
-        Tile(f"{about['efficiency']:.3f}", "D-efficiency of the best design over the candidates (lower bound)"),
-        Tile(f"{about['condition']:.3g}", "condition in reference scaling"),
+        (str(about["count"]), f"poses of {about['candidates']} candidates"),
+        (f"{about['duration_s']:.1f} s", f"measuring time, of it {about['travel_s']:.1f} s of travel"),
+        (f"{about['efficiency']:.3f}", "D-efficiency of the best design over the candidates (lower bound)"),
+        (f"{about['condition']:.3g}", "condition in reference scaling"),
     )
     words = (
         f"chosen by {about['method']}, criterion {about['criterion']}, for model {about['model']}: {about['remark']}."

@@ -10,7 +10,7 @@ from cases.schema import Case
 from planner.precision import parameter_words, with_deviation
 from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
-from planner.reports.page import Answer, Answers, Item, Note, Page, Plot, Section, Table, rows_of
+from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, rows_of
 from planner.validation.experiment import TABLE_3
 from planner.validation.remedy import REMEDY_COLUMNS, Remedy
 from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, MethodStep
@@ -115,7 +115,7 @@ def _loads(steps: Sequence[MethodStep]) -> str:
 
 
 def _findings(verdict: Sequence[Claim]) -> Answers:
-    return Answers(tuple(Answer(f.holds, f.claim, f.figures) for f in verdict))
+    return Answers(tuple((f.holds, f.claim, f.figures) for f in verdict))
 
 
 def _warnings(steps: Sequence[MethodStep]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from planner.reports.charts import Chart
-from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tile, Tiles
+from planner.reports.page import Item, Note, Page, Plot, Section, Table, Tiles
 from planner.study.spec import command_of
 from planner.study.store import DONE, FAILED, PLANNED, SETTINGS
 
@@ -98,11 +98,11 @@ def study_page(about: dict[str, Any], table: "pa.Table") -> Page:
     lost = sum(count for _, count in failures)
     warnings = (f"{lost} rows failed; their reasons stand below",) if lost else ()
     done = sum(g.done for g in found)
-    tiles = [Tile(f"{done} of {about['cells']}", "cells planned"), Tile(str(lost), "rows failed")]
+    tiles = [(f"{done} of {about['cells']}", "cells planned"), (str(lost), "rows failed")]
     intervals = sum(g.intervals for g in found)
     if intervals:
         inside = sum(g.inside * g.intervals for g in found if g.intervals) / intervals
-        tiles.append(Tile(f"{100 * inside:.1f} %", f"of {intervals} 95 % intervals hold the truth"))
+        tiles.append((f"{100 * inside:.1f} %", f"of {intervals} 95 % intervals hold the truth"))
     sections = [
         Section("In short", (Tiles(tuple(tiles)), *_best(found, about["case_file"]))),
         Section("Settings", (_table(found),)),
