@@ -8,7 +8,6 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -310,21 +309,12 @@ _NOT_OF_A_CHAIN = frozenset({"workspace", "controller.linuxcnc"})  # what chains
 _OF_A_MOVING_FRAME = frozenset(NEEDS) - {"identify standstills, force, tare"}
 
 
-class Readiness(NamedTuple):
-    """Whether a case has what a command needs."""
-
-    command: str  # as it is typed
-    missing: tuple[str, ...]  # tables and keys that the case lacks, or why the command is not for it
-
-
-def readiness(case: Case) -> tuple[Readiness, ...]:
-    """What each command misses in a case."""
+def readiness(case: Case) -> dict[str, tuple[str, ...]]:
+    """Tables and keys that a case lacks for each command, or why the command is not for it; empty where it is ready."""
     if case.setup == "1a":  # Figure 1: the sensor frame stands
-        return tuple(
-            Readiness(command, ("a sensor frame that moves (setup is 1a)",) if command in _OF_A_MOVING_FRAME else ())
-            for command in NEEDS
-        )
-    return tuple(Readiness(name, tuple(_lacks(case, name, keys))) for name, keys in NEEDS.items())
+        still = ("a sensor frame that moves (setup is 1a)",)
+        return {command: still if command in _OF_A_MOVING_FRAME else () for command in NEEDS}
+    return {name: tuple(_lacks(case, name, keys)) for name, keys in NEEDS.items()}
 
 
 def _lacks(case: Case, command: str, keys: tuple[str, ...]) -> Iterator[str]:

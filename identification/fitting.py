@@ -107,15 +107,6 @@ def fit_samples(
     return Fitted(samples, fit, held, residuals, whitening, columns)
 
 
-class _Converged(NamedTuple):
-    """Where Gauss-Newton over the delay ended."""
-
-    delay: float  # delay of the linearisation [s]
-    columns: Array  # A and the nuisances there, shape (n, 6, u + nuisances)
-    values: Array  # u, shape (u,)
-    whitening: Array | None  # root of W, where the case states noise
-
-
 def _converged(
     run: Samples,
     forces: Array,
@@ -124,7 +115,7 @@ def _converged(
     delay: float,
     held: Delay | None,
     near: Array | None = None,
-) -> _Converged:
+) -> tuple[float, Array, Array, Array | None]:
     """Gauss-Newton over the delay.
 
     Args:
@@ -145,7 +136,7 @@ def _converged(
         still = run.regressors(delay)
         if problem.noise is not None:
             whitening = problem.noise.whitening_from(still, forces, selection)
-        return _Converged(delay, still, np.zeros(0), whitening)
+        return delay, still, np.zeros(0), whitening
     names = [*selection.names, *run.nuisances[:beside]]
     whole = selection.basis.shape[0] == selection.basis.shape[1]
     for _ in range(DELAY_STEPS):
@@ -182,7 +173,7 @@ def _converged(
         )
     assert columns is not None
     assert values is not None
-    return _Converged(delay, columns, values, whitening)
+    return delay, columns, values, whitening
 
 
 def _of_known_motion(biases: Biases | None, held: Delay | None) -> Array:

@@ -1,6 +1,6 @@
 """The payload between two identifications: the rigid body that was added from one to the other."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +19,8 @@ LEVEL = 1e-3  # share of gravity along an axis from which on the payload's place
 UNLIKELY = 1e-3  # chance of so large a misfit of a weight by noise
 
 
-@dataclass(frozen=True, slots=True)
-class Payload:
-    """A payload."""
-
-    # mass, centre of gravity in {P} and inertia about it (where both results have it), by name
-    parameters: dict[str, Value]
-    warnings: tuple[str, ...]  # sentences
+Payload = tuple[dict[str, Value], tuple[str, ...]]
+"""Mass, centre of gravity in {P} and inertia about it (where both results have it), by name; warnings."""
 
 
 def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> Payload:
@@ -73,7 +68,7 @@ def payload_on_table(before: SavedResult, after: SavedResult, model: Model) -> P
         for k, name in enumerate(units)
         if k in known
     }
-    return Payload(parameters, tuple(warnings))
+    return parameters, tuple(warnings)
 
 
 def require_two(before: SavedResult, after: SavedResult) -> None:
@@ -142,4 +137,4 @@ def payload_between(before: SavedResult, after: SavedResult, model_before: Model
         p.name: Value(float(v), float(s), float(r), p.unit)
         for p, v, s, r in zip(form.parameters, values, white, long_run, strict=True)
     }
-    return Payload(parameters, tuple(warnings))
+    return parameters, tuple(warnings)

@@ -92,7 +92,7 @@ def usual_dialect(case: Case, settings: Mapping[str, Any] | None = None, path: b
     made_for = (settings or {}).get("made_for")
     if made_for in DIALECTS:
         return str(made_for)
-    ready = {need.command for need in readiness(case) if not need.missing}
+    ready = {command for command, missing in readiness(case).items() if not missing}
     names = USUAL_OF_PATHS if path and case.chain is not None else USUAL
     return next((name for name in names if f"post --dialect {name}" in ready), "linuxcnc")
 

@@ -65,7 +65,7 @@ def check(
     reach = reach_figures(case)
     if json:
         parts = {"reach": reach, "proposal": proposal}
-        ready = {r.command: list(r.missing) for r in lacks}
+        ready = {command: list(missing) for command, missing in lacks.items()}
         answer = {"ok": True, "figures": figures, "missing": ready, "remarks": list(remarks)}
         print_json(answer | {k: v.to_json() for k, v in parts.items() if v is not None})
         return
@@ -78,10 +78,10 @@ def check(
         print_table(
             f"Worst of {figures['poses']} poses: home, and corners and middles of the motion box", LIMIT_COLUMNS, rows
         )
-    print(f"ready for: {'; '.join(r.command for r in lacks if not r.missing) or 'no command'}")
-    for r in lacks:
-        if r.missing:
-            print(f"not ready for {r.command}: misses {', '.join(r.missing)}")
+    print(f"ready for: {'; '.join(c for c, missing in lacks.items() if not missing) or 'no command'}")
+    for command, missing in lacks.items():
+        if missing:
+            print(f"not ready for {command}: misses {', '.join(missing)}")
     for remark in remarks:
         print(f"look at {remark}")
     if reach is not None:

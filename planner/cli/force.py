@@ -189,10 +189,12 @@ def payload(
     remarks = (*old.remarks(loaded, stale), *new.remarks(loaded, stale))
     models = old.model_of(loaded), new.model_of(loaded)
     require_two(old, new)
-    found = payload_on_table(old, new, models[0]) if loaded.setup == "1a" else payload_between(old, new, *models)
+    parameters, warnings = (
+        payload_on_table(old, new, models[0]) if loaded.setup == "1a" else payload_between(old, new, *models)
+    )
     answer: dict[str, Any] = {
-        "parameters": {name: value._asdict() for name, value in found.parameters.items()},
-        "warnings": [*found.warnings, *remarks],
+        "parameters": {name: value._asdict() for name, value in parameters.items()},
+        "warnings": [*warnings, *remarks],
     }
     if json:
         print_json(answer)

@@ -89,17 +89,8 @@ SPACE_ROUNDS = 25
 STARTS = 200
 
 
-@dataclass(frozen=True, slots=True)
-class ContinuousBound:
-    """An estimated upper bound of log det of the mean information."""
-
-    logdet: float  # the bound, in the scaling that was given
-    dmax: float  # largest directional derivative that was found
-    poses: int  # poses of the design that carry weight
-
-
-def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> ContinuousBound:
-    """Approximate design over the pose space.
+def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> float:
+    """Estimated upper bound of log det of the mean information of any poses, by an approximate design over the space.
 
     Args:
         scaling: scaling of the columns, shape (u,).
@@ -120,8 +111,7 @@ def continuous_bound(case: Case, model: Model, scaling: Array, seeds: Array) -> 
         if dmax <= size * (1.0 + SPACE_GAP):
             break
         pool = np.vstack([pool[design.weights > 0.0], starts, found[values > size]])
-    bound = float(np.linalg.slogdet(design.information)[1] + size * np.log(dmax / size))
-    return ContinuousBound(bound, dmax, int(np.sum(design.weights > 1e-4)))
+    return float(np.linalg.slogdet(design.information)[1] + size * np.log(dmax / size))
 
 
 def _regressors(model: Model, scaling: Array, space: PoseSpace | JointSpace, shares: Array, like: Array) -> Array:

@@ -100,7 +100,7 @@ def poses_planned(
         value=criterion_value(model, scaling, poses, request.criterion),
         condition=float(np.sqrt(np.linalg.cond(information))),
         efficiency=approximate_design(regressors).efficiency(chosen),
-        efficiency_space=float(np.exp((logdet - space.logdet) / len(scaling))),
+        efficiency_space=float(np.exp((logdet - space) / len(scaling))),
         fewest=smallest_set(model, scaling, poses, request.criterion),
         std_of_all=predicted_std_at_poses(case, model, scaling, regressors, candidates.poses, noise),
         select_seconds=selected,
@@ -217,5 +217,5 @@ def choose(
         )
     if request.method in (PoseMethod.BACKWARD, PoseMethod.BACKWARD_CHANGE):
         return candidates[kept], "as many as asked for"
-    refined = refine(case, model, scaling, criterion, candidates[kept])
-    return refined.poses, f"refined: {refined.status}"
+    refined, status = refine(case, model, scaling, criterion, candidates[kept])
+    return refined, f"refined: {status}"

@@ -164,17 +164,10 @@ POWER_SQUARINGS = 3  # extreme eigenvalues are smoothed by a p-norm, p = 2^3
 INSIDE = 1e-7  # kept from every edge, so that rounding of the solver cannot leave the space
 
 
-@dataclass(frozen=True, slots=True)
-class Refinement:
-    """What refinement made of a set of poses."""
+def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> tuple[Array, str]:
+    """Poses refined by IPOPT, or the start where nothing better was found, and what the solver said.
 
-    poses: Array  # shape (n, 6) [m, rad]; the start where nothing better was found
-    value: float  # value of the criterion, exact
-    status: str  # what the solver said
-
-
-def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> Refinement:
-    """Refines poses by IPOPT; K and N by a smooth p-norm of the eigenvalues, rated by their exact values.
+    K and N by a smooth p-norm of the eigenvalues, rated by their exact values.
 
     Args:
         scaling: scaling of the columns, shape (u,).
@@ -204,8 +197,8 @@ def refine(case: Case, model: Model, scaling: Array, criterion: PoseCriterion, p
     refined = space.poses(space.project(found["x"].full().reshape(count, space.size)), poses)
     before, after = (_value(model, scaling, criterion, p) for p in (poses, refined))
     if not (after > before and space.valid(refined).all()):
-        return Refinement(poses, before, f"{status}; nothing better found")
-    return Refinement(refined, after, status)
+        return poses, f"{status}; nothing better found"
+    return refined, status
 
 
 def _value(model: Model, scaling: Array, criterion: PoseCriterion, poses: Array) -> float:

@@ -35,22 +35,17 @@ PACED = ("velocity", "acceleration", "jerk", "sensor force", "sensor moment", "j
 """Words in the names of limits that a slower pace helps."""
 
 
-class RetimedPath(NamedTuple):
-    """A path at another pace."""
-
-    # proven inside all limits, with a margin; the path itself where its own pace is as good as any found
-    motion: Trajectory
-    off_path: tuple[float, float]  # largest distance from the path, of the position [m] and of an angle [rad]
-    solver: str  # what the optimiser said
-
-
 def retimed_path(
     path: Trajectory, case: Case, fastest: bool, told: Callable[[str], None] = lambda _: None
-) -> RetimedPath:
+) -> tuple[Trajectory, tuple[float, float], str]:
     """The path at the fastest pace that keeps all limits.
 
     Args:
         fastest: up to `FASTEST` times the planned pace; otherwise never faster than planned.
+
+    Returns:
+        The motion, proven inside all limits with a margin, or the path itself where its own pace is as good as any
+        found; its largest distance from the path, of the position [m] and of an angle [rad]; the solver's words.
 
     Raises:
         InfeasiblePlan: no pace keeps all limits; the message names the one in the way.
@@ -63,12 +58,12 @@ def retimed_path(
     _require_rest(path, case)
     own = not isinstance(path, TimedPoints) and prove(path, case).worst_ratio <= 1.0 - MARGIN + TOLERANCE
     if own and not fastest:
-        return RetimedPath(path, (0.0, 0.0), "its own pace keeps all limits")
+        return path, (0.0, 0.0), "its own pace keeps all limits"
     best, solver = _search(path, case, FASTEST if fastest else 1.0, told)
     if own and best.duration >= path.duration:
-        return RetimedPath(path, (0.0, 0.0), "its own pace is the fastest that was found")
+        return path, (0.0, 0.0), "its own pace is the fastest that was found"
     motion = _inside(best, case)
-    return RetimedPath(motion, _off(motion, best, path, case.need_motion("re-timing")[1].turns), solver)
+    return motion, _off(motion, best, path, case.need_motion("re-timing")[1].turns), solver
 
 
 class _Round(NamedTuple):

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -122,30 +122,22 @@ def _loaded_case(case: Case, around: "Circumstances") -> Case:
     return case.model_copy(update={"simulation": simulation.model_copy(update={"parameters": truth})})
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One combination of settings, and the key of its rows."""
-
-    key: str
-    settings: dict[str, Any]
-
-
-def cells_of(spec: Spec, case: Case) -> list[Cell]:
-    """Every cell of a study.
+def cells_of(spec: Spec, case: Case) -> dict[str, dict[str, Any]]:
+    """Settings of every cell of a study, by the key of its rows.
 
     Raises:
         HexciteError: a combination cannot be planned, or there are too many.
     """
-    ours, found = version("hexcite"), []
+    ours, found = version("hexcite"), {}
     for stated in settings_of(spec):
         settings = {"model": full_model(case)} | stated
         request_of(settings)
-        found.append(Cell(cell_key(settings, spec.execute, case, ours), settings))
+        found[cell_key(settings, spec.execute, case, ours)] = settings
     return found
 
 
-def missing(cells: list[Cell], spec: Spec, folder: Path) -> list[tuple[Cell, tuple[int, ...]]]:
-    """Cells with rows that are not in the folder yet, and the noise seeds of these rows; what failed is not missing.
+def missing(cells: Iterable[str], spec: Spec, folder: Path) -> dict[str, tuple[int, ...]]:
+    """Cells with rows that are not in the folder yet, and noise seeds of these rows; what failed is not missing.
 
     Raises:
         FileProblem: a file of the study is damaged.
@@ -160,12 +152,12 @@ def missing(cells: list[Cell], spec: Spec, folder: Path) -> list[tuple[Cell, tup
             if seed == PLANNED and status == FAILED:
                 failed.add(key)
     wanted = range(spec.execute.noise_seeds if spec.execute is not None else 0)
-    found = []
+    found = {}
     for cell in cells:
-        have = there.get(cell.key, set())
+        have = there.get(cell, set())
         lacking = tuple(seed for seed in wanted if seed not in have)
-        if cell.key not in failed and (PLANNED not in have or lacking):
-            found.append((cell, lacking))
+        if cell not in failed and (PLANNED not in have or lacking):
+            found[cell] = lacking
     return found
 
 
@@ -192,19 +184,19 @@ def run_study(client: "Client", spec: Spec, case: Case, folder: Path, done: Call
     """
     cells = cells_of(spec, case)
     open_study(folder, about_study(spec, case, len(cells)))
-    open_cells = {cell.key: (cell, seeds) for cell, seeds in missing(cells, spec, folder)}
+    open_cells = missing(cells, spec, folder)
     disturbed = spec.execute is not None and spec.execute.disturbed
-    tasks = ((key, Job(case, request_of(c.settings), seeds, disturbed)) for key, (c, seeds) in open_cells.items())
+    tasks = ((key, Job(case, request_of(cells[key]), seeds, disturbed)) for key, seeds in open_cells.items())
     for end in run_tasks(client, work, tasks, spec.cells.time_limit_s):
-        cell, seeds = open_cells[end.key]
+        seeds = open_cells[end.key]
         # Another seed than 0 first: of a study that was extended by more noise.
-        keep(folder, f"{end.key}-{seeds[0]}" if seeds else end.key, _rows(cell, end, case))
+        keep(folder, f"{end.key}-{seeds[0]}" if seeds else end.key, _rows(cells[end.key], end, case))
         done(end)
     return len(open_cells)
 
 
-def _rows(cell: Cell, end: TaskEnd, case: Case) -> list[dict[str, Any]]:
-    shared = cell.settings | {"cell": cell.key, "case_hash": case.hash, "version": version("hexcite")}
+def _rows(settings: dict[str, Any], end: TaskEnd, case: Case) -> list[dict[str, Any]]:
+    shared = settings | {"cell": end.key, "case_hash": case.hash, "version": version("hexcite")}
     if end.reason is not None:
         return [shared | {"noise_seed": PLANNED, "status": FAILED, "reason": end.reason, "seconds": end.seconds}]
     return [shared | row for row in end.value]

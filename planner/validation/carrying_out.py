@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -110,15 +109,6 @@ def _worth_keeping(folder: Path) -> bool:
     return any(folder.glob("plans/*/plan.json"))
 
 
-class CarriedOut(NamedTuple):
-    """What became of the methods."""
-
-    steps: tuple[MethodStep, ...]  # steps of those that could be carried out
-    remedies: tuple[Remedy, ...]  # the same recordings with the structural mode, where that was the cause of an error
-    executed: Mapping[str, str]  # controller of each method, and what to know about its run
-    failed: Mapping[str, str]  # why the others could not be carried out
-
-
 def carry_out(
     case: Case,
     methods: Sequence[str],
@@ -127,13 +117,17 @@ def carry_out(
     settings: ValidationSettings,
     folder: Path,
     count: Count,
-) -> CarriedOut:
+) -> tuple[tuple[MethodStep, ...], tuple[Remedy, ...], dict[str, str], dict[str, str]]:
     """Plans, writes, executes and identifies methods; one that a controller cannot run is named, the others go on.
 
     Args:
         mounted: numbers of weights, from 0 on.
         folder: folder that takes plans and programs; a plan that it holds already is not made again.
         count: called with what is done now and the number of steps that this ends.
+
+    Returns:
+        Steps of the methods that could be carried out; the same recordings with the structural mode, where that was the
+        cause of an error; controller of each method, and what to know about its run; why the others failed.
 
     Raises:
         HexciteError: no method could be carried out.
@@ -161,7 +155,7 @@ def carry_out(
             count(f"{method} {step.load:.0f} kg", 1)
     if not done:
         raise HexciteError("; ".join(f"{method}: {why}" for method, why in failed.items()))
-    return CarriedOut(tuple(done), tuple(remedies), executed, failed)
+    return tuple(done), tuple(remedies), executed, failed
 
 
 def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path) -> Program:

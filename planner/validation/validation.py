@@ -110,22 +110,22 @@ def validate(
     with ExitStack() as places:
         work = folder or Path(places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)
-        carried = carry_out(case, methods, mounted, disturbances, settings, work, count)
+        steps, remedies, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
         made = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")
             for file in sorted((work / name).rglob("*"))
             if file.is_file()
         }
-    columns = {number: one for step in carried.steps for number, one in step.columns.items()}
+    columns = {number: one for step in steps for number, one in step.columns.items()}
     return Validation(
         case=case,
         machine=_simulated(case, disturbances, settings),
-        steps=carried.steps,
-        findings=tuple(findings(case, list(carried.steps), columns)),
-        failed=carried.failed,
-        executed=carried.executed,
-        remedies=carried.remedies,
+        steps=steps,
+        findings=tuple(findings(case, list(steps), columns)),
+        failed=failed,
+        executed=executed,
+        remedies=remedies,
         controller=settings.on,
         disturbances=disturbances,
         made=made,

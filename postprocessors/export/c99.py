@@ -1,7 +1,5 @@
 """The measurement model as C99: a header that people read and a source whose mathematics CasADi's expressions give."""
 
-from dataclasses import dataclass
-
 import casadi as ca
 
 from cases.schema import Case
@@ -24,19 +22,11 @@ def half_window(case: Case) -> float:
     return 0.010 if cutoff is None else round(_HALF_GAIN / cutoff, 6)
 
 
-@dataclass(frozen=True, slots=True)
-class Sources:
-    """C99 text."""
-
-    header: str  # declarations
-    source: str  # definitions
-
-
-def c_sources(calibration: Calibration, name: str) -> Sources:
-    """Header and source of a model called `name`."""
+def c_sources(calibration: Calibration, name: str) -> tuple[str, str]:
+    """Header and source in C99 of a model called `name`."""
     values = {"name": name, "NAME": name.upper(), "origin": comment_lines(calibration)}
     declarations, definitions = c_parts(calibration, name, "")
-    return Sources(
+    return (
         environment().get_template("header.h.jinja").render(values | {"declarations": declarations}),
         environment().get_template("source.c.jinja").render(values | {"definitions": definitions}),
     )

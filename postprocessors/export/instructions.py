@@ -5,7 +5,6 @@ The mathematics stays CasADi's own expression graph; only the spelling of `a + b
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import casadi as ca
 
@@ -102,14 +101,6 @@ def statements(function: ca.Function, language: CodeLanguage) -> Iterator[str]:
             yield language.assign.format(values[written[0]], expression)
 
 
-class Mechanics(NamedTuple):
-    """What turns strut motion into platform motion."""
-
-    struts: ca.Function  # pose -> lengths (6,), jacobian (6, 6): J_Hex^-1 of (8)
-    newton: ca.Function  # pose, correction (6,) -> stepped (6,): the pose after a step of the forward kinematics (7)
-    drift: ca.Function  # pose, twist -> drift (6,): d/dt(J_Hex^-1) twist of (9)
-
-
 def measurement(model: Model) -> ca.Function:
     """(pose, twist, twist_rate, u, forces) -> external (6,), residuals (6,): (1) with (10)-(15).
 
@@ -142,8 +133,13 @@ def coordinates() -> ca.Function:
     )
 
 
-def mechanics(hexapod: Hexapod) -> Mechanics:
-    """The kinematics of a hexapod, its joints built in."""
+def mechanics(hexapod: Hexapod) -> tuple[ca.Function, ...]:
+    """The kinematics of a hexapod, its joints built in.
+
+    struts: pose -> lengths (6,), jacobian (6, 6): J_Hex^-1 of (8);
+    newton: pose, correction (6,) -> stepped (6,): the pose after a step of the forward kinematics (7);
+    drift: pose, twist -> drift (6,): d/dt(J_Hex^-1) twist of (9).
+    """
     pose, motion, step = (ca.SX.sym(name, 6) for name in ("pose", "twist", "correction"))
     lengths, jacobian = hexapod.inverse_jacobian(pose)
     struts = ca.Function(
@@ -153,7 +149,7 @@ def mechanics(hexapod: Hexapod) -> Mechanics:
     drift = ca.Function(
         "drift", [pose, motion], [hexapod.jacobian_drift(pose, motion)], ["pose", "twist"], ["drift"], {"cse": True}
     )
-    return Mechanics(struts, newton, drift)
+    return struts, newton, drift
 
 
 def functions_of(model: Model, hexapod: Hexapod | None) -> list[ca.Function]:

@@ -148,10 +148,10 @@ def _c_folder(calibration: Calibration, output: Path | None, overwrite: bool) ->
     names = [f"{name}.c", f"{name}.h"]
     kind = FolderKind("a C model", frozenset((*names, f"{name}.o")))  # what a compiler leaves there may go too
     check_folder(folder, kind, [Path(calibration.result.source)], overwrite)
-    sources = c_sources(calibration, name)
+    header, source = c_sources(calibration, name)
     with atomic_folder(folder, kind, overwrite) as part:
-        (part / names[0]).write_text(sources.source, encoding="ascii")
-        (part / names[1]).write_text(sources.header, encoding="ascii")
+        (part / names[0]).write_text(source, encoding="ascii")
+        (part / names[1]).write_text(header, encoding="ascii")
     return [folder / n for n in names]
 
 
@@ -192,23 +192,19 @@ Array = NDArray[np.float64]
 ROUNDING = 1e-9  # of the largest principal inertia: what the triangle inequality may miss by rounding
 
 
-class PrincipalAxes(NamedTuple):
-    """Principal moments of inertia, shape (3,) [kg m^2], and the rotation from their axes to {P}, shape (3, 3)."""
+def principal_axes(inertia: Array) -> tuple[Array, Array]:
+    """Principal moments, shape (3,), of a tensor, shape (3, 3) [kg m^2], and the rotation from their axes to {P}.
 
-    moments: Array
-    turn: Array
-
-
-def principal_axes(inertia: Array) -> PrincipalAxes:
-    """Principal axes of a tensor, shape (3, 3) [kg m^2], in the order and sense that turn them least from {P}'s."""
+    In the order and sense that turn the axes least from those of {P}.
+    """
     moments, axes = np.linalg.eigh(inertia)
-    best = PrincipalAxes(moments, axes)
+    best = moments, axes
     largest = -np.inf
     for order in permutations(range(3)):
         for signs in product((1.0, -1.0), repeat=3):
             turn = axes[:, order] * signs
             if np.linalg.det(turn) > 0.0 and np.trace(turn) > largest:  # trace = 1 + 2 cos(angle)
-                largest, best = float(np.trace(turn)), PrincipalAxes(moments[list(order)], turn)
+                largest, best = float(np.trace(turn)), (moments[list(order)], turn)
     return best
 
 
@@ -218,7 +214,8 @@ class IdentifiedLoad(NamedTuple):
     mass: float  # [kg]
     centre: Array  # of gravity, shape (3,) [m]
     inertia: Array  # about the centre of gravity, shape (3, 3) [kg m^2]
-    principal: PrincipalAxes
+    moments: Array  # principal moments of inertia, shape (3,) [kg m^2]
+    turn: Array  # rotation from their axes to {P}, shape (3, 3)
 
 
 def identified_load(calibration: Calibration, command: str) -> IdentifiedLoad:
@@ -243,14 +240,14 @@ def identified_load(calibration: Calibration, command: str) -> IdentifiedLoad:
     value = {name: v.value for name, v in calibration.physical.items()}
     xx, xy, xz, yy, yz, zz = (value[f"IC{k}"] for k in ("11", "12", "13", "22", "23", "33"))
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    principal = principal_axes(inertia)
-    smallest, middle, largest = np.sort(principal.moments)
+    moments, turn = principal_axes(inertia)
+    smallest, middle, largest = np.sort(moments)
     if smallest <= 0.0 or smallest + middle < largest * (1.0 - ROUNDING):
         raise IdentificationError(
-            f"{source}: no body has the principal inertias {', '.join(f'{v:.4g}' for v in principal.moments)} kg m^2; "
+            f"{source}: no body has the principal inertias {', '.join(f'{v:.4g}' for v in moments)} kg m^2; "
             "identify from a run that turns the machine more"
         )
-    return IdentifiedLoad(value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia, principal)
+    return IdentifiedLoad(value["m"], np.array([value[f"{c}C"] for c in "xyz"]), inertia, moments, turn)
 
 
 def isg_load(calibration: Calibration) -> str:
@@ -264,10 +261,10 @@ def isg_load(calibration: Calibration) -> str:
         IdentificationError: a static model, which has no inertia, or an inertia that no body has.
     """
     body = identified_load(calibration, "#LIMIT LOAD")
-    rx, ry, rz = Rotation.from_matrix(body.principal.turn).as_euler("xyz") / DEG
+    rx, ry, rz = Rotation.from_matrix(body.turn).as_euler("xyz") / DEG
     words = [f"{letter}={v:.4f}" for letter, v in zip("XYZ", body.centre / MM, strict=True)]
     words += [f"{letter}={v:.4f}" for letter, v in zip(("RX", "RY", "RZ"), (rx, ry, rz), strict=True)]
-    words += [f"{letter}={v:.6f}" for letter, v in zip(("IX", "IY", "IZ"), body.principal.moments, strict=True)]
+    words += [f"{letter}={v:.6f}" for letter, v in zip(("IX", "IY", "IZ"), body.moments, strict=True)]
     words.append(f"MASS={body.mass:.4f}")
     load = " ".join(words)
     comments = [

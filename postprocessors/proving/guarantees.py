@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 from cases.schema import Case
 from identification.limited import Box
@@ -10,27 +9,19 @@ from identification.limits import LimitCheck, Status
 from identification.trajectories.profile import Profile, TimeLaw
 from postprocessors.proving.forces import ForceBounds
 
+Law = Callable[[float, float, float], TimeLaw]
+"""How a controller covers a straight way from rest to rest.
 
-class Law(Protocol):
-    """How a controller covers a straight way from rest to rest."""
-
-    def __call__(self, velocity: float, acceleration: float, jerk: float) -> TimeLaw:
-        """Time law of the share of the way, from 0 to 1, within limits on that share [1/s, 1/s^2, 1/s^3]."""
-        ...
+Limits of velocity, acceleration and jerk on the share of the way [1/s, 1/s^2, 1/s^3] -> time law of that share, 0 to 1.
+"""
+ArcLaw = Callable[[float, float, float, float], TimeLaw]
+"""The same for an arc, whose angle [rad] is the last argument: turning needs a part of the acceleration."""
 
 
 def limits_jerk(law: Law) -> bool:
     """Whether a controller's law has a limit of jerk; without one its accelerations step."""
     found = law(1.0, 1.0, 1.0)
     return not (isinstance(found, Profile) and found.jerk_time == 0.0)
-
-
-class ArcLaw(Protocol):
-    """How a controller covers an arc from rest to rest."""
-
-    def __call__(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
-        """The same for an arc that turns by `angle` [rad], where turning needs a part of the acceleration."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

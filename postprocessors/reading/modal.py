@@ -29,33 +29,31 @@ class PlaneProblem(Exception):
         self.word = word
 
 
-class ArcWords(NamedTuple):
-    """What a block says."""
+def arc_through(
+    plane: Plane, counter_clockwise: bool, start: Array, end: Array, centres: dict[str, float]
+) -> tuple[Array, float]:
+    """Centre of an arc in its plane, shape (2,) [mm], and signed angle [rad].
 
-    plane: Plane  # plane in which it lies
-    counter_clockwise: bool  # G3, seen from the positive end of the plane's normal; else G2
-    start: Array  # shape (6,) [mm, deg]
-    end: Array  # shape (6,) [mm, deg]
-    centres: dict[str, float]  # I, J, K as written, relative to the start [mm]
-
-
-def arc_through(asked: ArcWords) -> tuple[Array, float]:
-    """Centre in the plane, shape (2,) [mm], and signed angle [rad].
+    Args:
+        counter_clockwise: G3, seen from the positive end of the plane's normal; else G2.
+        start: shape (6,) [mm, deg].
+        end: shape (6,) [mm, deg].
+        centres: I, J, K as written, relative to the start [mm].
 
     Raises:
         PlaneProblem: no arc.
     """
-    first, second, normal = asked.plane.axes
-    if "IJK"[normal] in asked.centres:
+    first, second, normal = plane.axes
+    if "IJK"[normal] in centres:
         name = "IJK"[normal]
         raise PlaneProblem(name, f"{name} is not a centre in this plane; remove it, or choose another plane")
-    if not asked.centres:
+    if not centres:
         raise PlaneProblem("", f"an arc without a centre; add {'IJK'[first]} and {'IJK'[second]}")
-    if abs(asked.end[normal] - asked.start[normal]) > STILL:
+    if abs(end[normal] - start[normal]) > STILL:
         raise PlaneProblem("XYZ"[normal], "helices are not used here; write an arc in its plane")
-    offset = np.array([asked.centres.get("IJK"[k], 0.0) for k in (first, second)])
-    centre = asked.start[[first, second]] + offset
-    target = asked.end[[first, second]] - centre
+    offset = np.array([centres.get("IJK"[k], 0.0) for k in (first, second)])
+    centre = start[[first, second]] + offset
+    target = end[[first, second]] - centre
     radius, reached = float(np.hypot(*offset)), float(np.hypot(*target))
     if radius <= 0.0:
         raise PlaneProblem("", "the arc has no radius; correct its centre")
@@ -68,8 +66,8 @@ def arc_through(asked: ArcWords) -> tuple[Array, float]:
     else:
         arm = -offset
         turned = float(np.arctan2(arm[0] * target[1] - arm[1] * target[0], arm @ target)) % (2 * np.pi)
-        turned = turned if asked.counter_clockwise else 2 * np.pi - turned
-    return centre, turned if asked.counter_clockwise else -turned
+        turned = turned if counter_clockwise else 2 * np.pi - turned
+    return centre, turned if counter_clockwise else -turned
 
 
 LARGEST = 1e6  # mm, degrees, seconds: no machine has such numbers
@@ -265,7 +263,7 @@ class ModalState(ABC):
         end = self.end_of(seen, first)
         centres = {name: float(seen[name].value or 0.0) for name in "IJK" if name in seen}
         try:
-            centre, angle = arc_through(ArcWords(plane, self.active("G3"), self.pose, end, centres))
+            centre, angle = arc_through(plane, self.active("G3"), self.pose, end, centres)
         except PlaneProblem as problem:
             self.fail(seen.get(problem.word, first), str(problem))
         self.pose = end

@@ -60,9 +60,9 @@ def exported() -> list[list[str]]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         made = calibration(folder, "hexapod", 9)
-        sources = c_sources(made, "hexapod_force")
-        (folder / "hexapod_force.h").write_text(sources.header)
-        (folder / "hexapod_force.c").write_text(sources.source)
+        header, source = c_sources(made, "hexapod_force")
+        (folder / "hexapod_force.h").write_text(header)
+        (folder / "hexapod_force.c").write_text(source)
         # Ends where it began: the next round goes on from there. Forces do not matter for the time.
         motion = Harmonic(seed=1, duration=2.0, size=0.6).at(np.arange(0.0, 2.0, 1e-3))
         hexapod = Hexapod.of(made.case)

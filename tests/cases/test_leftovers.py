@@ -58,7 +58,7 @@ def test_what_is_hardly_meant_is_noticed(change: Callable[[Any], object], says: 
 
 def test_what_each_command_misses_is_said_before_it_is_tried() -> None:
     case = own(lambda d: d.pop("nominal"))
-    missing = {r.command: r.missing for r in readiness(case)}
+    missing = readiness(case)
     assert set(missing) == set(NEEDS)
     assert missing["plan"] == ("nominal",)
     assert missing["bound"] == ()
@@ -68,7 +68,7 @@ def test_what_each_command_misses_is_said_before_it_is_tried() -> None:
 
 def test_a_dialects_table_is_needed_for_that_dialect_only() -> None:
     case = own(lambda d: d["controller"].pop("linuxcnc"))
-    missing = {r.command: r.missing for r in readiness(case)}
+    missing = readiness(case)
     assert missing["post --dialect linuxcnc"] == ("controller.linuxcnc",)
     assert missing["post --dialect sinumerik"] == missing["plan"] == ()
 

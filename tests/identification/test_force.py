@@ -113,7 +113,7 @@ def test_the_payload_is_the_body_that_was_added(saved: SavedResult) -> None:
     about_origin = inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
     body = np.r_[m, m * c, about_origin[np.triu_indices(3)]]
     model = saved.model_of(CASE)
-    found = payload_between(saved, added(saved, body), model, model).parameters
+    found, _ = payload_between(saved, added(saved, body), model, model)
     got = [found[n].value for n in ("m", "xC", "yC", "zC", "IC11", "IC22", "IC33")]
     np.testing.assert_allclose(got, [20.0, 0.01, 0.02, 0.18, 0.2, 0.25, 0.15], rtol=1e-9)
     assert found["m"].std == pytest.approx(np.sqrt(2 * saved.covariance[0, 0]))
@@ -141,8 +141,8 @@ def test_results_of_different_models_are_compared_with_a_warning(saved: SavedRes
 
     body = added(saved, np.r_[5.0, np.zeros(9)])
     static = replace(saved, model=7, values=saved.values[:18], covariance=saved.covariance[:18, :18])
-    found = payload_between(static, body, identification_model(CASE, 7), body.model_of(CASE))
-    assert any("models 7 and 9 differ" in w for w in found.warnings)
+    _, warnings = payload_between(static, body, identification_model(CASE, 7), body.model_of(CASE))
+    assert any("models 7 and 9 differ" in w for w in warnings)
 
 
 @pytest.mark.parametrize(

@@ -132,11 +132,11 @@ def dwell_problem(
         phases = _phases(log, still, durations, switched)
         if not phases:
             return f"line {still.numbers[0]}: the trigger did not switch here as the program asks; run again"
-        for phase in phases:
-            taken = (phase.end - phase.start) * log.period
-            if taken < phase.seconds - log.period / 2:
+        for start, end, seconds in phases:
+            taken = (end - start) * log.period
+            if taken < seconds - log.period / 2:
                 return (
-                    f"line {still.numbers[0]}: LinuxCNC dwelt {taken:.3f} s instead of {phase.seconds:.3f} s; the "
+                    f"line {still.numbers[0]}: LinuxCNC dwelt {taken:.3f} s instead of {seconds:.3f} s; the "
                     "computer is too busy, run again"
                 )
     return None
@@ -179,10 +179,10 @@ def without_surplus(
     """
     keep = np.ones(len(log.lines), dtype=bool)
     for still in _standstills(log, durations.keys() | switched.keys(), window):
-        for phase in _phases(log, still, durations, switched):
-            cycles = max(round(phase.seconds / log.period), FEWEST_CYCLES)
-            middle = phase.start + cycles // 2
-            surplus = slice(middle, middle + phase.end - phase.start - cycles)
+        for start, end, seconds in _phases(log, still, durations, switched):
+            cycles = max(round(seconds / log.period), FEWEST_CYCLES)
+            middle = start + cycles // 2
+            surplus = slice(middle, middle + end - start - cycles)
             if surplus.stop <= middle:
                 continue
             if not np.ptp(log.drives[middle - 1 : surplus.stop + 1], axis=0).any():
@@ -191,18 +191,13 @@ def without_surplus(
     return replace(log, **columns, left_out=int(np.count_nonzero(~keep)))
 
 
-class _Phase(NamedTuple):
-    """A part of a standstill in which the trigger does not switch."""
-
-    start: int  # first row of the log
-    end: int  # one past the last
-    seconds: float  # programmed [s]
-
-
 def _phases(
     log: ControllerLog, still: _Standstill, durations: dict[int, float], switched: dict[int, bool]
-) -> list[_Phase]:
-    """The phases of a standstill; none where the log does not show the switches that the program asks for."""
+) -> list[tuple[int, int, float]]:
+    """First row, one past the last, and programmed time [s] of each part of a standstill without a switch.
+
+    None where the log does not show the switches that the program asks for.
+    """
     edges = still.start + 1 + np.flatnonzero(np.diff(log.trigger[still.start : still.end].astype(int)))
     planned = _between_switches(still.numbers, durations, switched, bool(log.trigger[still.start]))
     if len(planned) == len(edges) + 2 and planned[-1] == 0.0:
@@ -210,7 +205,7 @@ def _phases(
     if len(planned) != len(edges) + 1:
         return []
     bounds = [still.start, *(int(edge) for edge in edges), still.end]
-    return [_Phase(*phase) for phase in zip(bounds, bounds[1:], planned, strict=False)]
+    return list(zip(bounds, bounds[1:], planned, strict=False))
 
 
 def _between_switches(

@@ -143,4 +143,4 @@ def test_what_cannot_be_planned_is_refused_before_the_work(settings: dict, says:
 @pytest.mark.parametrize(("case", "model"), [("hexapod", 9), ("ur10_wrist", 6), ("strut_sensors", 6)])
 def test_a_model_that_is_not_stated_is_the_largest_of_the_machine(case: str, model: int) -> None:
     cells = cells_of(Spec(schema_version=1, name="x", grid=Grid(family=["ptp"])), load_case(case))
-    assert [cell.settings["model"] for cell in cells] == [model]
+    assert [settings["model"] for settings in cells.values()] == [model]

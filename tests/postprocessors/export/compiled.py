@@ -44,9 +44,9 @@ class Compiled:
     """A model in use."""
 
     def __init__(self, calibration: Calibration, folder: Path, name: str = "hexapod_force") -> None:
-        sources = c_sources(calibration, name)
-        (folder / f"{name}.h").write_text(sources.header, encoding="ascii")
-        (folder / f"{name}.c").write_text(sources.source, encoding="ascii")
+        header, source = c_sources(calibration, name)
+        (folder / f"{name}.h").write_text(header, encoding="ascii")
+        (folder / f"{name}.c").write_text(source, encoding="ascii")
         library = folder / f"{name}.so"
         command = ["gcc", *STRICT, "-O2", "-shared", "-fPIC", "-o", str(library), str(folder / f"{name}.c"), "-lm"]
         done = subprocess.run(command, capture_output=True, text=True)

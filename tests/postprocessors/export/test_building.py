@@ -49,9 +49,9 @@ int main(void)
 @pytest.mark.usefixtures("gcc")
 def test_sanitizers_find_nothing(tmp_path: Path) -> None:
     """Windows and delays of all lengths, jumps, values that are not numbers: no bounds are left, nothing overflows."""
-    sources = c_sources(calibration(tmp_path, "hexapod", 9), "hexapod_force")
-    (tmp_path / "hexapod_force.h").write_text(sources.header, encoding="ascii")
-    (tmp_path / "hexapod_force.c").write_text(sources.source, encoding="ascii")
+    header, source = c_sources(calibration(tmp_path, "hexapod", 9), "hexapod_force")
+    (tmp_path / "hexapod_force.h").write_text(header, encoding="ascii")
+    (tmp_path / "hexapod_force.c").write_text(source, encoding="ascii")
     (tmp_path / "driver.c").write_text(DRIVER, encoding="ascii")
     flags = ["-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     build = subprocess.run(

@@ -64,7 +64,7 @@ def test_error_terms_of_ones_own_choice_are_carried(tmp_path: Path) -> None:
         expected = external(CASE, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
         found = compiled.wrench("from_pose", s.pose[k], s.rates[k], s.accelerations[k], s.forces[k])
         assert np.abs(found - expected).max() <= ROUNDING * max(np.abs(expected).max(), np.abs(s.forces[k]).max())
-    assert "model 6 (K1, K5)" in c_sources(made, "x").header
+    assert "model 6 (K1, K5)" in c_sources(made, "x")[0]
 
 
 def test_struts_follow_from_drives_as_the_case_states(tmp_path: Path) -> None:
@@ -87,7 +87,7 @@ def test_a_force_torque_sensor_has_no_struts_but_the_same_model(number: int, tmp
         expected = external(case, u, s.pose[k], s.twist[k], s.twist_rate[k], s.forces[k])
         found = compiled.wrench("from_pose", s.pose[k], s.rates[k], s.accelerations[k], s.forces[k])
         assert np.abs(found - expected).max() <= ROUNDING * max(np.abs(expected).max(), np.abs(s.forces[k]).max())
-    assert "from_struts" not in c_sources(made, "wrist_force").header
+    assert "from_struts" not in c_sources(made, "wrist_force")[0]
 
 
 def test_at_a_kilohertz_three_steps_close_the_struts(nine: Compiled) -> None:
@@ -228,7 +228,7 @@ def test_the_longest_signal_chain_that_fits_works(nine: Compiled) -> None:
 
 def test_the_header_says_where_the_numbers_are_from(tmp_path: Path) -> None:
     made = calibration(tmp_path, "hexapod", 9, warnings=["poses cover */ little \N{DEGREE SIGN}\nat all"])
-    for text in (c_sources(made, "x").header, c_sources(made, "x").source):
+    for text in (*c_sources(made, "x"),):
         assert text.isascii()
         for word in (str(tmp_path), made.result_hash, CASE.hash, "model 9", "hexcite 0", "WARNING: poses cover"):
             assert word in text
