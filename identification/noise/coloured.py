@@ -103,31 +103,30 @@ def coloured_covariance(found: Turned) -> Array | None:
     return found.share * found.covariance(np.asarray(meat))
 
 
-class _Series(NamedTuple):
-    """What a channel's samples see of stationary noise x, at n equal steps."""
+def _seen(answer: Array, taken: Array, here: Array, pairs: Array, autocovariance: Array) -> tuple[Array, Array]:
+    """What stationary noise does at n equal steps: expected |rfft|^2 of what the fit leaves, and B^T Gamma B.
 
-    answer: Array  # B, the parameters answer to x with B^T x, shape (n, u)
-    taken: Array  # C, the fit takes C B^T x away, shape (n, u)
-    here: Array  # 1 where there is a sample, 0 elsewhere, shape (n,)
-    pairs: Array  # how often two samples are so many steps apart, shape (n,)
-
-    def seen(self, autocovariance: Array) -> tuple[Array, Array]:
-        """What noise of this autocovariance does: expected |rfft|^2 of what the fit leaves, and B^T Gamma B."""
-        length = len(self.answer)
-        raw = 2.0 * rfft(self.pairs * autocovariance).real - self.pairs[0] * autocovariance[0]
-        felt = toeplitz(autocovariance, self.answer)
-        meat = self.answer.T @ felt
-        spectrum = rfft(self.taken, axis=0)
-        crossed = rfft(felt * self.here[:, None], length, axis=0)
-        left = raw - 2.0 * np.sum(crossed * spectrum.conj(), axis=1).real
-        return left + np.einsum("fi,ij,fj->f", spectrum, meat, spectrum.conj()).real, meat
+    Args:
+        answer: B, the parameters answer to noise x with B^T x, shape (n, u).
+        taken: C, the fit takes C B^T x away, shape (n, u).
+        here: 1 where there is a sample, 0 elsewhere, shape (n,).
+        pairs: how often two samples are so many steps apart, shape (n,).
+        autocovariance: of the noise, shape (n,).
+    """
+    raw = 2.0 * rfft(pairs * autocovariance).real - pairs[0] * autocovariance[0]
+    felt = toeplitz(autocovariance, answer)
+    meat = answer.T @ felt
+    spectrum = rfft(taken, axis=0)
+    crossed = rfft(felt * here[:, None], len(answer), axis=0)
+    left = raw - 2.0 * np.sum(crossed * spectrum.conj(), axis=1).real
+    return left + np.einsum("fi,ij,fj->f", spectrum, meat, spectrum.conj()).real, meat
 
 
 def _meat(answer: Array, taken: Array, noise: Array, here: Array, freedom: float) -> Array:
     """B^T Gamma B of a channel with the autocovariance that its residuals tell, shape (u, u).
 
     Args:
-        answer: B, see `_Series`.
+        answer: B, see `_seen`.
         taken: C.
         noise: residuals of variance 1, shape (n,), zero where there is no sample.
         here: 1 where there is a sample, shape (n,).
@@ -135,9 +134,8 @@ def _meat(answer: Array, taken: Array, noise: Array, here: Array, freedom: float
     """
     length = len(noise)
     pairs = np.maximum(np.round(products(here)), 0.0)
-    series = _Series(answer, taken, here, pairs)
     near = autoregressive(noise, here, float(here.sum()) / freedom)
-    components = [series.seen(c) for c in (near, *slow_noises(length))]
+    components = [_seen(answer, taken, here, pairs, c) for c in (near, *slow_noises(length))]
     slow = max(len(components), int(SLOW * (length // 2)) + 1)
     left = np.array([c[0] for c in components])[:, :slow]
     shares = _shares(np.abs(rfft(noise)[:slow]) ** 2, left)

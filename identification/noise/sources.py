@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.fft import fft
 
 from cases.sensors import Sensors
-from identification.estimation.fit import Filtered, Fit
+from identification.estimation.fit import Fit
 from identification.evaluate import over_samples
 from identification.finding import Finding, Kind, warning
 from identification.hexapod import Hexapod, Kinematics
@@ -110,29 +110,39 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
         delay: delay of the forces [s].
         sensors: sensors with noise of forces, of struts or both.
     """
-    effect = None
-    if sensors.strut_variance is not None or sensors.acceleration_noise is not None:
-        part = run.excerpt()
-        effect = regressor_noise(part, w, delay, sensors)
-        if isinstance(run, Run):
-            effect = effect.of_samples(len(run.rows))
-    return sources_of(effect, fit, w, run.filtered, sensors)
+    squared = max(fit.s0**2, np.finfo(float).tiny)
+    force_share = None
+    if sensors.force_noise is not None:
+        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
+    if sensors.strut_variance is None and sensors.acceleration_noise is None:
+        return NoiseSources(force_share, None, None, None, None)
+    moment, samples, variance = regressor_noise(run.excerpt(), w, delay, sensors)
+    if isinstance(run, Run):  # of which the excerpt is a fair choice
+        moment, samples = moment * (len(run.rows) / samples), len(run.rows)
+    unknowns = len(moment)
+    estimated = fit.values[:unknowns]
+    inverse = fit.covariance[:unknowns, :unknowns] * run.filtered.stride / squared  # F^-1; singular: some are given
+    lost = inverse @ moment
+    bias: Array | None = None
+    if float(np.linalg.eigvals(lost).real.max()) < MOST_LOST:
+        bias = np.asarray(-np.linalg.solve(np.eye(unknowns) - lost, lost @ estimated))
+    true = estimated if bias is None else estimated - bias
+    # Of dA u the fit hides what it is drawn by: u^T D u + u^T D b is left.
+    equivalent = float(true @ moment @ estimated) / (6 * samples * run.filtered.gain)
+    return NoiseSources(
+        force_share,
+        equivalent / squared,
+        float(np.sqrt(variance)) if variance else None,
+        float(np.sqrt(max(equivalent, 0.0))),
+        bias,
+    )
 
 
-class RegressorNoise(NamedTuple):
-    """What stated noise of struts and accelerations does to the regressors of a run."""
+def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sensors) -> tuple[Array, int, float]:
+    """What stated noise of struts and accelerations does to the regressors of a run.
 
-    moment: Array  # D, the expected sum over its samples of dA^T W dA, shape (u, u)
-    samples: int  # samples that it is of
-    variance: float  # variance of the accelerations of a strut, by noise of the struts [m^2/s^4]
-
-    def of_samples(self, samples: int) -> "RegressorNoise":
-        """That of more samples, of which these are a fair choice."""
-        return RegressorNoise(self.moment * (samples / self.samples), samples, self.variance)
-
-
-def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sensors) -> RegressorNoise:
-    """What a case states, in the regressors of a run.
+    D, the expected sum of dA^T W dA, shape (u, u), over so many samples, and the variance of the accelerations of a
+    strut by noise of the struts [m^2/s^4].
 
     Args:
         w: W for one sample, shape (6, 6).
@@ -154,41 +164,7 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
         felt = sensors.acceleration_noise**2 * run.filtered.gain
         for change, size in zip(twist_rate_effects(run.model, motion), felt, strict=True):
             moment += size * np.einsum("nku,kl,nlv->uv", change, w, change, optimize=True)
-    return RegressorNoise(moment, len(motion.pose), variance)
-
-
-def sources_of(effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filtered, sensors: Sensors) -> NoiseSources:
-    """What a case states beside what a Gauss-Markov fit left.
-
-    Args:
-        effect: effect of noise of struts and accelerations; None where none is stated.
-        fit: its values begin with u; its covariance is (28).
-        w: W for one sample, shape (6, 6).
-        sensors: sensors with noise of forces, of struts or both.
-    """
-    squared = max(fit.s0**2, np.finfo(float).tiny)
-    force_share = None
-    if sensors.force_noise is not None:
-        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
-    if effect is None:
-        return NoiseSources(force_share, None, None, None, None)
-    moment, unknowns = effect.moment, len(effect.moment)
-    estimated = fit.values[:unknowns]
-    inverse = fit.covariance[:unknowns, :unknowns] * filtered.stride / squared  # F^-1; singular where some are given
-    lost = inverse @ moment
-    bias: Array | None = None
-    if float(np.linalg.eigvals(lost).real.max()) < MOST_LOST:
-        bias = np.asarray(-np.linalg.solve(np.eye(unknowns) - lost, lost @ estimated))
-    true = estimated if bias is None else estimated - bias
-    # Of dA u the fit hides what it is drawn by: u^T D u + u^T D b is left.
-    equivalent = float(true @ moment @ estimated) / (6 * effect.samples * filtered.gain)
-    return NoiseSources(
-        force_share,
-        equivalent / squared,
-        float(np.sqrt(effect.variance)) if effect.variance else None,
-        float(np.sqrt(max(equivalent, 0.0))),
-        bias,
-    )
+    return moment, len(motion.pose), variance
 
 
 def attenuation_of(form: PhysicalForm, u: Array, bias: Array, std: Array) -> dict[str, Attenuation]:
