@@ -154,7 +154,6 @@ def _only_recordings(given: dict[str, Any]) -> None:
 
 def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
     from planner.reports.validation import TABLE_7, table_7
-    from planner.validation.remedy import REMEDY_COLUMNS
     from planner.validation.verdict import OFF_COLUMNS, off_rows
 
     found = list(validation.steps)
@@ -169,8 +168,7 @@ def _show_validation(answer: dict[str, Any], validation: "Validation") -> None:
     if rows := off_rows(found):
         title = "Off by more than 3 reported standard deviations; parts of the error in these"
         print_table(title, OFF_COLUMNS, rows)
-    if rows := [row for remedy in validation.remedies for row in remedy.rows()]:
-        print_table("The same recordings with the mode estimated too (identify --flexible)", REMEDY_COLUMNS, rows)
+        print("where the structural mode is the cause, identify --flexible estimates it too")
     print(f"report written: {answer['report']}")
     for finding in validation.findings:
         print(finding.sentence())

@@ -212,7 +212,7 @@ def _page_of_validation(validation: "Validation") -> Page:
     from planner.reports.validation import validation_page
 
     v = validation
-    return validation_page(v.case, v.steps, v.findings, v.columns, v.machine, v.failed, v.remedies)
+    return validation_page(v.case, v.steps, v.findings, v.columns, v.machine, v.failed)
 
 
 def _page_of_plan(plan: "Plan") -> Page:

@@ -12,7 +12,6 @@ from planner.reports.charts import Chart, Series, plain, ratio_figure
 from planner.reports.figures import COLOURS, GREY
 from planner.reports.page import Answers, Item, Note, Page, Plot, Section, Table, rows_of
 from planner.validation.experiment import TABLE_3
-from planner.validation.remedy import REMEDY_COLUMNS, Remedy
 from planner.validation.step import COMPARED, SHOWN, SUSPICIOUS, Identified, MethodStep
 from planner.validation.verdict import OFF_COLUMNS, Claim, off_rows
 
@@ -49,7 +48,6 @@ def validation_page(
     columns: Mapping[int, Identified],
     machine: str,
     failed: Mapping[str, str],
-    helped: Sequence[Remedy] = (),
 ) -> Page:
     """The page of `hexcite validate`.
 
@@ -58,7 +56,6 @@ def validation_page(
         columns: runs without payload by several models; empty where they were not made.
         machine: what was used, in words.
         failed: methods that could not be carried out, and why.
-        helped: steps that were identified with the structural mode.
     """
     payloads = case.payloads
     assert payloads is not None
@@ -82,15 +79,10 @@ def validation_page(
         note = (
             "Errors of more than 3 reported standard deviations, and what they consist of, in these: forces that each "
             "disturbance of the simulated machine added pass the evaluation of the run by themselves. The cause is the "
-            "one without which the error would be smallest."
+            "one without which the error would be smallest. Where it is the structural mode, hexcite identify "
+            "--flexible estimates it too."
         )
-        items: list[Item] = [Note(note), Table(OFF_COLUMNS, rows_of(off), left=3)]
-        if helped:
-            items.append(
-                Note("The same recordings identified with the mode estimated too (hexcite identify --flexible):")
-            )
-            items.append(Table(REMEDY_COLUMNS, rows_of([row for h in helped for row in h.rows()]), left=3))
-        sections.insert(3, Section("What is off, and why", tuple(items)))
+        sections.insert(3, Section("What is off, and why", (Note(note), Table(OFF_COLUMNS, rows_of(off), left=3))))
     if columns:
         sections.append(
             Section("Models side by side, without payload (Table 3)", _models(case, dict(sorted(columns.items()))))

@@ -23,7 +23,6 @@ from planner.runs.recorded import stood
 from planner.runs.running import carried_out
 from planner.runs.written import write
 from planner.validation.experiment import METHODS, Excitation, steps
-from planner.validation.remedy import Remedy, remedy_of
 from planner.validation.step import MethodStep
 from postprocessors.program_file import Program
 from postprocessors.proving.stretches import measured_poses, measures_at_poses, stretches
@@ -117,7 +116,7 @@ def carry_out(
     settings: ValidationSettings,
     folder: Path,
     count: Count,
-) -> tuple[tuple[MethodStep, ...], tuple[Remedy, ...], dict[str, str], dict[str, str]]:
+) -> tuple[tuple[MethodStep, ...], dict[str, str], dict[str, str]]:
     """Plans, writes, executes and identifies methods; one that a controller cannot run is named, the others go on.
 
     Args:
@@ -126,14 +125,13 @@ def carry_out(
         count: called with what is done now and the number of steps that this ends.
 
     Returns:
-        Steps of the methods that could be carried out; the same recordings with the structural mode, where that was the
-        cause of an error; controller of each method, and what to know about its run; why the others failed.
+        Steps of the methods that could be carried out; controller of each method, and what to know about its run; why
+        the others failed.
 
     Raises:
         HexciteError: no method could be carried out.
     """
     done: list[MethodStep] = []
-    remedies: list[Remedy] = []
     executed: dict[str, str] = {}
     failed: dict[str, str] = {}
     for method in methods:
@@ -149,13 +147,11 @@ def carry_out(
         executed[method] = excitation.controller
         count(f"{method}: identifying", 0)
         for step in steps(excitation, mounted, disturbances):
-            remedy = None if disturbances is None else remedy_of(excitation, step, disturbances)
             done.append(step)
-            remedies += [remedy] if remedy is not None else []
             count(f"{method} {step.load:.0f} kg", 1)
     if not done:
         raise HexciteError("; ".join(f"{method}: {why}" for method, why in failed.items()))
-    return tuple(done), tuple(remedies), executed, failed
+    return tuple(done), executed, failed
 
 
 def _program(method: str, settings: ValidationSettings, plan: Plan, folder: Path) -> Program:

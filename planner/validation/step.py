@@ -141,20 +141,12 @@ class Identified:
     s0_N: float  # rms residual of the recorded forces [N]
     physical: Mapping[str, Value]  # parameters by name
     warnings: tuple[str, ...] = ()  # sentences
-    mode: float | None = None  # frequency of the structural mode that was estimated [Hz]; None where none was
 
     @classmethod
     def of(cls, estimate: Estimate) -> "Identified":
         """Of an estimate."""
-        told = estimate.told.get("structural_mode_Hz")
         return cls(
-            estimate.model,
-            estimate.samples,
-            len(estimate.names),
-            estimate.s0_N,
-            estimate.physical,
-            estimate.warnings,
-            None if told is None else float(told["value"]),
+            estimate.model, estimate.samples, len(estimate.names), estimate.s0_N, estimate.physical, estimate.warnings
         )
 
 

@@ -17,7 +17,6 @@ from planner.runs.recorded import standing_of
 from planner.runs.running import require_controller
 from planner.validation.carrying_out import USUAL, Count, ValidationSettings, carry_out, make_places
 from planner.validation.experiment import METHODS, mounted_weights, recorded_steps
-from planner.validation.remedy import Remedy
 from planner.validation.step import Identified, MethodStep
 from planner.validation.verdict import Claim, findings, to_json
 
@@ -32,8 +31,6 @@ class Validation:
     findings: tuple[Claim, ...]  # what follows from them
     failed: Mapping[str, str]  # methods that could not be carried out, and why
     executed: Mapping[str, str]  # controller of each method that was simulated
-    # the same recordings with the structural mode estimated, where that was the cause of an error
-    remedies: tuple[Remedy, ...]
     controller: str | None  # controller that ran the programs; None for recordings of a machine
     # disturbances of the simulated machine; None for recordings of a machine and for an ideal structure
     disturbances: Disturbances | None
@@ -58,7 +55,6 @@ class Validation:
             "findings": to_json(list(self.findings)),
             "models": {str(n): {k: v._asdict() for k, v in e.physical.items()} for n, e in self.columns.items()},
             "executed": dict(self.executed),
-            "remedies": [remedy.to_json() for remedy in self.remedies],
         }
 
     def write(self, folder: Path) -> None:
@@ -110,7 +106,7 @@ def validate(
     with ExitStack() as places:
         work = folder or Path(places.enter_context(tempfile.TemporaryDirectory(prefix="hexcite-validation-")))
         make_places(work)
-        steps, remedies, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
+        steps, executed, failed = carry_out(case, methods, mounted, disturbances, settings, work, count)
         made = {
             str(file.relative_to(work)): file.read_bytes()
             for name in ("plans", "programs")
@@ -125,7 +121,6 @@ def validate(
         findings=tuple(findings(case, list(steps), columns)),
         failed=failed,
         executed=executed,
-        remedies=remedies,
         controller=settings.on,
         disturbances=disturbances,
         made=made,
@@ -167,7 +162,7 @@ def validate_recordings(case: Case, recordings: Path, methods: Sequence[str] | N
 
     steps = tuple(step for folder in folders for step in recorded_steps(case, folder, read))
     machine = f"recordings of a machine in {recordings}"
-    return Validation(case, machine, steps, tuple(findings(case, list(steps), {})), {}, {}, (), None, None, {})
+    return Validation(case, machine, steps, tuple(findings(case, list(steps), {})), {}, {}, None, None, {})
 
 
 def _simulated(case: Case, disturbances: Disturbances | None, settings: ValidationSettings) -> str:

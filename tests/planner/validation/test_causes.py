@@ -3,18 +3,14 @@
 import pytest
 
 from identification.identify import identify
-from identification.samples import Conditioning
 from planner.validation.experiment import steps
-from planner.validation.remedy import remedy_of
-from planner.validation.step import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget, Identified
-from planner.validation.verdict import off_rows
+from planner.validation.step import BODY, LEFT_OUT, MODE, NOISE, POSE, RIPPLE, Budget
 from tests.helpers import few, ideal
 from tests.planner.validation.excitations import (
     CASE,
     FOUND,
     NO_MODE,
     NO_POSE_ERROR,
-    brisk,
     disturbed,
     moving,
     standing,
@@ -68,25 +64,6 @@ def test_the_cause_is_the_part_without_which_the_error_is_smallest():
     assert budget.cause("m") == MODE
     other = {MODE: 3.0, POSE: -2.0, NOISE: 0.9, RIPPLE: -0.9, LEFT_OUT: 0.0}
     assert Budget({"m": 1.0}, {"m": other}).cause("m") == NOISE
-
-
-@pytest.mark.slow
-def test_where_the_mode_is_the_cause_the_recording_is_identified_with_it():
-    heavy = FOUND.model_copy(update={"mode_Hz": 30.0} | NO_POSE_ERROR)
-    excitation = brisk(CASE)
-    found = list(steps(excitation, (0,), heavy))
-    remedy = remedy_of(excitation, found[0], heavy)
-    assert remedy is not None
-    assert {row[2] for row in remedy.rows()} == {row[2] for row in off_rows(found)}
-    again = identify(excitation.recorded(0, heavy)[0], CASE, conditioning=Conditioning(flexible=True))
-    assert Identified.of(again) == remedy.estimate
-    assert remedy.estimate.mode == pytest.approx(30.0, rel=0.3)  # of a series that ends after its first term
-    for name in remedy.names:
-        true = found[0].truth[name]
-        assert remedy.error(name) == (again.physical[name].value - true) / again.physical[name].reported
-    calm = heavy.model_copy(update=NO_MODE)
-    (quiet,) = steps(excitation, (0,), calm)
-    assert remedy_of(excitation, quiet, calm) is None
 
 
 def test_errors_of_the_whole_body_are_told():
