@@ -18,8 +18,7 @@ from identification.limited import Box
 from postprocessors.blocks import Array, Block, Comment, Dwell, ExactStopMove, NeutralProgram, ToHome, Trigger
 from postprocessors.proving.controller_guarantees import sinumerik_guarantees, twincat_guarantees
 from postprocessors.proving.guarantees import Guarantees
-from postprocessors.reading.axes import axis_letters
-from postprocessors.reading.words import Reading
+from postprocessors.reading.words import Reading, axis_letters
 from postprocessors.wording import comments, coordinates, digits, number, written_feed
 
 MM_A_DEGREE = 180.0 / np.pi  # [mm] radius at which a degree is a way of 1 mm: FGREF

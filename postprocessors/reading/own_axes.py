@@ -14,9 +14,8 @@ from cases.schema import Case
 from cases.units import DEG, MM
 from postprocessors.reading import sinumerik_words as siemens
 from postprocessors.reading import twincat_words as isg
-from postprocessors.reading.axes import axis_letters
 from postprocessors.reading.modal import LARGEST, LARGEST_FEED, ModalState, Spelling, Word
-from postprocessors.reading.words import Pause, Reading, Switch, Timing, program_lines
+from postprocessors.reading.words import Pause, Reading, Switch, Timing, axis_letters, program_lines
 
 SAME_RADIUS = 1e-5  # [mm] of FGREF
 MM_A_DEGREE = 180.0 / np.pi
