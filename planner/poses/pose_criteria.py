@@ -5,8 +5,9 @@ With F the sum of A^T A over the set, all in one scaling, each criterion is a va
 then evaluates only poses that can still be the best, and removes the same ones as if it evaluated all.
 """
 
-from abc import ABC, abstractmethod
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,22 +78,21 @@ def require_full_rank(regressors: Array, model: Model) -> None:
 Index = NDArray[np.int64]
 
 
-class Screen(Protocol):
+class Screen(NamedTuple):
     """Upper bounds of a criterion after the removal of each of n poses, valid while poses are removed."""
 
-    def upper(self, information: Array) -> Array:
-        """Bound for each pose, shape (n,)."""
-        ...
-
-    def learn(self, information: Array, rows: Index, values: Array) -> None:
-        """Takes note of exact values, shape (rows,), of some poses at this information, shape (u, u)."""
-        ...
+    upper: Callable[[Array], Array]  # information, shape (u, u) -> bound for each pose, shape (n,)
+    # takes note of exact values, shape (rows,), of some poses at an information; most bounds do not sharpen by them
+    learn: Callable[[Array, Index, Array], None] = lambda information, rows, values: None
 
 
 class PoseCriterion(Protocol):
     """A criterion of pose sets."""
 
-    letter: str
+    @property
+    def letter(self) -> str:
+        """In Table 4."""
+        ...
 
     def value(self, information: Array) -> Array:
         """Value of one or more informations, shape (..., u, u) -> (...); -inf where singular."""
@@ -139,18 +139,12 @@ class DOptimal:
 
     def screen(self, regressors: Array, information: Array) -> Screen:
         """Losses only grow while poses are removed: an old loss bounds the present one."""
-        return _StaleGains(self, self.after_removal(information, regressors) - self.value(information))
+        gains = self.after_removal(information, regressors) - self.value(information)
 
+        def learn(information: Array, rows: Index, values: Array) -> None:
+            gains[rows] = values - self.value(information)
 
-class _StaleGains:
-    def __init__(self, criterion: DOptimal, gains: Array) -> None:
-        self.criterion, self.gains = criterion, gains
-
-    def upper(self, information: Array) -> Array:
-        return np.asarray(self.criterion.value(information) + self.gains)
-
-    def learn(self, information: Array, rows: Index, values: Array) -> None:
-        self.gains[rows] = values - self.criterion.value(information)
+        return Screen(lambda information: np.asarray(self.value(information) + gains), learn)
 
 
 class AOptimal:
@@ -179,27 +173,21 @@ class AOptimal:
         """Trace M^-1 >= 2 trace X - trace X M X for every symmetric X; X is the inverse when the screen was made."""
         inverse: Array = np.asarray(np.linalg.inv(information), dtype=np.float64)
         rows = (regressors.reshape(-1, len(inverse)) @ inverse).reshape(len(regressors), -1)
-        return _FixedInverse(inverse, np.einsum("nk,nk->n", rows, rows))
+        seen = np.einsum("nk,nk->n", rows, rows)
+
+        def upper(information: Array) -> Array:
+            common = 2.0 * np.trace(inverse) - np.sum((inverse @ information) * inverse)
+            return np.asarray(-(common + seen))
+
+        return Screen(upper)
 
 
-class _FixedInverse:
-    def __init__(self, inverse: Array, seen: Array) -> None:
-        self.inverse, self.seen = inverse, seen
+@dataclass(frozen=True, slots=True)
+class Extremes:
+    """Criterion of the smallest and the largest eigenvalue of F."""
 
-    def upper(self, information: Array) -> Array:
-        common = 2.0 * np.trace(self.inverse) - np.sum((self.inverse @ information) * self.inverse)
-        return np.asarray(-(common + self.seen))
-
-    def learn(self, information: Array, rows: Index, values: Array) -> None:
-        pass  # bounds of a fixed inverse do not sharpen
-
-
-class _Extremes(ABC):
-    """Criteria of the smallest and the largest eigenvalue of F."""
-
-    @abstractmethod
-    def of(self, smallest: Array, largest: Array) -> Array:
-        """Value from both."""
+    letter: str
+    of: Callable[[Array, Array], Array]  # value from both
 
     def value(self, information: Array) -> Array:
         """Value, -inf where singular."""
@@ -216,22 +204,18 @@ class _Extremes(ABC):
         seen = (regressors.reshape(-1, len(directions)) @ directions).reshape(len(regressors), 6, 4)
         pairs = ((0, 0), (0, 1), (1, 1), (2, 2), (2, 3), (3, 3))
         products = np.array([np.einsum("nk,nk->n", seen[:, :, i], seen[:, :, j]) for i, j in pairs])
-        return _FixedDirections(self, directions, products)
 
+        def upper(information: Array) -> Array:
+            whole = directions.T @ information @ directions
+            low = _outer_eigenvalue(
+                whole[0, 0] - products[0], whole[0, 1] - products[1], whole[1, 1] - products[2], -1.0
+            )
+            high = _outer_eigenvalue(
+                whole[2, 2] - products[3], whole[2, 3] - products[4], whole[3, 3] - products[5], 1.0
+            )
+            return self.of(np.maximum(low, 0.0), np.maximum(high, 0.0))
 
-class _FixedDirections:
-    def __init__(self, criterion: _Extremes, directions: Array, products: Array) -> None:
-        self.criterion, self.directions, self.products = criterion, directions, products
-
-    def upper(self, information: Array) -> Array:
-        whole = self.directions.T @ information @ self.directions
-        seen = self.products
-        low = _outer_eigenvalue(whole[0, 0] - seen[0], whole[0, 1] - seen[1], whole[1, 1] - seen[2], -1.0)
-        high = _outer_eigenvalue(whole[2, 2] - seen[3], whole[2, 3] - seen[4], whole[3, 3] - seen[5], 1.0)
-        return self.criterion.of(np.maximum(low, 0.0), np.maximum(high, 0.0))
-
-    def learn(self, information: Array, rows: Index, values: Array) -> None:
-        pass  # bounds of fixed directions do not sharpen
+        return Screen(upper)
 
 
 def _outer_eigenvalue(a: Array, b: Array, c: Array, side: float) -> Array:
@@ -240,26 +224,18 @@ def _outer_eigenvalue(a: Array, b: Array, c: Array, side: float) -> Array:
     return np.asarray((a + c) / 2 + side * np.sqrt(half * half + b * b))
 
 
-class KOptimal(_Extremes):
+def _minus_condition(smallest: Array, largest: Array) -> Array:
     """-mu_1 / mu_u (32)."""
-
-    letter = "K"
-
-    def of(self, smallest: Array, largest: Array) -> Array:
-        """Minus the condition of the regressor."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(smallest > 0.0, -np.sqrt(largest / smallest), -np.inf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(smallest > 0.0, -np.sqrt(largest / smallest), -np.inf)
 
 
-class NOptimal(_Extremes):
-    """mu_u^2 / mu_1 (33)."""
-
-    letter = "N"
-
-    def of(self, smallest: Array, largest: Array) -> Array:
-        """The noise amplification index; -inf where the smallest eigenvalue is 0."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(smallest > 0.0, smallest / np.sqrt(largest), -np.inf)
+def _noise_amplification(smallest: Array, largest: Array) -> Array:
+    """mu_u^2 / mu_1 (33); -inf where the smallest eigenvalue is 0."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(smallest > 0.0, smallest / np.sqrt(largest), -np.inf)
 
 
-POSE_CRITERIA: dict[str, PoseCriterion] = {c.letter: c for c in (AOptimal(), DOptimal(), KOptimal(), NOptimal())}
+POSE_CRITERIA: dict[str, PoseCriterion] = {
+    c.letter: c for c in (AOptimal(), DOptimal(), Extremes("K", _minus_condition), Extremes("N", _noise_amplification))
+}

@@ -9,6 +9,7 @@ with LinuxCNC within 1 % for blocks of 10 to 210 ms that last whole cycles; what
 """
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -47,29 +48,21 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         follows_paths=False,
         even_blocks=True,
         enforced=frozenset({"velocity", "acceleration"} if real else {"velocity"}),
-        law=_Line(headroom),
-        arc_law=_Arc(headroom),
+        law=partial(_line, headroom),
+        arc_law=partial(_arc, headroom),
         jerk_time=SERVO_PERIOD,
         whole_cycles=True,
     )
 
 
-class _Line:
-    def __init__(self, headroom: float) -> None:
-        self.headroom = headroom
-
-    def __call__(self, velocity: float, acceleration: float, jerk: float) -> Profile:
-        return fastest_profile(1.0, velocity, self.headroom * acceleration)
+def _line(headroom: float, velocity: float, acceleration: float, jerk: float) -> Profile:
+    return fastest_profile(1.0, velocity, headroom * acceleration)
 
 
-class _Arc:
-    def __init__(self, headroom: float) -> None:
-        self.headroom = headroom
-
-    def __call__(self, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
-        allowed = self.headroom * acceleration
-        turning = math.sqrt(ARC_ACROSS * allowed / angle)  # v^2 / r over the length r angle
-        return fastest_profile(1.0, min(velocity, turning), ARC_ALONG * allowed)
+def _arc(headroom: float, velocity: float, acceleration: float, jerk: float, angle: float) -> TimeLaw:
+    allowed = headroom * acceleration
+    turning = math.sqrt(ARC_ACROSS * allowed / angle)  # v^2 / r over the length r angle
+    return fastest_profile(1.0, min(velocity, turning), ARC_ALONG * allowed)
 
 
 Array = NDArray[np.float64]
