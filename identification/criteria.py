@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from cases.errors import IdentificationError
 from cases.schema import Case
@@ -239,6 +238,8 @@ def _group(hidden: Array, factors: Array, names: list[str]) -> Group:
     _, size, basis = np.linalg.svd(hidden)
     count = int(np.sum(size > INVOLVED))
     seen = basis[count:] * factors  # from scaled back to the parameters' own units
+    from scipy.linalg import qr  # only where parameters hide behind each other: SciPy takes long to load
+
     pivots = qr(basis[count:], mode="r", pivoting=True)[1][: len(seen)]
     combinations = []
     for pivot, row in sorted(
