@@ -66,6 +66,7 @@ def poses_planned(
     """
     began = perf_counter()
     case.need_motion("a plan of poses")
+    setting = case.need_standing("a plan of poses")
     model = standing_model(case, request.model)
     candidates = candidates_of(request, case, given)
     unscaled = pose_regressors(model, candidates.poses)
@@ -85,7 +86,6 @@ def poses_planned(
     information = total_information(chosen)
     logdet = float(np.linalg.slogdet(information / len(poses))[1])
     noise = request.noise if request.noise is not None else _noise(case)
-    setting = case.need_standing("a plan of poses")
     worth = PoseWorth(
         settings={
             "candidates": candidates.origin,

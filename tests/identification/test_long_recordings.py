@@ -78,7 +78,8 @@ def test_errors_that_depend_on_the_pose_are_seen_from_a_part_and_do_not_average_
     assert 0.4 < np.median(ratio) < 2.5
 
 
-@pytest.mark.parametrize("start", [1.0, pytest.param(8.5, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("start", [1.0, 8.5])
 def test_a_contact_is_found_wherever_it_is(start: float, monkeypatch: pytest.MonkeyPatch) -> None:
     extra = np.linalg.solve(structure_matrix(CASE.sensor_frame), [12.0, 0.0, 16.0, 0.0, 0.0, 0.0])
     assert RUN.t is not None

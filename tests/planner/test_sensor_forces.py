@@ -72,9 +72,8 @@ def explored_and_refined(case: Case, name: str) -> Start:
     return first if first.refined else run_start(Task(case, 0, first.family, "D", 1, begin=first.begin))
 
 
-@pytest.mark.parametrize(
-    "name", ["fourier", pytest.param("ptp", marks=pytest.mark.slow), pytest.param("spline", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["fourier", "ptp", "spline"])
 def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch: pytest.MonkeyPatch):
     shaped = explored_and_refined(weak, name)
     motion = shaped.family.motion(shaped.unknowns)

@@ -62,7 +62,7 @@ def test_it_is_far_below_the_bound_of_the_box(found: TightDesign, box: float):
 
 
 @given(seed=st.integers(0, 2**32 - 1), make=st.sampled_from(FAMILIES))
-@settings(max_examples=12, derandomize=True, deadline=None)
+@settings(max_examples=6, derandomize=True, deadline=None)
 def test_no_motion_inside_the_limits_passes_it(seed: int, make, found: TightDesign):
     motion = make(seed)
     states = np.hstack([motion.pose, motion.rates, motion.accelerations])
@@ -92,7 +92,7 @@ def feasible(name: str, seed: int, folder: Path) -> Trajectory:
 
 @pytest.mark.slow
 @given(seed=st.integers(0, 2**32 - 1), name=st.sampled_from(["fourier", "ptp", "spline", "manual"]))
-@settings(max_examples=16, derandomize=True, deadline=None)
+@settings(max_examples=8, derandomize=True, deadline=None)
 def test_no_random_feasible_motion_of_any_family_passes_either_bound(
     seed: int, name: str, found: TightDesign, box: float, tmp_path_factory: pytest.TempPathFactory
 ):

@@ -110,7 +110,9 @@ def test_poses_chosen_by_hand_are_worth_less_than_chosen_ones_and_are_compared_w
     file = tmp_path / "hand.csv"
     file.write_text("\n".join([",".join(case.limits.motion.columns), *(",".join(map(str, row)) for row in rows)]))
     by_hand = call("poses", "ur10_wrist", "--at", file, "-o", tmp_path / "hand", "--json").json()
-    chosen = call("poses", "ur10_wrist", "--count", len(rows), "-o", tmp_path / "chosen", "--json").json()
+    chosen = call(
+        "poses", "ur10_wrist", "--count", len(rows), "--candidates", 512, "-o", tmp_path / "chosen", "--json"
+    ).json()
     assert by_hand["count"] == len(rows)
     assert by_hand["efficiency_space"] < 0.85 < chosen["efficiency_space"]
     both = call("compare", tmp_path / "hand", tmp_path / "chosen", "-o", tmp_path / "both", "--json").json()

@@ -17,6 +17,7 @@ from planner.families.settings import Manual
 from planner.plan_folder import load_plan
 from planner.request import Request
 from planner.retiming.retimed import RetimingMethod, by_controller, fitting_method, retimed, retimed_plan
+from tests.helpers import few
 from tests.planner.command_line import call, refused
 from tests.postprocessors.changed_case import changed
 
@@ -152,7 +153,7 @@ def test_the_command_prints_before_and_after(by_hand: Path):
     assert "before" in said.out
 
 
-@pytest.mark.parametrize("method", ["ruckig", "ipopt"])
+@pytest.mark.parametrize("method", few("ruckig", "ipopt"))
 def test_a_retimed_motion_is_a_plan_that_can_be_posted(method: str, by_hand: Path, series: Path, tmp_path: Path):
     """Moves as a controller times them, and a path as a spline."""
     out = tmp_path / "after"
