@@ -133,7 +133,9 @@ def gauss_newton(residual: Residual, start: Array, tolerance: float) -> tuple[Ar
     at = np.asarray(start, dtype=float)
     r, jacobian = residual(at)
     if not np.isfinite(r).all() or not np.isfinite(jacobian).all():
-        raise IdentificationError("the model has no finite value at the start; start from a mass above zero")
+        raise IdentificationError(
+            "no minimum was found: the model has no finite value at the start; start from a mass above zero"
+        )
     for steps in range(1, STEPS + 1):
         scale = column_scale(jacobian)
         step = scale * np.linalg.lstsq(jacobian * scale, -r, rcond=None)[0]
@@ -146,8 +148,12 @@ def gauss_newton(residual: Residual, start: Array, tolerance: float) -> tuple[Ar
                 break
             share /= 2.0
         else:
-            raise IdentificationError("no step lowers chi^2 any more, yet the gradient is not zero; start nearer")
+            raise IdentificationError(
+                "no minimum was found: no step lowers chi^2 any more, yet the gradient is not zero; start nearer"
+            )
         at, r, jacobian = at + share * step, new, new_jacobian
         if predicted <= tolerance:
             return at, steps
-    raise IdentificationError(f"the steps did not become small within {STEPS}; start nearer or give more known values")
+    raise IdentificationError(
+        f"no minimum was found: the steps did not become small within {STEPS}; start nearer or give more known values"
+    )

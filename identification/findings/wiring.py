@@ -190,7 +190,7 @@ def _data(recording: Recording, case: Case, model: Model) -> Data:
     else:
         run = moving_run(recording, case, model, found=found)
         assert run.recording.struts is not None
-        rows = run.rows[:: -(-len(run.rows) // INSTANTS)]
+        rows = run.rows[:: max(1, -(-len(run.rows) // INSTANTS))]
         lengths, velocities, accelerations = decimated(
             run.filter, run.recording.struts, rows, [(0, 0.0), (1, 0.0), (2, 0.0)]
         )
