@@ -92,7 +92,7 @@ def check(
 
 def _print_reach(reach: "Reach", case: str, advise: bool) -> None:
     """The reachable share of the motion box, and how far each coordinate goes alone."""
-    from planner.reports.case_plots import COLUMNS, coordinate_rows, share_sentences
+    from planner.reports.case_figures import COLUMNS, coordinate_rows, share_sentences
 
     if reach.share < 1.0:
         print_table("Reach of each coordinate, the others at home", COLUMNS, coordinate_rows(reach), False)
@@ -104,7 +104,7 @@ def _print_reach(reach: "Reach", case: str, advise: bool) -> None:
 def _print_proposal(box: "MotionBox") -> None:
     """The box as lines of a case file, and what is known of it."""
     from planner.precision import share_text
-    from planner.reports.case_plots import percent
+    from planner.reports.case_figures import percent
 
     if box.share == 1.0:
         print("Proposal: none is needed, the stated box is reachable.")
@@ -134,7 +134,8 @@ def show(
     check_file(file, (".svg", ".png", ".pdf"), [find_case(case)], overwrite)
     with status("drawing", json):
         from planner.reach import reach as reach_of
-        from planner.reports.case_plots import case_figure, chain_figure, share_sentences
+        from planner.reports.case_figures import share_sentences
+        from planner.reports.case_plots import case_figure, chain_figure
 
         reach = reach_of(loaded)
         figure = case_figure(loaded, reach) if loaded.chain is None else chain_figure(loaded, reach)

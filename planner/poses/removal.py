@@ -224,10 +224,9 @@ def _pose_functions(
 
 def _objective(letter: str, size: int) -> ca.Function:
     """Lower triangle of the mean information -> what is minimised, smooth and of the order of 1."""
-    if letter == "D":
-        triangle = ca.SX.sym("triangle", size * (size + 1) // 2)
-        return ca.Function("objective", [triangle], [-log_determinant(size)(triangle) / size])
     triangle = ca.SX.sym("triangle", size * (size + 1) // 2)
+    if letter == "D":
+        return ca.Function("objective", [triangle], [-log_determinant(size)(triangle) / size])
     lower = ca.SX(ca.Sparsity.lower(size), triangle)
     full = ca.densify(lower + lower.T - ca.diag(ca.diag(lower)))
     root = ca.solve(ca.chol(full).T, ca.SX.eye(size))
@@ -248,13 +247,9 @@ def _log_norm(matrix: ca.SX) -> ca.SX:
     return ca.log(scale) + ca.log(ca.trace(power)) / 2**POWER_SQUARINGS
 
 
-def _lower(size: int) -> ca.Sparsity:
-    return ca.Sparsity.lower(size)
-
-
 def log_determinant(size: int) -> ca.Function:
     """Lower triangle of a positive definite matrix -> log det, by Cholesky factors (CasADi has no logdet)."""
-    triangle = ca.SX.sym("triangle", _lower(size).nnz())
-    lower = ca.SX(_lower(size), triangle)
+    triangle = ca.SX.sym("triangle", ca.Sparsity.lower(size).nnz())
+    lower = ca.SX(ca.Sparsity.lower(size), triangle)
     full = lower + lower.T - ca.diag(ca.diag(lower))
     return ca.Function("log_determinant", [triangle], [2 * ca.sum1(ca.log(ca.diag(ca.chol(full))))])
