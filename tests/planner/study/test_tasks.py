@@ -67,7 +67,7 @@ def test_no_tasks_are_no_work(client: Client) -> None:
         ("dies", "its worker died twice: too little memory, or past its limit of 300 s"),
         ("fails", "ArithmeticError: no root"),
         pytest.param(
-            "hangs", "its worker died twice: too little memory, or past its time limit of 8 s", marks=pytest.mark.slow
+            "hangs", "its worker died twice: too little memory, or past its limit of 8 s", marks=pytest.mark.slow
         ),
     ],
 )
