@@ -211,7 +211,7 @@ def test_values_are_shown_in_a_few_lines(folder: Path, by_hand: Plan, hexapod_ca
     for value in (hexapod_case, by_hand, program, recording, result):
         text = repr(value)
         assert 2 <= len(text.splitlines()) <= 14
-        assert max(map(len, text.splitlines())) < 160
+        assert max(map(len, text.splitlines())) < 200
         assert "hexapod" in text or value is recording
         assert value._repr_html_().startswith("<pre>")
 
