@@ -25,6 +25,8 @@ _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 _ADVICE = {
     "machine": "From the drawing: centres of the joints, base joints in {B}, platform joints in {P}, in strut order.\n"
+    "# A ring lists them pair by pair: first centre less half_angle, first centre plus half_angle, second centre\n"
+    "# less half_angle, and so on.\n"
     "# points_mm = [[x, y, z], ...] lists them one by one. home is where programs begin and end.",
     "workspace": "What the machine can reach at all: its manual. Joint angles count from the joints' normals.\n"
     '# keep_out = [{ name = "table", x_mm = [a, b], y_mm = [a, b], z_mm = [a, b] }] are boxes in {B} that nothing may\n'
@@ -54,9 +56,15 @@ _ADVICE = {
     "controller.twincat": "TwinCAT CNC (TF5200) and ISG programs.",
     "controller.setpoints": "Setpoints for a controller that takes positions cycle by cycle.",
     "nominal": "A-priori values of the moving body from CAD: mass, centre of gravity in {P}, inertia about it.",
-    "simulation": "A simulated machine for rehearsals; delete it and its sub-tables where none is wanted.",
+    "simulation": "A simulated machine for rehearsals (hexcite run, demo): parameters of a first result will\n"
+    "# do. Plans and programs do without it.",
 }
 
+_OF_KEYS = {
+    "setup": "Where the sensors are: 1a in a frame at rest (clamping table), 1b in the moving end-effector, 2x in\n"
+    "# the struts, R between a robot's flange, or a machine tool's table, and its load (six-axis force/torque sensor).",
+    "gravity_m_s2": "In {B}, of your place: 9.78 at the equator to 9.83 at the poles. Masses go with its inverse.",
+}
 _EXPLAINED: Mapping[str, type[Part]] = {
     "poses": Poses,
     "controller": Controller,
@@ -139,6 +147,8 @@ def new_case(name: str, like: str, folder: Path) -> Path:
             line = re.sub(r"\] # .*", "]", line)
         line = re.sub(r'^name = ".*"', f'name = "{name}"', line)
         line = re.sub(r'^title = ".*"', 'title = "what it is, in a line"', line)
+        if comment := next((words for key, words in _OF_KEYS.items() if line.startswith(f"{key} = ")), None):
+            lines.append(f"# {comment}")
         line = re.sub(r'^source = ".*"', 'source = "where these values come from"', line)
         lines.append(line)
         if line == "[controller]":

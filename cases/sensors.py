@@ -305,7 +305,7 @@ class Simulation(Part):
     """Of the moments of a force/torque sensor; the number of `force_noise_N` unless given."""
     force_delay_ms: NonNegative
     """How much later than the motion the forces are recorded."""
-    force_sampling_offset_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)]
+    force_sampling_offset_cycles: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=1)] = 0.0
     """Where between two samples of the struts the forces are sampled, as a share of the time between them."""
     encoder_rate_Hz: Positive
     """Samples of the struts per second."""

@@ -274,8 +274,7 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
             )
         raise IdentificationError(
             f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact ({contacts[0]}); an "
-            "identification run must be free: check columns, struts, model and the dimensions of the case, or record "
-            "again"
+            "identification run must be free: check columns, struts, model and the case's dimensions, or record again"
         )
 
 

@@ -216,7 +216,10 @@ def _jumping(recording: Recording, case: Case) -> list[tuple[str, Rows]]:
         # A drive that ripples makes forces that leap again and again; a glitch stands alone.
         leaps = leaps[away[leaps] > LONELY * _around(away, leaps)]
         if usual > 0.0 and len(leaps):
-            found.append((f"channel {k + 1} jumps by up to {away.max():.4g} for single samples", _at(leaps + 1, count)))
+            unit = "N m" if case.sensor_frame.has_moments and k > 2 else "N"
+            found.append(
+                (f"channel {k + 1} jumps by up to {away.max():.4g} {unit} for single samples", _at(leaps + 1, count))
+            )
     if recording.struts is None or not isinstance(case.limits, Limits):
         return found
     step = float(np.median(np.diff(recording.t)))

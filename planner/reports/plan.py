@@ -129,12 +129,12 @@ def _verdicts(plan: Plan) -> Answers:
     claims = [
         (
             all(v["ratio"] <= 1.0 + 1e-6 for v in proven),
-            "The motion keeps every limit that is proven.",
-            f"{len(proven)} limits; most used is {most['at']} with {100 * most['ratio']:.1f} %",
+            "Is the motion inside the limits?",
+            f"{len(proven)} limits are proven; most used is {most['at']} with {100 * most['ratio']:.1f} %",
         ),
         (
             not steps,
-            "Jerk is limited.",
+            "Is its jerk inside the limits?",
             f"accelerations step in {', '.join(steps)}: for controllers without a jerk limit"
             if steps
             else "proven too",
