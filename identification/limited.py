@@ -252,9 +252,8 @@ def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace:
     """
     labels = guarded(workspace)
     for box in workspace.keep_out:
-        low, high = box.corners
         distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
-        ratio = np.maximum(0.0, 1.0 - distance / (float(np.linalg.norm(high - low)) / 2))
+        ratio = np.maximum(0.0, 1.0 - distance / box.vicinity)
         ratio = np.nan_to_num(ratio, nan=np.inf)
         surface = np.zeros((2, len(labels)))
         yield Quantity(f"distance from {box.name}", "mm", labels, distance, surface, ratio, 1 / MM)

@@ -199,7 +199,7 @@ class StaticLimits:
             struts = jacobian[:, :, :3] * length[:, :, None]  # the rows of J^-1 begin with the struts' directions
             for box in workspace.keep_out:
                 apart = distances(box, workspace, poses[:, :3], turn, self.machine.base.points, struts)
-                columns.append(1.0 - apart / (float(np.linalg.norm(np.ptp(box.corners, axis=0))) / 2))
+                columns.append(1.0 - apart / box.vicinity)
         return np.asarray(np.nan_to_num(np.hstack(columns), nan=np.inf))
 
     def worst_poses(self, box: Array, starts: Array) -> tuple[Array, Array]:
