@@ -38,7 +38,7 @@ def on_one_clock(recording: Recording, case: Case) -> Recording:
     Raises:
         RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
     """
-    if case.hexapod is None or recording.t is None:
+    if (case.hexapod is None and case.chain is None) or recording.t is None:
         return recording
     motion = _motion(recording, case)
     if motion is None or motion.t is None or motion.struts is None or len(motion.t) < 2 or len(recording.t) < 2:
