@@ -14,6 +14,7 @@ from cases.parts import Array, Number, Part, Positive, Six, Vector, frozen
 from cases.units import DEG, MM, MS, UM
 
 CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
+TEMPERATURE = "temperature_degC"  # of the sensor
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
 STRUT_VELOCITIES = tuple(f"ld{k}_mm_s" for k in range(1, 7))
 DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
@@ -28,7 +29,7 @@ WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
 COLUMNS = (
     CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS,
     *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
-    *WRENCH, TRIGGER, OVERRIDE,
+    *WRENCH, TRIGGER, OVERRIDE, TEMPERATURE,
 )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
+from identification.findings.drift import drifting
 from identification.findings.sample_checks import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
@@ -210,7 +211,18 @@ def _rated(recording: Recording, case: Case, _how: Method, fitted: Fitted) -> li
 
 
 Check = Callable[[Recording, Case, Method, Fitted], list[Finding]]
-CHECKS: tuple[Check, ...] = (_cut_off, _own, _placed, _late, _unlikely, _not_compared, _looks_like, _fed, _rated)
+CHECKS: tuple[Check, ...] = (
+    _cut_off,
+    _own,
+    _placed,
+    _late,
+    _unlikely,
+    _not_compared,
+    _looks_like,
+    _fed,
+    _rated,
+    drifting,
+)
 """What is looked at after every fit, in the order in which it is told."""
 
 

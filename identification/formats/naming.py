@@ -16,6 +16,7 @@ from cases.recording_format import (
     ROTATION,
     STRUT_VELOCITIES,
     STRUTS,
+    TEMPERATURE,
     TRIGGER,
     WRENCH,
 )
@@ -51,6 +52,7 @@ _SINGLE = (
     (r"^(?:t|ts|time|zeit|timestamp|stamp|zeitstempel|elapsed.*)$", CLOCK),
     (r"^(?:trig.*|gate|marker|.*digital-?out.*|.*a_out.*)$", TRIGGER),
     (r"^(?:ovr|.*override.*)$", OVERRIDE),
+    (r"^(?:.*temp(?:erature|eratur)?)$", TEMPERATURE),
     (r"^(?:a|roll|phi)$", POSE[3]),
     (r"^(?:b|pitch|theta)$", POSE[4]),
     (r"^(?:c|yaw|psi)$", POSE[5]),

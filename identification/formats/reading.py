@@ -171,8 +171,8 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     others = tuple(s for s in streams if s.forces is None)
     return Recording(
         main.source, main.t, main.struts, main.rotations, main.forces, main.trigger, main.strut_velocities, main.poses,
-        main.specific_forces, others, main.lines, override=main.override, missing=main.missing,
-        missing_in=main.missing_in, case=case, paths=tuple(paths),
+        main.specific_forces, others, main.lines, override=main.override, temperature=main.temperature,
+        missing=main.missing, missing_in=main.missing_in, case=case, paths=tuple(paths),
     )  # fmt: skip
 
 

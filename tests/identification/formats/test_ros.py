@@ -15,12 +15,9 @@ from rosbags.typesys import Stores, get_typestore
 from cases.errors import RecordingError
 from cases.schema import Case
 from identification.formats.look import look
-from identification.machines import machine_of
-from identification.model import expected_forces, full_model, identification_model
-from identification.parameters import linear_parameters
 from identification.recording import read
 from planner.runs.identifying import identify
-from tests.chains import ROBOT
+from tests.chains import ROBOT, swing, swung_forces
 from tests.helpers import answer, one_line
 from tests.planner.command_line import call
 
@@ -64,27 +61,11 @@ def write(bag: Path, messages: Sequence[tuple[str, int, Any]], stored: StoragePl
     return bag
 
 
-def moving(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Joints that swing from rest to rest, with their derivatives."""
-    draw = np.random.default_rng(1)
-    rates, size = draw.uniform(3.0, 7.0, 6), draw.uniform(0.15, 0.3, 6)
-    inside = np.clip((t - 0.5) / 7.0, 0.0, 1.0)[:, None]
-    step = 1e-4
-
-    def at(s: np.ndarray) -> np.ndarray:
-        return size * np.sin(rates * 7.0 * s) * (16.0 * (s * (1.0 - s)) ** 2) ** 2
-
-    before, here, after = at(inside - step), at(inside), at(inside + step)
-    still = (inside <= 0.0) | (inside >= 1.0)
-    first, second = (after - before) / (2 * step) / 7.0, (after - 2 * here + before) / step**2 / 49.0
-    return ROBOT.chain.home + here, np.where(still, 0.0, first), np.where(still, 0.0, second)
-
-
 def run(jitter: float = 3e-4, lost: float = 0.01, seed: int = 0) -> list[tuple[str, int, Any]]:
     """Joints at 250 a second with late stamps and losses, in changing order, a gripper's between; forces at 1000."""
     draw = np.random.default_rng(seed)
     messages: list[tuple[str, int, Any]] = []
-    for k, (now, q) in enumerate(zip(at := np.arange(0.0, 8.0, 0.004), moving(at)[0], strict=True)):
+    for k, (now, q) in enumerate(zip(at := np.arange(0.0, 8.0, 0.004), swing(at)[0], strict=True)):
         stamp = EPOCH + int(1e9 * (now + jitter * draw.exponential()))
         order = draw.permutation(6)
         if draw.random() >= lost:
@@ -93,10 +74,7 @@ def run(jitter: float = 3e-4, lost: float = 0.01, seed: int = 0) -> list[tuple[s
         if k % 10 == 0:
             messages.append((JOINTS, stamp + 150_000, state(stamp, ["finger"], [0.01])))
     read_at = np.arange(-0.2, 8.3, 1e-3) + 0.0002
-    model = identification_model(ROBOT, full_model(ROBOT))
-    truth = linear_parameters(model, ROBOT.need_simulation("a test").parameters)
-    forces = expected_forces(model, machine_of(ROBOT).kinematics(*moving(read_at)), truth)
-    forces += draw.normal(size=forces.shape) * ([0.3] * 3 + [0.01] * 3)
+    forces = swung_forces(read_at) + draw.normal(size=(len(read_at), 6)) * ([0.3] * 3 + [0.01] * 3)
     for now, values in zip(read_at, forces, strict=True):
         stamp = EPOCH + int(1e9 * now)
         messages.append((WRENCH, stamp + 200_000, wrench(stamp, values)))
@@ -124,7 +102,7 @@ def test_both_clocks_run_evenly_and_lost_messages_are_missing(tmp_path: Path) ->
     assert 20 < joints.missing.sum() < 60
     there = ~joints.missing
     assert there[0]
-    np.testing.assert_allclose(joints.struts[there], moving(0.004 * np.arange(len(there)))[0][there], atol=1e-12)
+    np.testing.assert_allclose(joints.struts[there], swing(0.004 * np.arange(len(there)))[0][there], atol=1e-12)
 
 
 REFUSED = {
