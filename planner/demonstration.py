@@ -8,6 +8,7 @@ from typing import Any
 from cases.files import DEMO, check_folder
 from cases.schema import Case
 from identification.model import full_model
+from identification.motion import Joined
 from identification.outcome import Result
 from identification.recording import Recording
 from identification.simulate import truth_rows
@@ -23,8 +24,16 @@ from postprocessors.dialects import dialect
 from postprocessors.program_file import Program
 
 ACCEPTED = ("jerk", "strut velocity", "strut acceleration", "sensor force")  # no metal moves in a demo
+OF_PATHS = ("acceleration", *ACCEPTED)
+
+
 Done = Callable[[Plan | Program | RunOutcome | Result], None]
 """Called with what a step made."""
+
+
+def accepted(plan: Plan) -> tuple[str, ...]:
+    """Limits that the demo answers for where the controller does not enforce them."""
+    return ACCEPTED if isinstance(plan.motion, Joined) else OF_PATHS
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,12 +80,13 @@ def demo(
     check_folder(place, DEMO, overwrite=True)
     language = dialect(usual_dialect(case))
     controller, why = best_controller(language.name) if on is None else (on, "as asked")
-    request = Request(PointToPoint(controller=language.name), model=full_model(case), starts=starts, seed=seed)
+    family = PointToPoint(controller=language.name)
+    request = Request(family, model=full_model(case), starts=starts, seed=seed, may_be_smooth=True)
     planned(request, case).save(place / "plan", overwrite=True)
     plan = Plan.load(place / "plan", case)
     done(plan)
     file = place / f"excitation{language.suffix}"
-    write(plan, language.name, accept=ACCEPTED, file=file).save(file, overwrite=True)
+    write(plan, language.name, accept=accepted(plan), file=file).save(file, overwrite=True)
     program = Program.load(file, case)
     program.proof.require()
     done(program)

@@ -36,6 +36,7 @@ class Found(NamedTuple):
     interrupted: bool = False  # whether Ctrl-C ended the search early
     rival: Start | None = None  # what another family found in seconds
     white: Start | None = None  # what one start reaches where errors of the pose do not count
+    of_law: str = ""  # what came of the choice between two time laws
 
     def of_rival(self, parameters: int) -> float:
         """D-efficiency of the other family's motion in units of this one's, with the weights of the search."""
@@ -134,4 +135,5 @@ def notes(
     words += [
         f"{c.name} shapes the motion: with fewer weights in [payloads] it could carry more information" for c in forces
     ]
+    words += [found.of_law] if found.of_law else []
     return tuple(words if laws is None else [*words, laws.sentence])

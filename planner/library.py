@@ -89,7 +89,8 @@ def plan(
 
     Args:
         case: machine and limits.
-        family: family of motions; point-to-point moves unless given.
+        family: family of motions; unless given point-to-point moves, or a spline where the case plans for a controller
+            whose steps of acceleration shake the machine more than they tell.
         duration: duration of the excitation [s].
         progress: shows a line now and then.
         **settings: see `Settings`.
@@ -98,7 +99,8 @@ def plan(
         HexciteError: what was asked for cannot be met; the message says what to change.
     """
     settings.setdefault("model", full_model(case))
-    request = Request(PointToPoint() if family is None else family, duration, **settings)
+    free = family is None
+    request = Request(PointToPoint() if family is None else family, duration, may_be_smooth=free, **settings)
     return planned(request, case, progress)
 
 

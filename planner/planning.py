@@ -22,6 +22,7 @@ from planner.controlled import Controlled
 from planner.deviations import predicted_std_of, worst_std
 from planner.families.family import Family
 from planner.families.saved import shipped_start
+from planner.families.settings import Spline
 from planner.found import Found, notes, weaknesses
 from planner.infeasible import remedy, require_plannable
 from planner.interruption import Interrupted, first_ctrl_c_calls
@@ -33,7 +34,7 @@ from planner.search.parallel import Listener, Outcome, Runner, run_here, workers
 from planner.search.patience import Patience
 from planner.search.problem import information_of, mean_information
 from planner.search.solving import Failed, Start, Step, Task, seeds_of
-from planner.vibration import both_laws
+from planner.vibration import LIMITED_JERK, both_laws, vibration
 from planner.worth import Rival, Search, Tried, Worth
 
 Array = NDArray[np.float64]
@@ -99,6 +100,29 @@ def search(request: Request, case: Case, listener: Listener, run: Runner) -> Fou
     return Found(motion, settings, report, tuple(starts), tuple(failed), interrupted, rival, white)
 
 
+def _by_errors(request: Request, case: Case, found: Found, listener: Listener, run: Runner) -> tuple[Request, Found]:
+    """A smooth motion in place of moves whose accelerations step, where it is worth more, and its request.
+
+    What they are worth are the errors to be expected on a machine with a structural mode, where the case states one.
+    """
+    laws = None if found.interrupted else both_laws(case, request.model, found.motion, request.payload)
+    if laws is None or not laws.steps or laws.better != LIMITED_JERK:
+        return request, found
+    other = replace(request, family=Spline(), may_be_smooth=False)
+    try:
+        require_plannable(other, case)
+        smooth = search(other, case, listener, run)
+    except HexciteError:  # so short or long that none can be had
+        return request, found
+    worth = vibration(case, request.model, smooth.motion, request.payload, smooth.motion.duration)
+    assert worth is not None  # the case states a mode
+    times = worth.over(laws.own)
+    told = f"{other.name} in place of {request.name}, by errors to be expected on a machine with a mode at "
+    told += f"{laws.own.frequency:.3g} Hz (simulation.disturbances): {times:.2g} times those of moves with steps of "
+    told += "acceleration; --family ptp keeps these"
+    return (other, smooth._replace(of_law=told)) if times < 1.0 else (request, found)
+
+
 def _explored(
     request: Request, own: Controlled, case: Case, listener: Listener, run: Runner, patience: Patience
 ) -> tuple[list[Start | Failed], list[Start], bool]:
@@ -156,6 +180,8 @@ def make(request: Request, case: Case, listener: Listener, run: Runner) -> Plan:
     began = perf_counter()
     fixed = request.family.motion(case)
     found = search(request, case, listener, run) if fixed is None else _made_by_hand(request, *fixed, case)
+    if request.may_be_smooth:
+        request, found = _by_errors(request, case, found, listener, run)
     seconds = perf_counter() - began
     if not found.limits.kept:
         worst = found.limits.violations[0]

@@ -35,6 +35,8 @@ class Request:
     starts: int | None = None  # number of random starts; None for as many as pay
     seconds: float | None = None  # time for the search; None until more starts stop paying
     seed: int = 0  # of the starts
+    # whether a spline may take the place of moves whose steps of acceleration shake the machine more than they tell
+    may_be_smooth: bool = False
 
     def __post_init__(self) -> None:
         if self.criterion not in CRITERIA:

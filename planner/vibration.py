@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+STEPS, LIMITED_JERK = "steps of acceleration", "limited jerk"  # time laws of moves
 LARGE = 1.5  # times the predicted standard deviations: errors that are worth another evaluation
 REST = 0.3  # [s] of standing still before and after, longer than the filter and most of the ringing
 
@@ -161,19 +162,19 @@ class BothLaws:
     @property
     def better(self) -> str:
         """The law with the smaller errors to be expected."""
-        return "steps of acceleration" if self.steps == (self.own.over(self.other) <= 1.0) else "limited jerk"
+        return STEPS if self.steps == (self.own.over(self.other) <= 1.0) else LIMITED_JERK
 
     @property
     def sentence(self) -> str:
         """For people."""
-        law, other = ("limited jerk", "steps of acceleration")[:: -1 if self.steps else 1]
+        law, other = (LIMITED_JERK, STEPS)[:: -1 if self.steps else 1]
         text = (
             f"on a machine with a mode at {self.own.frequency:.3g} Hz (simulation.disturbances), errors to be expected "
             f"with {law} are {self.own.times:.2f} times the predicted standard deviations (geometric mean); the same "
             f"moves with {other}, at equal time, would have {1.0 / self.own.over(self.other):.2f} times these errors: "
-            f"{self.better} {'is' if self.better == 'limited jerk' else 'are'} better there"
+            f"{self.better} {'is' if self.better == LIMITED_JERK else 'are'} better there"
         )
-        if self.steps == (self.better == "limited jerk"):
+        if self.steps == (self.better == LIMITED_JERK):
             text += ": plan --family spline, which needs no steps" if self.steps else ": plan --for linuxcnc"
         return text + ("; identify --flexible estimates the mode" if self.own.times > LARGE else "")
 

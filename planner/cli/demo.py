@@ -37,7 +37,7 @@ def demo(
     from planner.cli.run import answer_of_run, show_run
     from planner.cli.shown_result import answer_of_result, show_result
     from planner.controlled import usual_dialect
-    from planner.demonstration import ACCEPTED
+    from planner.demonstration import accepted
     from planner.demonstration import demo as whole_chain
     from planner.plans import Plan
     from planner.reports.demo import demo_page
@@ -68,12 +68,13 @@ def demo(
         if isinstance(value, Plan):
             made = answer["plan"] = answer_of_plan(value, place / "plan")
             report(value, place / "plan" / "report.html")
-            moves = f"{made['settings']['moves']} moves, {made['duration_s']:.3g} s"
+            what = f"{made['settings']['moves']} moves" if "moves" in made["settings"] else "a spline"
+            moves = f"{what}, {made['duration_s']:.3g} s"
             bound = "certified" if made["bound"]["certified"] else "estimated"
             line = f"{moves}, D-efficiency {made['d_efficiency']:.3f} against the {bound} bound, "
             line += f"found in {made['solve_s']:.0f} s"
             told(line, lambda: show_plan(made, value))
-            own = f"for {controller}; what it does not enforce of {', '.join(ACCEPTED)} is accepted here by name"
+            own = f"for {controller}; what it does not enforce of {', '.join(accepted(value))} is accepted here by name"
             step(f"post: {'a table of set points, one row a cycle' if table else own}")
         elif isinstance(value, Program):
             written = answer["post"] = answer_of_program(value)

@@ -41,7 +41,13 @@ OPTIONS = {"controller": "for"}  # that are not called as their parameters are
 def plan(
     context: typer.Context,
     case: Annotated[str, typer.Argument(help="Built-in name, folder or case file.")],
-    family: Annotated[str, typer.Option(help="Family of motions: manual, fourier, ptp, spline.")] = "ptp",
+    family: Annotated[
+        str,
+        typer.Option(
+            help="Family of motions: manual, fourier, ptp, spline. By default ptp, or spline where the controller's "
+            "steps of acceleration would shake the machine more than they tell."
+        ),
+    ] = "ptp",
     criterion: Criterion = "D",
     duration: Annotated[
         float, typer.Option(help="Whole duration in s; a multiple of --period where that is given.")
@@ -110,6 +116,7 @@ def plan(
 
     kind, options = family_class(family), context.params
     sources = {option: context.get_parameter_source(option) for option in BELONGS}
+    chosen = context.get_parameter_source("family")
     refuse_foreign([o for o, source in sources.items() if source and source.name != "DEFAULT"], family)
     most, fewest = read_payloads(payload)
     loaded = load_case(case)
@@ -124,6 +131,7 @@ def plan(
         starts=starts,
         seconds=seconds,
         seed=seed,
+        may_be_smooth=not (chosen and chosen.name != "DEFAULT") and moves is None,
     )
     optimised = request.family.optimised
     folder = output_place(output, Path(f"{loaded.name}-{family}"), overwrite)
@@ -134,6 +142,8 @@ def plan(
         print(f"Planning for {loaded.name}: {family}, {what}model {request.model}", flush=True)
     with remarks("searching" if optimised else "timing", json) as remark:
         found = planned(request, loaded, remark)
+    if output is None and found.family != family:  # by itself
+        folder = output_place(output, Path(f"{loaded.name}-{found.family}"), overwrite)
     with status("writing", json), first_ctrl_c_calls(lambda: None):  # it is soon done
         save_with_page(found, PLAN, folder, overwrite)
     answer = answer_of_plan(found, folder)

@@ -13,7 +13,12 @@ from identification.motion import Joined
 from identification.trajectories.profile import StraightMove, has_steps
 from planner.deviations import predicted_std_of
 from planner.families.fourier_motion import FourierMotion
+from planner.families.settings import PointToPoint
 from planner.noise import expected_noise
+from planner.planning import make
+from planner.plans import Plan
+from planner.request import Request
+from planner.search.parallel import SILENT, run_here
 from planner.validation.experiment import Excitation, steps
 from planner.validation.step import MODE
 from planner.vibration import both_laws, vibration, with_other_law
@@ -104,6 +109,26 @@ def test_the_better_law_follows_from_the_mode(hexapod_case: Case):
     assert not has_steps(smooth)
     assert both_laws(with_mode(hexapod_case, 60.0), 9, smooth, 0).better == "limited jerk"
     assert both_laws(with_mode(hexapod_case, 5000.0), 9, smooth, 0).better == "steps of acceleration"
+
+
+def chosen(frequency: float, case: Case, may_be_smooth: bool = True) -> Plan:
+    """What a second of search finds for a controller whose accelerations step."""
+    request = Request(PointToPoint(controller="linuxcnc"), 3.0, seconds=1.0, may_be_smooth=may_be_smooth)
+    return make(request, with_mode(case, frequency), SILENT, run_here)
+
+
+def test_where_steps_shake_the_machine_a_spline_takes_their_place(hexapod_case: Case):
+    """Unless moves were asked for; the errors to be expected of what is chosen are the smaller ones."""
+    smooth, moves = chosen(40.0, hexapod_case), chosen(40.0, hexapod_case, may_be_smooth=False)
+    assert (smooth.family, moves.family) == ("spline", "ptp")
+    assert smooth.limits.kept
+    assert any("spline in place of ptp" in note for note in smooth.worth.notes)
+    own, other = (vibration(smooth.case, 9, plan.motion, 0, 3.0) for plan in (smooth, moves))
+    assert own.over(other) < 0.5
+
+
+def test_on_a_stiff_machine_moves_stay(hexapod_case: Case):
+    assert chosen(5000.0, hexapod_case).family == "ptp"
 
 
 def test_nothing_is_said_where_no_mode_is_stated_or_nothing_is_moves(hexapod_case: Case):
