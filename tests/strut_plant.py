@@ -1,8 +1,8 @@
 """A hexapod with sensors in its struts as a closed loop in MuJoCo: an independent plant for the forces in the struts.
 
-A free platform; for each strut two hinges at the base (universal joint), a slide that drives, a slide that is the sensor
-and does not move, and the end of the strut connected to the platform. Of a motion the generalised forces are those of the
-open tree, M a + c; what drives, sensors and connections do of them follows from one linear system of 30 equations.
+A free platform; for each strut two hinges at the base (universal joint), a slide that drives, one that is the sensor
+and does not move, and the end of the strut connected to the platform. Of a motion the generalised forces are those of
+the open tree, M a + c; what drives, sensors and connections do of them follows from one linear system.
 """
 
 from typing import NamedTuple
