@@ -104,7 +104,6 @@ def test_a_standstill_tells_of_a_strut_only_the_difference_of_its_first_moments(
     ("table", "words"),
     [
         ({"setup": "1b"}, ("setup", "2x", "sensor_frame.struts")),
-        ({"sensors": {"weights": "equal", "range_N": 5000.0}}, ("sensors.range_N", "remove")),
         (
             {"sensors": {"weights": "equal", "force_noise_N": 1.0, "acceleration_noise_m_s2": 0.1}},
             ("accelerations", "remove"),
