@@ -36,6 +36,7 @@ class Found(NamedTuple):
     interrupted: bool = False  # whether Ctrl-C ended the search early
     rival: Start | None = None  # what another family found in seconds
     white: Start | None = None  # what one start reaches where errors of the pose do not count
+    laws: "BothLaws | None" = None  # what the time law of moves costs on a machine that is not stiff
     of_law: str = ""  # what came of the choice between two time laws
 
     def of_rival(self, parameters: int) -> float:
@@ -85,13 +86,11 @@ def notes(
     request: Request,
     case: Case,
     worst: dict[str, tuple[float, int]],
-    laws: "BothLaws | None" = None,
 ) -> tuple[str, ...]:
     """What the user should know before running it.
 
     Args:
         worst: predicted standard deviation of each parameter, and the number of payloads with which it is so large.
-        laws: what the time law of point-to-point moves costs on a machine that is not stiff.
     """
     motion, settings = found.motion, found.settings
     words = []
@@ -136,4 +135,4 @@ def notes(
         f"{c.name} shapes the motion: with fewer weights in [payloads] it could carry more information" for c in forces
     ]
     words += [found.of_law] if found.of_law else []
-    return tuple(words if laws is None else [*words, laws.sentence])
+    return tuple(words if found.laws is None else [*words, found.laws.sentence])

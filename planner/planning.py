@@ -107,20 +107,20 @@ def _by_errors(request: Request, case: Case, found: Found, listener: Listener, r
     """
     laws = None if found.interrupted else both_laws(case, request.model, found.motion, request.payload)
     if laws is None or not laws.steps or laws.better != LIMITED_JERK:
-        return request, found
+        return request, found._replace(laws=laws)
     other = replace(request, family=Spline(), may_be_smooth=False)
     try:
         require_plannable(other, case)
         smooth = search(other, case, listener, run)
     except HexciteError:  # so short or long that none can be had
-        return request, found
+        return request, found._replace(laws=laws)
     worth = vibration(case, request.model, smooth.motion, request.payload, smooth.motion.duration)
     assert worth is not None  # the case states a mode
     times = worth.over(laws.own)
     told = f"{other.name} in place of {request.name}, by errors to be expected on a machine with a mode at "
     told += f"{laws.own.frequency:.3g} Hz (simulation.disturbances): {times:.2g} times those of moves with steps of "
-    told += "acceleration; --family ptp keeps these"
-    return (other, smooth._replace(of_law=told)) if times < 1.0 else (request, found)
+    told += "acceleration, of a controller that follows paths smoothly; --family ptp keeps these"
+    return (other, smooth._replace(of_law=told)) if times < 1.0 else (request, found._replace(laws=laws))
 
 
 def _explored(
@@ -228,7 +228,7 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
     if noise.whitening is not None or errors is not None:
         weighted = information_of(seen_through(model, noise.whitening), scaling, found.motion, errors)
         chosen = singular_values(weighted, model.names)
-    laws = both_laws(case, request.model, found.motion, request.payload)
+    laws = found.laws or both_laws(case, request.model, found.motion, request.payload)
     predicted = {name: std for name, (std, _) in worst.items()}
     told = (
         *_told(case, model, scaling, found.motion, noise, request.payload),
@@ -247,7 +247,7 @@ def rated(request: Request, case: Case, found: Found, seconds: float) -> Plan:
         shaken=noise.shaken,
         weights=noise.weights,
         weaknesses=weaknesses(found, case, len(mu)),
-        notes=(*notes(found, request, case, worst, laws), *told),
+        notes=(*notes(found._replace(laws=laws), request, case, worst), *told),
         vibration=None if laws is None else laws.to_json(),
     )
     rate = case.recording.rate_Hz

@@ -67,7 +67,7 @@ def _by_machine(
 
 def _linuxcnc(suffix: str = "") -> Language:
     from postprocessors.execute.linuxcnc.stretching import linuxcnc_forecast, linuxcnc_guarantees
-    from postprocessors.linuxcnc import write_linuxcnc
+    from postprocessors.linuxcnc import prepare_linuxcnc, write_linuxcnc
     from postprocessors.reading.linuxcnc import read_linuxcnc_bytes
 
     return Language(
@@ -75,6 +75,7 @@ def _linuxcnc(suffix: str = "") -> Language:
         read_linuxcnc_bytes,
         linuxcnc_guarantees,
         forecast=linuxcnc_forecast,
+        prepare=prepare_linuxcnc,
     )
 
 

@@ -5,6 +5,7 @@ Point-to-point moves are G1 with exact stop (G61), arcs G2 and G3, timed paths a
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from cases.errors import HexciteError
 from cases.schema import Case
 from cases.units import DEG, MINUTE, MM
 from identification.limited import Box
+from identification.motion import Slowed
 from identification.trajectories.profile import limits_along
 from postprocessors.blocks import (
     Arc,
@@ -26,6 +28,7 @@ from postprocessors.blocks import (
     ToHome,
     Trigger,
 )
+from postprocessors.execute.linuxcnc.configuration import SERVO_PERIOD
 from postprocessors.execute.linuxcnc.stretching import ARC_ACROSS, ARC_ALONG
 from postprocessors.wording import (
     FEED_DECIMALS,
@@ -41,6 +44,7 @@ from postprocessors.writing import timed_path
 
 MOTION = (ToHome, ExactStopMove, Arc, TimedPath, SplinePath)
 FULL = 1e-9  # [rad] that a full circle may miss: rounding
+EQUAL = 1e-9  # [s] of durations: rounding
 OFFSETS = "coordinate system G54 must be zero: all poses are the machine's own"
 
 
@@ -101,7 +105,7 @@ class _LinuxCncWriter:
             case TimedPath():
                 return self.timed(block)
             case SplinePath():
-                return self.timed(timed_path(block.name, block.motion, self.block, 1.0))
+                return self.timed(_in_cycles(block, self.block))
 
     def feed_of(self, block: ExactStopMove) -> str:
         """The feed that makes a trapezoid under the axis limits take as long as the planned move."""
@@ -139,6 +143,40 @@ def _trapezoid_speed(duration: float, acceleration: float) -> float:
     """Speed v of the trapezoid over the way 1 with 1 / v + v / a = T; without cruise where T is as short as can be."""
     root = max(0.0, (acceleration * duration) ** 2 - 4 * acceleration)
     return float((acceleration * duration - np.sqrt(root)) / 2)
+
+
+def prepare_linuxcnc(program: NeutralProgram, case: Case) -> NeutralProgram:
+    """Paths in blocks of whole cycles: what is over LinuxCNC leaves out (measured on 2.9), and would be too fast."""
+    length = case.need_controller("a program").block
+    blocks = [_in_cycles(b, length) if isinstance(b, TimedPath | SplinePath) else b for b in program.blocks]
+    return replace(program, blocks=tuple(blocks))
+
+
+def _in_cycles(path: TimedPath | SplinePath, length: float) -> TimedPath:
+    """The same path with points at whole cycles, slowed down by as little as that takes.
+
+    Of a spline whose pieces last equally long each begins at such a point.
+
+    Args:
+        length: duration of a block of a spline, at most [s].
+    """
+    if isinstance(path, SplinePath):
+        lasting = [piece.duration for piece in path.motion.pieces]
+        share = _share_of_cycles(lasting[0] if np.ptp(lasting) < EQUAL else path.motion.duration)
+        path = timed_path(path.name, path.motion.slowed(share), length, 1.0)
+    elif path.source is not None:
+        share = _share_of_cycles(path.times[-1])
+        path = replace(path, times=path.times / share, source=Slowed(path.source, share))
+    times = np.unique(np.round(path.times / SERVO_PERIOD)) * SERVO_PERIOD
+    if path.source is None or (len(times) == len(path.times) and np.allclose(times, path.times, rtol=0.0, atol=EQUAL)):
+        return path
+    return replace(path, times=times, poses=path.source.at(times).pose)
+
+
+def _share_of_cycles(duration: float) -> float:
+    """Share of the speed, 1 at most, at which something lasts whole cycles."""
+    cycles = duration / SERVO_PERIOD
+    return float(cycles / np.ceil(cycles - EQUAL / SERVO_PERIOD))
 
 
 def write_linuxcnc(program: NeutralProgram, case: Case) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from cases.basis import motion_hash
 from cases.errors import HexciteError
 from cases.schema import Case
+from identification.motion import Joined
 from planner.controlled import fits_law, usual_dialect
 from planner.families.settings import PointToPoint
 from planner.plan_folder import DIGITS, fingerprint
@@ -18,6 +19,7 @@ from postprocessors.dialects import dialect as dialect_named
 from postprocessors.program_file import Program
 from postprocessors.writing import proven_program
 
+LONGER = 1.001  # times its duration, from which a program that takes longer than its plan says so
 SLOWEST = 0.01  # share of the planned speed; slower, a run of seconds takes half an hour
 
 
@@ -62,6 +64,13 @@ def write(
     )
     words = language.load(path.suffix.lower())
     written = proven_program(plan.motion, plan.case, words, str(path), header, speed, accept)
+    planned = plan.motion.duration / speed
+    if not isinstance(plan.motion, Joined) and written.proof.excitation > LONGER * planned:
+        remarks += (
+            f"the excitation lasts {written.proof.excitation:.3f} s instead of {planned:.3f} s: {language.name} keeps "
+            "blocks of whole cycles alone, and the pieces of this motion do not last such (--knots, --duration and "
+            "--period of hexcite plan, --speed)",
+        )
     guarantees = words.guarantees(written.reading, plan.case)
     return Program(path, language, written.content, written.reading, guarantees, plan.case, (*remarks, *plan.stale))
 

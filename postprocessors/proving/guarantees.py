@@ -50,7 +50,7 @@ class Guarantees:
     law: Law  # its time law in straight moves that it times itself, under the limits of the case
     arc_law: ArcLaw
     jerk_time: float  # within this time its accelerations step where its law has no jerk limit; 0 where it has one [s]
-    # how far it may round the corners at the points of a timed path [m], [rad]; 0 where it passes them
+    whole_cycles: bool = False  # whether it leaves out what a timed block lasts beyond whole cycles
     block_key: str = "controller.block_ms"  # setting that the length of timed blocks comes from
 
 

@@ -61,6 +61,9 @@ def judge(part: Stretch, by: Answering, clock: float) -> tuple[LimitReport, floa
     return LimitReport(tuple(_own_time(part, motion, by, clock))), motion.duration
 
 
+PARTS = 1e-3  # of a cycle that a block may miss whole ones by: rounding of F
+
+
 def _require_timing(part: Timed, by: Answering) -> None:
     """A block shorter than the controller's cycle does not keep its time; of one that is too long nothing is known."""
     guarantees = by.guarantees
@@ -85,6 +88,18 @@ def _require_timing(part: Timed, by: Answering) -> None:
             f"the timed block takes {steps[k]:.4g} s; how {guarantees.controller} moves within more than "
             f"{guarantees.longest_block:g} s is not known: write shorter blocks ({guarantees.block_key}), "
             "or a move at a feed (G94) with an exact stop",
+        )
+    over = steps / guarantees.shortest_block
+    apart = np.abs(over - np.round(over)) > PARTS
+    if guarantees.whole_cycles and apart.any():
+        k = int(np.argmax(apart))
+        raise ProgramError(
+            by.file,
+            part.lines[k],
+            0,
+            f"the block takes {1e3 * steps[k]:.6g} ms, not whole cycles of {guarantees.controller} "
+            f"({1e3 * guarantees.shortest_block:g} ms), which leaves out the rest and is faster: write whole ones "
+            f"({guarantees.block_key})",
         )
 
 

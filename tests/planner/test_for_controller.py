@@ -24,7 +24,7 @@ from tests.planner.command_line import call, hexcite, refused
 from tests.postprocessors.changed_case import changed
 
 SECONDS, MOVES = 3.0, 14
-PLAN = ("plan", "hexapod", "--for", "linuxcnc", "--duration", SECONDS, "--starts", 1)
+PLAN = ("plan", "hexapod", "--family", "ptp", "--for", "linuxcnc", "--duration", SECONDS, "--starts", 1)
 ACCEPT = ("--accept", "jerk,strut-velocity,strut-acceleration,sensor-force")
 PLACES = np.array([[0.0, 0.0, 0.9, 0, 0, 0], [0.1, -0.1, 0.95, 0.1, 0, 0.2], [-0.1, 0.1, 0.9, 0, 0.2, 0]])
 
@@ -143,7 +143,7 @@ def test_the_same_seed_gives_the_same_plan(plan: dict[str, Any], tmp_path: Path)
 
 @pytest.mark.slow
 def test_it_carries_more_information_than_limited_jerk_does(plan: dict[str, Any], tmp_path: Path):
-    words = [*PLAN[:2], "--for", "virtual", *PLAN[4:], "--moves", 10, "-o", tmp_path / "smooth", "--json"]
+    words = [*PLAN[:4], "--for", "virtual", *PLAN[6:], "--moves", 10, "-o", tmp_path / "smooth", "--json"]
     smooth = call(*words).json()
     assert plan["d_efficiency"] > 1.2 * smooth["d_efficiency"]
     assert smooth["limits"]["jerk"]["status"] == "proven"

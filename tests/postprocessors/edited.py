@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from identification.limits import prove
-from identification.motion import Joined, Standstill
+from identification.motion import Joined, Standstill, Trajectory
 from identification.trajectories.profile import StraightMove
 from planner.families.fourier import FourierFamily
 from postprocessors.dialects import dialect
@@ -28,13 +28,17 @@ def proof(name: str, text: str) -> ProgramProof:
     return prove_program(reading, case, language.guarantees(reading, case))
 
 
+def written(name: str, motion: Trajectory) -> str:
+    language, case = dialect(name.split()[0]).load(), CASES[name]
+    return language.write(language.prepare(excitation_program(motion, case, ()), case), case).decode("ascii")
+
+
 @cache
 def moves(name: str) -> str:
     """There and back with a pause, at 90 % of the limits."""
     limits = [0.9 * v for v in (LIMITS.rate, LIMITS.acceleration, LIMITS.jerk)]
     there, back = StraightMove.fastest(HOME, FAR, *limits), StraightMove.fastest(FAR, HOME, *limits)
-    program = excitation_program(Joined((there, Standstill(FAR, 0.2), back)), CASES[name], ())
-    return dialect(name.split()[0]).load().write(program, CASES[name]).decode("ascii")
+    return written(name, Joined((there, Standstill(FAR, 0.2), back)))
 
 
 @cache
@@ -44,8 +48,7 @@ def path(name: str) -> str:
     unknowns = np.random.default_rng(1).normal(size=family.unknowns * 6)
     for _ in range(6):
         unknowns *= 0.85 / prove(family.motion(unknowns), CASE, 2000.0).worst_ratio
-    program = excitation_program(family.motion(unknowns), CASES[name], ())
-    return dialect(name.split()[0]).load().write(program, CASES[name]).decode("ascii")
+    return written(name, family.motion(unknowns))
 
 
 def tenfold(match: re.Match[str]) -> str:

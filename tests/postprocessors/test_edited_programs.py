@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from cases.errors import ProgramError
 from cases.loading import load_case
 from postprocessors.proving.proof import ProgramProof
 from tests.postprocessors.independent import points, share_of_limits, timed_lines
@@ -48,7 +49,11 @@ def random_edits() -> tuple[tuple[int, str, ProgramProof, float], ...]:
         text = with_digit(line, position, digit)
         if float(WORD.findall(text.splitlines()[line - 1])[-1][1]) < 60:
             continue  # a feed without its first digits: a block of minutes
-        found.append((line, text, proof(text, CASE), excitation_share(text)))
+        try:
+            found.append((line, text, proof(text, CASE), excitation_share(text)))
+        except ProgramError as error:  # a block of no whole cycles, which LinuxCNC does not keep
+            assert word[1] == "F"
+            assert error.line == line
     return tuple(found)
 
 
@@ -84,7 +89,7 @@ def test_an_edit_of_the_last_decimal_changes_nothing(letter: str):
     assert proof(with_digit(middle, position, digit), CASE).ok
 
 
-@pytest.mark.parametrize("factor", [1.5, 3.0, 9.0])
+@pytest.mark.parametrize("factor", [2.0, 5.0, 10.0])
 def test_a_faster_feed_in_one_line_is_caught(factor: float):
     middle = (FIRST + LAST) // 2
     line = re.sub(r"F([\d.]+)", lambda m: f"F{float(m[1]) * factor:.6f}", LINES[middle - 1])
@@ -100,6 +105,6 @@ def test_all_feeds_raised_together_are_caught_as_soon_as_the_limits_are_passed()
         home, path = TEXT.split("G93", 1)  # the feed to home is the safe one, not any faster
         return f"{home}G93" + re.sub(r"F([\d.]+)", lambda m: f"F{float(m[1]) * factor:.6f}", path)
 
-    assert proof(at(1.02), CASE).ok
-    assert excitation_share(at(1.25)) > 1.0
-    assert not proof(at(1.25), CASE).ok
+    assert proof(at(10 / 11), CASE).ok  # blocks of 11 ms
+    assert excitation_share(at(10 / 8)) > 1.0
+    assert not proof(at(10 / 8), CASE).ok

@@ -17,6 +17,7 @@ from identification.trajectories.profile import StraightMove
 from planner.families.fourier_motion import FourierMotion
 from planner.families.ptp import unit_profile
 from postprocessors.blocks import Dwell, NeutralProgram, TimedPath, ToHome, Trigger
+from postprocessors.linuxcnc import prepare_linuxcnc
 from postprocessors.writing import excitation_program
 from tests.postprocessors.changed_case import changed
 from tests.postprocessors.programs import HOME, linuxcnc_text, proof
@@ -39,7 +40,7 @@ def excitation() -> NeutralProgram:
     slow = changed(load_case("hexapod"), controller__block_ms=100.0)
     a, b = np.zeros((2, 6)), np.zeros((2, 6))
     a[:, 1], b[:, 5] = (0.02, -0.02), (0.2, -0.1)
-    return excitation_program(FourierMotion(HOME, a, b, 2.0, 1), slow, ("two harmonics",))
+    return prepare_linuxcnc(excitation_program(FourierMotion(HOME, a, b, 2.0, 1), slow, ("two harmonics",)), slow)
 
 
 def trapezoids() -> NeutralProgram:

@@ -4,7 +4,8 @@ It plans a turning path block by block, without look-ahead (tp.c), measured on 2
 the acceleration limit along it, so that no block of length L is faster than sqrt(a L / 2). While one slows down the
 next speeds up, for as long as each has room, and only below the speed at which the corner between them is cut by the
 tolerance of G64; the slowing down above that speed is time lost. Corners are rounded by parabolas. Durations agree
-with LinuxCNC within 1 % for blocks of 10 to 210 ms.
+with LinuxCNC within 1 % for blocks of 10 to 210 ms that last whole cycles; what a block lasts beyond them is left out
+(9.23 ms take 9, 12.5 ms take 12).
 """
 
 import math
@@ -49,6 +50,7 @@ def linuxcnc_guarantees(reading: Reading, case: Case) -> Guarantees:
         law=_Line(headroom),
         arc_law=_Arc(headroom),
         jerk_time=SERVO_PERIOD,
+        whole_cycles=True,
     )
 
 
