@@ -269,22 +269,18 @@ def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
     assert found.keys == tuple(f"q{k}_deg" for k in range(1, 7))
 
 
-def test_the_proposed_box_of_a_chain_is_reachable_and_no_side_can_move_out(tmp_path: Path):
-    """The pillar limits the base, the elbow reaches the floor: the pasted lines are a box that is reachable."""
-    file = Path(call("case", "new", "arm", "--like", "ur10_wrist", "-o", tmp_path / "arm", "--json").json()["case"])
-    text = file.read_text()
-    floor = '{ name = "floor", x_mm = [-3000.0, 3000.0], y_mm = [-3000.0, 3000.0], z_mm = [-500.0, -10.0] }'
-    assert floor in text
-    pillar = '{ name = "pillar", x_mm = [300.0, 900.0], y_mm = [250.0, 400.0] }'
-    file.write_text(text.replace(floor, f"{floor}, {pillar}").replace("position_deg = [-15.0", "position_deg = [-40.0"))
-    before = call("case", "check", file, "--propose", "--json").json()
-    assert not before["reach"]["whole"]
-    proposal = before["proposal"]
-    assert 0.0 < proposal["share"] < 1.0
-    first, end = (file.read_text().index(mark) for mark in ("[limits.motion]", "[poses]"))
-    changed_text = file.read_text()
-    file.write_text(f"{changed_text[:first]}[limits.motion]\n{proposal['toml']}\n\n{changed_text[end:]}")
-    assert call("case", "check", file, "--json").json()["reach"]["whole"]
-    low, high = proposal["limits_motion"]["base"]
-    file.write_text(file.read_text().replace(f"[{low!r}, {high!r}]", f"[{low!r}, {high + 2.0!r}]"))
-    assert not reach(load_case(str(file)), 500).whole
+def test_the_proposed_box_of_a_chain_is_reachable_and_no_side_can_move_out():
+    """A wall limits how far a robot's tool turns: the lines for its case file are a box that is reachable."""
+    data = load_case("ur10_wrist").model_dump(mode="json", exclude_unset=True)
+    chain = data["machine"]["chain"]
+    for joint in chain["joints"]:
+        joint.pop("bodies", None)
+    chain |= {"base": [], "keep_out": [{"name": "wall", "y_mm": [250.0, 400.0]}]}
+    proposal = largest_box(Case.model_validate(data))
+    assert 0.0 < proposal.share < 1.0
+    limits = tomllib.loads(proposal.toml())
+    assert reach(Case.model_validate(data | {"limits": {"motion": limits}}), 500).whole
+    base = limits["joints"][0]
+    assert tuple(base["position_deg"]) == proposal.sides["base"]
+    base["position_deg"][1] += 2.0
+    assert not reach(Case.model_validate(data | {"limits": {"motion": limits}}), 500).whole
