@@ -47,6 +47,15 @@ def swing(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def swung_forces(t: np.ndarray) -> np.ndarray:
     """What the robot's sensor reads in that motion without noise, shape (n, 6) [N, N m]."""
+    return _forces(*swing(t))
+
+
+def standing_forces(q: np.ndarray) -> np.ndarray:
+    """The same where the robot stands, shape (n, 6) [N, N m]; q are positions of the joints, shape (n, 6) [rad]."""
+    return _forces(q, np.zeros_like(q), np.zeros_like(q))
+
+
+def _forces(q: np.ndarray, rates: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
     model = identification_model(ROBOT, full_model(ROBOT))
     truth = linear_parameters(model, ROBOT.need_simulation("a test").parameters)
-    return expected_forces(model, machine_of(ROBOT).kinematics(*swing(t)), truth)
+    return expected_forces(model, machine_of(ROBOT).kinematics(q, rates, accelerations), truth)

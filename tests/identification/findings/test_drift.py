@@ -16,7 +16,7 @@ from identification.identify import identify
 from identification.recording import Recording, read, write_recording
 from identification.result import Estimate
 from identification.saved_result import SavedResult, load_result
-from tests.chains import ROBOT, swing, swung_forces
+from tests.chains import ROBOT, standing_forces, swing, swung_forces
 
 T = np.arange(0.0, 8.0, 0.002)
 NOISE = np.array([0.5] * 3 + [0.02] * 3)
@@ -77,14 +77,7 @@ def standstills(seed: int, drift: float) -> Recording:
     rows = np.linspace(500, 3500, 40).astype(int)
     draw = np.random.default_rng(seed)
     q = JOINTS[rows] + draw.uniform(-0.5, 0.5, (40, 6))
-    from identification.machines import machine_of
-    from identification.model import expected_forces, full_model, identification_model
-    from identification.parameters import linear_parameters
-
-    model = identification_model(ROBOT, full_model(ROBOT))
-    truth = linear_parameters(model, ROBOT.need_simulation("a test").parameters)
-    still = np.zeros_like(q)
-    forces = expected_forces(model, machine_of(ROBOT).kinematics(q, still, still), truth)
+    forces = standing_forces(q)
     forces += draw.normal(size=forces.shape) * NOISE / 20.0 + of_channel(2, drift * np.arange(40.0))
     return Recording("poses.csv", None, q, None, forces, None, case=ROBOT)
 
