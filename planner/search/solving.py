@@ -149,7 +149,7 @@ def run_start(task: Task, watch: Watch = lambda objective: False) -> Start:
     """
     began = time.perf_counter()
     run = _Run(task, watch)
-    unknowns = run.begin()
+    unknowns = run.begun = run.begin()
     before = run.rate(unknowns)
     exploring = task.step is not Step.REFINE and not task.moves and not run.close
     best: tuple[Rating, Inside] | None = None
@@ -205,6 +205,7 @@ class _Run:
         self.model, self.errors = seen_through(model, noise.whitening), PoseErrors.of(task.case, noise)
         self.problem = build_problem(task.case, self.model, self.family, self.scaling, MARGIN + SLIPPED, self.errors)
         self.iterations, self.status, self.converged, self.stopped, self.close = 0, "", False, False, False
+        self.begun = np.zeros(0)  # where the solver began
 
     def told(self, objective: float) -> bool:
         """Passes on that the solver has come further; true where it is to stop."""
@@ -260,14 +261,30 @@ class _Run:
         return unknowns
 
     def inside(self, unknowns: Array, stage: _Stage) -> Inside:
-        """Draws a motion back inside the limits; where much is lost by that, searches once more from there."""
-        first = keep_limits(self.task.case, self.family, unknowns, QUICK_RATE)
-        if first.share >= DRAWN_BACK or self.stopped:
-            return first
-        self.problem = self.problem.with_rows_above(unknowns, 0.0)
-        second = self.solve(first.unknowns, stage._replace(convex=False, options=_NEAR))
-        other = keep_limits(self.task.case, self.family, second, QUICK_RATE)
-        return max((first, other), key=lambda found: self.rate(found.unknowns, stage.letter).score)
+        """Draws a motion back inside the limits; where much is lost by that, searches again.
+
+        First from the motion itself, with limits lowered by what it exceeds them; then from inside, from the better of
+        the motions found so far and of the one at which the search began, drawn back as well.
+        """
+
+        def drawn(unknowns: Array) -> Inside:
+            return keep_limits(self.task.case, self.family, unknowns, QUICK_RATE)
+
+        def worth(found: Inside) -> float:
+            return self.rate(found.unknowns, stage.letter).score
+
+        found = [drawn(unknowns)]
+        for stage_again in (stage._replace(iterations=REFINE, options=_AT_HAND), stage._replace(options=_NEAR)):
+            if found[-1].share >= DRAWN_BACK or self.stopped:
+                break
+            slips = self.problem.slips(self.family.motion(unknowns))
+            self.problem = self.problem.with_rows_above(unknowns, 0.0).tightened(slips, 1.0 - MARGIN - SLIPPED)
+            if len(found) > 1:
+                found.append(drawn(self.begun))
+                unknowns = max(found, key=worth).unknowns
+            unknowns = self.solve(unknowns, stage_again._replace(convex=False))
+            found.append(drawn(unknowns))
+        return max(found, key=worth)
 
 
 def run_safely(task: Task, watch: Watch) -> Start | Failed:
