@@ -192,7 +192,7 @@ def _not_compared(_recording: Recording, case: Case, how: Method, fitted: Fitted
 
 def _looks_like(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
     """What noise the residuals look like."""
-    if not isinstance(fitted.samples, Run):
+    if not isinstance(fitted.samples, Run) or case.sensor_frame.struts is not None:
         return []
     found = noise_components(fitted.samples, fitted.fit, case.sensor_frame.has_moments)
     return [] if found is None else [found.finding(how.weights or case.sensors.weights)]
