@@ -19,7 +19,7 @@ from identification.finding import Finding, Kind, warning
 from identification.fitting import SANDWICHED, Fitted
 from identification.periodic.averaging import PeriodicRun
 from identification.recording import Recording
-from identification.samples import Standstills
+from identification.samples import Standstills, fair_part
 
 Array = NDArray[np.float64]
 
@@ -32,27 +32,21 @@ REMEDY = "let the sensor warm up, and run hexcite tare shortly before its readin
 
 def drifting(recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
     """Channels whose offset changes within a run, with the rate and the change over the run."""
-    samples, residuals = fitted.samples, fitted.fit.residuals
-    freedom = len(residuals) - fitted.columns.shape[2] / 6 - 1
+    samples = fitted.samples
+    freedom = len(fitted.fit.residuals) - fitted.columns.shape[2] / 6 - 1
     if isinstance(samples, PeriodicRun) or how.name not in SANDWICHED or how.priors or freedom < LEAST_FREEDOM:
         return []
     axis, warming = _axis(recording, samples.t)
     if np.ptp(axis) == 0.0:
         return []
     line = (axis - axis.mean()) / np.ptp(axis)
-    basis = how.selection(samples.model).basis
-    free = fitted.columns @ block_diag(basis, np.eye(fitted.columns.shape[2] - len(basis)))
-    lines = line[:, None, None] * np.eye(6)
     if isinstance(samples, Standstills):
-        lines *= samples.scale[:, None, None]
-    columns, left = whitened(fitted.whitening, np.dstack([free, lines]), residuals)
-    weights = fitted.fit.weights if fitted.whitening is None else np.ones(6)
-    top = joint_triangle(columns, left, np.sqrt(weights))
-    half, change = inverse_root(top[:-1, :-1]), np.linalg.lstsq(top[:-1, :-1], top[:-1, -1], rcond=None)[0]
-    covariance = half @ half.T * top[-1, -1] ** 2 / (6.0 * freedom)
-    white = np.diag(covariance)[-6:]
-    if np.all(np.abs(change[-6:]) <= student.isf(CHANCE / 2.0, freedom) * np.sqrt(white)):
+        line = line * samples.scale
+    part = fair_part(len(line))
+    if not _likely(*_with_lines(fitted, how, line, part), freedom * len(part) / len(line)):
         return []  # noise with memory makes deviations larger, and takes time
+    columns, left, weights = _with_lines(fitted, how, line, np.arange(len(line)))
+    change, white = _solved(columns, left, weights, freedom)
     robust = samples.robust_covariance(columns, left - columns @ change, weights, fitted.whitening)
     spread = white if robust is None else np.maximum(white, np.diag(robust.covariance)[-6:])
     # noise that remembers long has so few independent samples that a straight line is no surprise
@@ -61,6 +55,29 @@ def drifting(recording: Recording, case: Case, how: Method, fitted: Fitted) -> l
     if not np.any(sure > most):
         return []
     return [_told(case, np.asarray(change[-6:]), sure, most, float(np.ptp(axis)), warming, recording.t is not None)]
+
+
+def _with_lines(fitted: Fitted, how: Method, line: Array, rows: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+    """A with a line in each channel, residuals and weights of some samples, as an estimator takes them."""
+    basis = how.selection(fitted.samples.model).basis
+    free = fitted.columns[rows] @ block_diag(basis, np.eye(fitted.columns.shape[2] - len(basis)))
+    lines = line[rows, None, None] * np.eye(6)
+    columns, left = whitened(fitted.whitening, np.dstack([free, lines]), fitted.fit.residuals[rows])
+    return columns, left, fitted.fit.weights if fitted.whitening is None else np.ones(6)
+
+
+def _solved(columns: Array, left: Array, weights: Array, freedom: float) -> tuple[Array, Array]:
+    """How far the values of a fit move with the lines, and the variance of these six by white noise."""
+    top = joint_triangle(columns, left, np.sqrt(weights))
+    half, change = inverse_root(top[:-1, :-1]), np.linalg.lstsq(top[:-1, :-1], top[:-1, -1], rcond=None)[0]
+    covariance = half @ half.T * top[-1, -1] ** 2 / (6.0 * freedom)
+    return np.asarray(change), np.diag(covariance)[-6:]
+
+
+def _likely(columns: Array, left: Array, weights: Array, freedom: float) -> bool:
+    """Whether a line is more than white noise makes."""
+    change, white = _solved(columns, left, weights, freedom)
+    return bool(np.any(np.abs(change[-6:]) > student.isf(CHANCE / 2.0, freedom) * np.sqrt(white)))
 
 
 def _axis(recording: Recording, t: Array) -> tuple[Array, bool]:

@@ -6,6 +6,7 @@ Joints go by name, for their order differs between messages; messages of other j
 """
 
 import struct
+from array import array
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -116,21 +117,21 @@ def joint_rows(bag: Path, reader: "AnyReader", topic: str, joints: Sequence[str]
     Raises:
         RecordingError: no message has all of these joints.
     """
-    stamps, rows, others = [], [], dict[str, None]()
+    stamps, rows, others = array("q"), array("d"), dict[str, None]()
     for message in _messages(reader, topic):
         place = {name: k for k, name in enumerate(message.name) if k < len(message.position)}
         others |= dict.fromkeys(message.name)
         if all(joint in place for joint in joints):
             stamps.append(_stamp(message))
-            rows.append([message.position[place[joint]] for joint in joints])
-    if not rows or not joints:
+            rows.extend(message.position[place[joint]] for joint in joints)
+    if not stamps or not joints:
         absent = ", ".join(joint for joint in joints if joint not in others) or "all joints at once"
         raise RecordingError(
             f"{bag}, {topic}",
             f"no message has {absent}; its joints are {listed(others)}",
             "map their names in [recording.columns] of the case, such as q1_deg",
         )
-    return np.array(stamps), np.array(rows, dtype=float)
+    return np.array(stamps), np.array(rows).reshape(-1, len(joints))
 
 
 def wrench_rows(bag: Path, reader: "AnyReader", topic: str) -> tuple[Stamps, Array, str]:
@@ -139,17 +140,17 @@ def wrench_rows(bag: Path, reader: "AnyReader", topic: str) -> tuple[Stamps, Arr
     Raises:
         RecordingError: the frame changes.
     """
-    stamps, rows, frames = [], [], dict[str, None]()
+    stamps, rows, frames = array("q"), array("d"), dict[str, None]()
     for message in _messages(reader, topic):
         stamps.append(_stamp(message))
         force, torque = message.wrench.force, message.wrench.torque
-        rows.append([force.x, force.y, force.z, torque.x, torque.y, torque.z])
+        rows.extend((force.x, force.y, force.z, torque.x, torque.y, torque.z))
         frames[str(message.header.frame_id)] = None
     if len(frames) > 1:
         raise RecordingError(
             f"{bag}, {topic}", f"is in several frames: {listed(frames)}", "record the sensor's own topic"
         )
-    return np.array(stamps), np.array(rows), next(iter(frames), "")
+    return np.array(stamps), np.array(rows).reshape(-1, 6), next(iter(frames), "")
 
 
 def joint_names(reader: "AnyReader", topic: str) -> tuple[str, ...]:

@@ -15,7 +15,8 @@ from identification.strut_loads import StrutLoads
 from identification.trajectories.profile import StraightMove
 from planner.families.ptp import PointToPointFamily
 from planner.search.solving import Task, run_start
-from planner.search.state_limits import FORCES, near_limits
+from planner.search.state_limits import FORCES, near_limits, state_limits
+from planner.search.states import state_size
 from postprocessors.proving.forces import ForceBounds, Steady
 from tests.helpers import HOME, Harmonic
 
@@ -100,12 +101,23 @@ def test_no_law_of_time_within_the_limits_passes_the_bound_along_a_move(kind: st
     assert (0.75 if kind in ("drive", "platform") else 0.6) * check.worst < most <= check.worst
 
 
-def test_sensors_that_are_too_weak_are_named_and_the_search_holds_them() -> None:
+def test_sensors_that_are_too_weak_are_named_and_the_search_knows_their_limit() -> None:
+    """At states of a motion the shares that the optimiser limits are the forces that the proof finds."""
     weak = of("drive", 900.0)
     report = prove(Standstill(HOME, 0.01), of("drive", 100.0), 100.0)
     assert "5 payloads" in next(c.name for c in report.violations if c.name.startswith("sensor force"))
     assert FORCES in [group.name for group in near_limits(weak)]
     assert FORCES not in [group.name for group in near_limits(of("drive", 100_000.0))]
+    motion = Harmonic(seed=4, size=0.8).at(np.linspace(0.1, 2.9, 20))
+    states = np.hstack([motion.pose, motion.rates, motion.accelerations])
+    (group,) = (g for g in state_limits(weak, (5,)) if g.name == FORCES)
+    shares = group.kernel.values(np.hstack([states, np.zeros((20, state_size(6) - 18))]))
+    assert np.abs(shares).max() == pytest.approx(load_shares(motion, weak)[5], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_search_holds_the_range_that_shapes_its_motion() -> None:
+    weak = of("drive", 900.0)
     start = run_start(Task(weak, 6, PointToPointFamily.of(weak, 8, 3.0), "D", seed=1))
     motion = start.family.motion(start.unknowns)
     kept = prove(motion, weak, 1000.0)

@@ -54,7 +54,7 @@ def test_a_drift_is_named_with_channel_rate_and_remedy(channel: int, name: str, 
 @pytest.mark.parametrize("memory", [0.0, 0.9, 0.998])
 def test_a_still_sensor_does_not_drift(memory: float) -> None:
     """The slowest noise remembers a second: it wanders, and deviations know it."""
-    assert not [told for seed in range(12) for told in found(recorded(seed, memory=memory))]
+    assert not [told for seed in range(8) for told in found(recorded(seed, memory=memory))]
 
 
 def test_with_the_temperature_the_drift_goes_by_it(tmp_path: Path) -> None:
