@@ -24,6 +24,7 @@ from identification.formats.ros import (
 from identification.formats.table import Array, Stamps, listed, shown
 
 _NS = 1e-9
+_SPAN = 15  # messages over which a step is measured
 _MOST_JITTER = 0.2  # of a step, from which on stamps are worth a word
 
 
@@ -67,7 +68,9 @@ def look_at_bag(bag: Path, case: Case | None) -> tuple[tuple[Column, ...], dict[
 
 
 def _step(stamps: Stamps) -> float:
-    return float(max(stamps[-1] - stamps[0], 1)) * _NS / max(len(stamps) - 1, 1)
+    """Usual time between messages [s]; late stamps and lost messages do not count."""
+    span = max(min(_SPAN, len(stamps) - 1), 1)
+    return max(float(np.median(stamps[span:] - stamps[:-span])) / span, 1.0) * _NS if len(stamps) > 1 else 1.0
 
 
 def _clock(topic: str, stamps: Stamps) -> Iterator[str]:

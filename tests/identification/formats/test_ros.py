@@ -92,6 +92,8 @@ def test_a_bag_of_a_robot_is_identified(stored: StoragePlugin, tmp_path: Path) -
         found = result[name]
         assert abs(found.value - true) < 4.0 * found.reported, name
     assert result["m"].reported < 0.005
+    # 0.3 N and 0.01 N m in a sample, where the case states 0.5 and 0.02: a few times less than stated, however averaged
+    assert 1.0 < result.record["noise_sources"]["force_sensors"] < 6.0
 
 
 def test_both_clocks_run_evenly_and_lost_messages_are_missing(tmp_path: Path) -> None:
@@ -171,6 +173,7 @@ def test_look_names_topics_rates_and_the_frame(tmp_path: Path) -> None:
     text = " ".join(answer["odd"])
     assert "ft_sensor" in text
     assert "8500 messages, 1000 a second" in text
+    assert answer["settings"]["rate_Hz"] == pytest.approx(250.0, rel=0.01)  # although messages were lost
     meanings = {c["name"]: c["meaning"] for c in answer["columns"]}
     assert meanings["wrist_3"] == "q6_deg"
     assert meanings["torque.y"] == "my_Nm"
