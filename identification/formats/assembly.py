@@ -90,8 +90,6 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
     forces = _group(table, form, case.sensor_frame.channels)
     rotation = _group(table, form, ROTATION)
     trigger = _group(table, form, (TRIGGER,))
-    if trigger is not None:
-        require_switch(table, trigger[:, 0], form)
     override = _group(table, form, (OVERRIDE,))
     if override is not None:
         require_override(table, override[:, 0], form)
@@ -102,7 +100,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
         struts=_struts(table, case, form),
         rotations=None if rotation is None else rotation.reshape(-1, 3, 3),
         forces=forces,
-        trigger=None if trigger is None else trigger[:, 0] > 0.5,
+        trigger=None if trigger is None else require_switch(table, trigger[:, 0], form),
         strut_velocities=_strut_velocities(table, form),
         override=None if override is None else override[:, 0],
         temperature=None if temperature is None else temperature[:, 0],

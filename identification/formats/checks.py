@@ -70,21 +70,38 @@ def require_override(table: ColumnTable, override: Array, form: RecordingFormat)
         )
 
 
-def require_switch(table: ColumnTable, trigger: Array, form: RecordingFormat) -> None:
-    """Raises RecordingError at the first value of the trigger, shape (n,), that is neither 0 nor its usual other one.
+Flags = NDArray[np.bool_]
 
-    That is 1, or the voltage of a switch.
+LEVELS = 0.2  # of the way between two levels that a switch may be off either: noise of a voltage
+OFF = 0.3  # share of the level on, up to which the level off of a voltage may be
+
+
+def switched(values: Array) -> Flags | None:
+    """Whether a switch is on: 0 and 1, or a voltage near one of two levels, shape (n,); None where it is no switch."""
+    low, high = float(np.min(values)), float(np.max(values))
+    if low == high:
+        return values > 0.0
+    near = np.minimum(values - low, high - values) <= LEVELS * (high - low)
+    return values > (low + high) / 2 if near.all() and abs(low) <= OFF * high else None
+
+
+def require_switch(table: ColumnTable, trigger: Array, form: RecordingFormat) -> Flags:
+    """Whether the trigger is on, shape (n,).
+
+    Raises:
+        RecordingError: it has more than two levels; the message names the first value that is neither 0 nor the usual
+            other one.
     """
-    on = trigger[trigger > 0.0]
-    usual = float(np.median(on)) if len(on) else 1.0
-    wrong = (trigger != 0.0) & (trigger != usual)
-    if wrong.any():
-        row = int(np.argmax(wrong))
-        raise RecordingError(
-            f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(TRIGGER))}",
-            f"{trigger[row]:g} is neither 0 nor {usual:g}",
-            "export the trigger as a switch, or leave the column out",
-        )
+    flags = switched(trigger)
+    if flags is not None:
+        return flags
+    usual = float(np.median(trigger[trigger > 0.0])) if (trigger > 0.0).any() else 1.0
+    row = int(np.argmax((trigger != 0.0) & (trigger != usual)))
+    raise RecordingError(
+        f"{table.source}, {table.lines.place(row)}, {shown(form.file_name(TRIGGER))}",
+        f"{trigger[row]:g} is neither 0 nor {usual:g}, and the values have more than two levels",
+        "export the trigger as a switch, or leave the column out",
+    )
 
 
 def require_rotations(stream: Stream) -> None:

@@ -24,6 +24,7 @@ from cases.recording_format import (
     units_of,
 )
 from cases.schema import Case
+from identification.formats.checks import switched
 from identification.formats.layout import TextLayout, layout_of
 from identification.formats.look_ros import look_at_bag
 from identification.formats.looked import CLOCKS, RATES, Column, Look, oddities, strut_range
@@ -167,7 +168,9 @@ def _is_clock(values: Array) -> bool:
 
 
 def _is_switch(values: Array) -> bool:
-    return len(set(values[np.isfinite(values)])) == 2 and bool(np.count_nonzero(np.diff(values)) < len(values) / 50)
+    good = values[np.isfinite(values)]
+    flags = switched(good) if len(good) else None
+    return flags is not None and bool(0 < np.count_nonzero(np.diff(flags)) < len(values) / 50)
 
 
 def _units(

@@ -10,6 +10,7 @@ import numpy as np
 from cases.recording_format import CLOCK, DRIVES, STRUTS, TRIGGER, units_of
 from cases.schema import Case
 from cases.units import MM, as_html
+from identification.formats.checks import switched
 from identification.formats.layout import TextLayout
 from identification.formats.table import Array, lost_samples, shown
 
@@ -105,8 +106,10 @@ def oddities(found: Look, layout: TextLayout | None, case: Case | None) -> Itera
     if TRIGGER not in known and (clock is not None or "clock" in found.settings):
         yield "no trigger: the whole motion is evaluated, the ways from and to home too"
     if TRIGGER in known:
-        on = np.nan_to_num(known[TRIGGER].values) > 0.0
-        if not on.any():
+        on = switched(np.nan_to_num(known[TRIGGER].values))
+        if on is None:
+            yield f"{shown(known[TRIGGER].name)}: has more than two levels: not a switch; leave it out of columns"
+        elif not on.any():
             yield f"{shown(known[TRIGGER].name)}: is never on, so nothing would be evaluated; leave it out of columns"
         elif on[-1]:
             yield f"{shown(known[TRIGGER].name)}: is still on in the last row; was the recorder stopped too early?"

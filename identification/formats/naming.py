@@ -50,7 +50,7 @@ _LETTERED: tuple[tuple[str, Sequence[str]], ...] = (
 _LETTERED_WORDS = re.compile(r"strut|leg|bein|strebe|force|kraft|sensor|loadcell|axis|achse|drive|antrieb|joint")
 _SINGLE = (
     (r"^(?:t|ts|time|zeit|timestamp|stamp|zeitstempel|elapsed.*)$", CLOCK),
-    (r"^(?:trig.*|gate|marker|.*digital-?out.*|.*a_out.*)$", TRIGGER),
+    (r"^(?:trig.*|ttl.*|gate|marker|.*digital-?out.*|.*a_out.*)$", TRIGGER),
     (r"^(?:ovr|.*override.*)$", OVERRIDE),
     (r"^(?:.*temp(?:erature|eratur)?)$", TEMPERATURE),
     (r"^(?:a|roll|phi)$", POSE[3]),

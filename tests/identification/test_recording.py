@@ -9,6 +9,7 @@ import pytest
 from cases.errors import RecordingError
 from cases.recording_format import BAR_FORCES, STRUTS
 from cases.schema import Case
+from identification.formats.look import look
 from identification.hexapod import Hexapod
 from identification.recording import Recording, read_recording, write_recording
 from identification.simulate import simulate_recording
@@ -157,3 +158,33 @@ def test_standstills_have_no_step(recording: Recording) -> None:
 def test_a_single_row_has_no_step(recording: Recording) -> None:
     with pytest.raises(RecordingError, match="one row"):
         _ = replace(recording, t=recording.t[:1]).step
+
+
+def test_a_trigger_may_be_a_voltage_with_noise(tmp_path: Path, recording: Recording, hexapod_case: Case) -> None:
+    file = tmp_path / "recording.csv"
+    write_recording(file, recording, hexapod_case)
+    header, *rows = file.read_text().splitlines()
+    volts = 4.9 * recording.trigger + np.random.default_rng(0).normal(0.02, 0.01, len(rows))
+    voltage = [f"{row.rpartition(',')[0]},{v:.3f}" for row, v in zip(rows, volts, strict=True)]
+    file.write_text("\n".join([header, *voltage]) + "\n")
+    np.testing.assert_array_equal(read_recording(file, hexapod_case).trigger, recording.trigger)
+    voltage[400] = f"{rows[400].rpartition(',')[0]},2.4"
+    file.write_text("\n".join([header, *voltage]) + "\n")
+    with pytest.raises(RecordingError, match=r"line \d+, trigger: .*more than two levels") as caught:
+        read_recording(file, hexapod_case)
+    one_line(caught.value)
+
+
+def test_a_look_tells_that_a_voltage_is_off_at_the_end(
+    tmp_path: Path, recording: Recording, hexapod_case: Case
+) -> None:
+    file = tmp_path / "recording.csv"
+    write_recording(file, recording, hexapod_case)
+    header, *rows = file.read_text().replace('"trigger"', '"TTL [V]"').splitlines()
+    voltage = [
+        f"{row.rpartition(',')[0]},{4.98 if on else 0.02}" for row, on in zip(rows, recording.trigger, strict=True)
+    ]
+    file.write_text("\n".join([header, *voltage]) + "\n")
+    found = look(file, hexapod_case)
+    assert found.settings["columns"]["trigger"] == "TTL [V]"
+    assert not any("last row" in odd or "switch" in odd for odd in found.odd)
