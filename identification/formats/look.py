@@ -28,7 +28,7 @@ from identification.formats.checks import switched
 from identification.formats.layout import TextLayout, layout_of
 from identification.formats.look_ros import look_at_bag
 from identification.formats.looked import CLOCKS, RATES, Column, Look, oddities, strut_range
-from identification.formats.naming import matched, sixes
+from identification.formats.naming import matched, may_be_force, sixes, wrenches
 from identification.formats.reading import read_run, read_tables
 from identification.formats.ros import bag_of, is_bag
 from identification.formats.table import Array
@@ -66,6 +66,10 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     scope = layout is not None and layout.format == "twincat-scope"
     if scope:
         places = {CLOCK: names.index("Name")} | {ours: k for ours, k in places.items() if ours != CLOCK}
+    if case is not None and case.sensor_frame.transducer is not None:
+        places = {ours: k for ours, k in places.items() if ours not in BAR_FORCES}
+        if WRENCH[0] not in places:
+            places |= dict(zip(WRENCH, next(iter(wrenches(names, sorted(columns))), ()), strict=False))
     guessed = _by_values(names, columns, places, case)
     units |= _units(columns, places, units, case, guessed)
     settings = _layout_settings(layout) | _meaning_settings(names, places, units, scope, layout)
@@ -148,7 +152,8 @@ def _by_values(
             places |= dict(zip(STRUTS, next(struts, ()), strict=False))
     forces = WRENCH if case is not None and case.sensor_frame.transducer is not None else BAR_FORCES
     if forces[0] not in places:
-        places |= dict(zip(forces, next(sixes(names, free()), ()), strict=False))
+        unsaid = [k for k in free() if may_be_force(names[k])]
+        places |= dict(zip(forces, next(sixes(names, unsaid), ()), strict=False))
     return set(places) - before
 
 
