@@ -274,7 +274,8 @@ def require_free(share: float, contacts: Sequence[str], model: Model) -> None:
             )
         raise IdentificationError(
             f"the forces leave the model in {100 * share:.0f} % of the samples, as in contact ({contacts[0]}); an "
-            "identification run must be free: check columns, struts and model, or record again"
+            "identification run must be free: check columns, struts, model and the dimensions of the case, or record "
+            "again"
         )
 
 

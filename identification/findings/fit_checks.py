@@ -27,6 +27,7 @@ from identification.runs.evaluation import Run
 
 Array = NDArray[np.float64]
 
+NOISIER = 3.0  # times the stated noise of a force sensor, from which residuals say more than noise
 SUSPICIOUS_RATIO = 1.5  # of robust to white standard deviations: the residuals are far from white
 SYSTEMATIC = 0.35  # lag-one autocorrelation of residuals beyond that of filtered white noise
 LEAST_SERIES = 50  # samples that tell an autocorrelation
@@ -45,7 +46,8 @@ def systematic(fit: Fit, usual: float) -> list[Finding]:
     if len(left) < LEAST_SERIES or float(np.median(alike)) < usual + SYSTEMATIC:
         return []
     told = f"residuals follow each other (correlation {float(np.median(alike)):.2f}, of noise {usual:.2f}): a long "
-    told += "contact, a model without what moves the forces, or coloured noise; look at their figure in the report"
+    told += "contact, a dimension in the case that is not the machine's, a model without what moves the forces, or "
+    told += "coloured noise; look at their figure in the report"
     return [warning(Kind.MODEL, told)]
 
 
@@ -190,6 +192,21 @@ def _not_compared(_recording: Recording, case: Case, how: Method, fitted: Fitted
     return [warning(Kind.NOISE, told)]
 
 
+def _noisier(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
+    """Residuals far above the noise that the case states for its force sensors, where it states no other."""
+    stated = case.sensors.force_noise_N
+    others = case.sensors.acceleration_noise_m_s2, case.sensors.pose_error_N
+    if stated is None or any(others) or case.sensor_frame.has_moments or not fitted.samples.nuisances:
+        return []
+    if fitted.fit.s0 <= NOISIER * stated:
+        return []
+    told = (
+        f"residuals of {fitted.fit.s0:.3g} N where sensors.force_noise_N states {stated:g} N: compare the dimensions "
+    )
+    told += "in [machine] and [sensor_frame] with the drawing; vibration and errors that depend on the pose look alike"
+    return [warning(Kind.MODEL, told)]
+
+
 def _looks_like(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
     """What noise the residuals look like."""
     if not isinstance(fitted.samples, Run) or case.sensor_frame.struts is not None:
@@ -218,6 +235,7 @@ CHECKS: tuple[Check, ...] = (
     _late,
     _unlikely,
     _not_compared,
+    _noisier,
     _looks_like,
     _fed,
     _rated,

@@ -18,7 +18,12 @@ from postprocessors.proving.judging import judge
 from postprocessors.proving.stretches import Still, Stretch, Timed, Untimed, stretches
 from postprocessors.reading.words import Reading, Stand, Switch
 
+MOST_TIMES = 10.0  # times a limit above which nobody needs the number
 AT_A_SPEED = (*KINETIC, FEED_TO_HOME)  # limits that a slower program keeps
+
+
+def _times(ratio: float) -> str:
+    return f"{100 * ratio:.0f} %" if ratio <= MOST_TIMES else "more than ten times"
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +70,18 @@ class ProgramProof:
         if self.violations:
             return "NOT proven"
         kept = [name for name in self._families(Status.ENFORCED) if name not in self.relies_on]
+        worst = {
+            name: max(c.ratio for c in self.limits.checks if family(c.name) == name and c.status is Status.NOT_ENFORCED)
+            for name in self.relies_on
+        }
+        passed = [f"{name} ({_times(ratio)})" for name, ratio in worst.items() if ratio > 1.0]
+        within = [name for name, ratio in worst.items() if ratio <= 1.0]
         return "; ".join(
             [
                 "proven",
                 *([f"{self.controller} enforces: {', '.join(kept)}"] if kept else []),
-                *([f"nobody enforces: {', '.join(self.relies_on)}"] if self.relies_on else []),
+                *([f"nobody enforces: {', '.join(within)}"] if within else []),
+                *([f"EXCEEDED, as predicted, and nobody enforces: {', '.join(passed)}"] if passed else []),
             ]
         )
 

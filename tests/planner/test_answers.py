@@ -106,8 +106,8 @@ def test_without_json_a_command_tells_people_what_it_did(command: str, chain: Ch
     answer = call(command, *arguments[command])
     assert (answer.code, answer.err) == (0, "")
     said = {
-        "post": "nobody enforces: acceleration, jerk, strut acceleration, sensor force (accepted)",
-        "check": "nobody enforces: acceleration",
+        "post": "nobody enforces: acceleration (more than ten times), jerk (more than ten times)",
+        "check": "nobody enforces: acceleration (more",
         "run": "simulated",
         "identify": "result written",
     }
