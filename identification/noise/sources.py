@@ -116,7 +116,8 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
         effect = regressor_noise(part, w, delay, sensors)
         if isinstance(run, Run):
             effect = effect.of_samples(len(run.rows))
-    return sources_of(effect, fit, w, run.filtered, sensors)
+    averaged = run.recording.averaged
+    return sources_of(effect, fit, w, run.filtered, sensors, 1.0 if averaged is None else averaged.ratio)
 
 
 class RegressorNoise(NamedTuple):
@@ -157,7 +158,9 @@ def regressor_noise(run: Run | PeriodicRun, w: Array, delay: float, sensors: Sen
     return RegressorNoise(moment, len(motion.pose), variance)
 
 
-def sources_of(effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filtered, sensors: Sensors) -> NoiseSources:
+def sources_of(
+    effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filtered, sensors: Sensors, averaged: float = 1.0
+) -> NoiseSources:
     """What a case states beside what a Gauss-Markov fit left.
 
     Args:
@@ -165,11 +168,12 @@ def sources_of(effect: RegressorNoise | None, fit: Fit, w: Array, filtered: Filt
         fit: its values begin with u; its covariance is (28).
         w: W for one sample, shape (6, 6).
         sensors: sensors with noise of forces, of struts or both.
+        averaged: recorded samples of the forces that were averaged for one of the fit.
     """
     squared = max(fit.s0**2, np.finfo(float).tiny)
     force_share = None
     if sensors.force_noise is not None:
-        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
+        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / averaged / squared
     if effect is None:
         return NoiseSources(force_share, None, None, None, None)
     moment, unknowns = effect.moment, len(effect.moment)
