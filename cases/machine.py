@@ -24,6 +24,8 @@ from cases.parts import (
 from cases.recording_format import POSE
 from cases.units import DEG, MM
 
+ENDLESS = 1e6  # [mm] half of a side that has no end
+
 
 class Ring(Part):
     """Six joints on a circle, in three pairs; joint order: pair by pair, minus side before plus side."""
@@ -121,21 +123,38 @@ class HexapodMachine(Part):
 
 
 class KeepOut(Part):
-    """A box in {B} that neither platform nor struts nor tools may enter: a table, a clamped workpiece, a neighbour."""
+    """A box in {B} that neither platform nor struts nor tools may enter: a table, a clamped workpiece, a neighbour.
+
+    Of the sides at least one is stated; a box with `z_mm` alone is a floor or a ceiling, one with `x_mm` alone a wall.
+    """
 
     name: str
     """What stands there; messages use it."""
-    x_mm: Range
-    """Lower and upper limit in {B}."""
-    y_mm: Range
+    x_mm: Range | None = None
+    """Lower and upper limit in {B}; left out, it has no end."""
+    y_mm: Range | None = None
     """As `x_mm`."""
-    z_mm: Range
+    z_mm: Range | None = None
     """As `x_mm`."""
+
+    @model_validator(mode="after")
+    def _stands(self) -> "KeepOut":
+        if not self._sides():
+            raise ValueError(f"{self.name} has no x_mm, y_mm or z_mm; state one side at least, or nothing may move")
+        return self
+
+    def _sides(self) -> list[tuple[float, float]]:
+        return [side for side in (self.x_mm, self.y_mm, self.z_mm) if side is not None]
 
     @cached_property
     def corners(self) -> Array:
-        """Lower and upper corner, shape (2, 3) [m]."""
-        return frozen(np.array([self.x_mm, self.y_mm, self.z_mm]).T * MM)
+        """Lower and upper corner, shape (2, 3) [m]; a side without end is 2 km long."""
+        return frozen(np.array([side or (-ENDLESS, ENDLESS) for side in (self.x_mm, self.y_mm, self.z_mm)]).T * MM)
+
+    @property
+    def vicinity(self) -> float:
+        """Distance at which its share as a limit falls to 0: half the diagonal of its stated sides [m]."""
+        return math.hypot(*(high - low for low, high in self._sides())) / 2 * MM
 
 
 class Tool(Part):

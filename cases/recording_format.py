@@ -14,6 +14,7 @@ from cases.parts import Array, Number, Part, Positive, Six, Vector, frozen
 from cases.units import DEG, MM, MS, UM
 
 CLOCK, TRIGGER, OVERRIDE = "t_s", "trigger", "override_percent"
+TEMPERATURE = "temperature_degC"  # of the sensor
 STRUTS = tuple(f"l{k}_mm" for k in range(1, 7))
 STRUT_VELOCITIES = tuple(f"ld{k}_mm_s" for k in range(1, 7))
 DRIVES = tuple(f"q{k}_mm" for k in range(1, 7))
@@ -28,7 +29,7 @@ WRENCH = ("fx_N", "fy_N", "fz_N", "mx_Nm", "my_Nm", "mz_Nm")
 COLUMNS = (
     CLOCK, *STRUTS, *STRUT_VELOCITIES, *DRIVES, *JOINT_ANGLES, *JOINT_WAYS,
     *DRIVE_VELOCITIES, *POSE, *ROTATION, *ACCELEROMETER, *BAR_FORCES,
-    *WRENCH, TRIGGER, OVERRIDE,
+    *WRENCH, TRIGGER, OVERRIDE, TEMPERATURE,
 )  # fmt: skip
 
 
@@ -162,8 +163,17 @@ class Accelerometer(Part):
         return frozen(np.array(self.mounting) * self.scale_m_s2)
 
 
+class RosTopics(Part):
+    """The topics of a ROS 2 bag that hold the run; by default the only ones of their kind."""
+
+    joints: str | None = None
+    """Topic of `sensor_msgs/JointState`."""
+    wrench: str | None = None
+    """Topic of `geometry_msgs/WrenchStamped`; of several the raw one."""
+
+
 class RecordingFormat(Part):
-    """How recordings of this case are to be read; Parquet files are recognised, the keys about text do not apply there.
+    """How recordings of this case are to be read; keys about text do not apply to Parquet files and ROS 2 bags.
 
     Units are those of our column names unless `units` says otherwise.
     """
@@ -198,6 +208,8 @@ class RecordingFormat(Part):
     """Where the file holds drive positions instead of strut lengths."""
     accelerometer: Accelerometer | None = None
     """Where the file holds readings of an accelerometer."""
+    ros: RosTopics = RosTopics()
+    """Topics of a ROS 2 bag."""
 
     @model_validator(mode="after")
     def _known_names(self) -> Self:

@@ -152,8 +152,6 @@ class Case(Part):
             yield 'setup "2x" and [sensor_frame.struts] belong together: sensors in the struts; change one of the two'
         if self.sensor_frame.struts is not None and self.hexapod is None:
             yield "sensor_frame.struts are those of a hexapod; add [machine] with base, platform and home"
-        if self.sensor_frame.struts is not None and self.sensors.range_N is not None:
-            yield "sensors.range_N is a limit that plans do not hold yet where sensors sit in struts; remove it"
         if self.sensor_frame.struts is not None and self.sensors.acceleration_noise is not None:
             yield "sensors: noise of accelerations is not counted yet where sensors sit in struts; remove it"
         for name, full in (("sinumerik", Sinumerik), ("twincat", TwinCat)):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cases.errors import IdentificationError
 from cases.schema import Case
 from identification.finding import Severity, sentences
+from identification.findings.drift import drifted_since, shifted_all_along
 from identification.findings.sample_checks import Scan, unmeasured
 from identification.model import Model
 from identification.parameters import OFFSETS
@@ -63,6 +64,8 @@ def external_force(recording: Recording, case: Case, result: SavedResult, whole:
         t, forces, matrices = run.t, run.forces, run.regressors(result.delay)
         poses = None if model.struts is None else run.kinematics(result.delay).pose
     residuals = forces - matrices @ result.values
+    variance = np.diag(result.covariance_robust)[_offset_columns(model)]
+    warnings += tuple(shifted_all_along(residuals, variance, case))
     return ExternalForce(t, -model.wrenches(residuals, poses), residuals, warnings)
 
 
@@ -82,6 +85,7 @@ class Tare(NamedTuple):
     covariance: Array  # covariance of u, shape (u, u): offsets and the rest no longer vary together
     change: Array  # new offsets less old ones, shape (6,)
     std: Array  # standard deviation of the new offsets from the scatter of the standstill, shape (6,)
+    notes: tuple[str, ...] = ()  # sentences about offsets that have drifted since the result
 
 
 STILL = 1e-4  # [m or rad] that drives may move in a standstill: encoder noise and drift, not motion
@@ -117,10 +121,12 @@ def tare(recording: Recording, case: Case, result: SavedResult) -> Tare:
     variance = residuals.var(axis=0, ddof=1) / count
     offsets = _offset_columns(model)
     values, covariance = result.values.copy(), result.covariance.copy()
+    since = np.sqrt(variance + np.diag(result.covariance_robust)[offsets])
+    notes = drifted_since(change, since, case, result.source)
     values[offsets] += change
     covariance[offsets, :] = covariance[:, offsets] = 0.0
     covariance[offsets, offsets] = variance
-    return Tare(values, covariance, change, np.sqrt(variance))
+    return Tare(values, covariance, change, np.sqrt(variance), tuple(notes))
 
 
 def _offset_columns(model: Model) -> NDArray[np.int64]:

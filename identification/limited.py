@@ -191,7 +191,7 @@ def rotation_motion(motion: Motion) -> tuple[Array, Array, Array]:
     return z0 @ yx, z1 @ yx + z0 @ yx1, z2 @ yx + 2 * (z1 @ yx1) + z0 @ yx2
 
 
-def _strut_vectors(
+def strut_vectors(
     motion: Motion, rotation: tuple[Array, Array, Array], machine: HexapodMachine
 ) -> tuple[Array, Array, Array, Array]:
     """Strut vectors and their first and second derivative, shapes (n, 6, 3), and the platform's normal, (n, 3)."""
@@ -205,7 +205,7 @@ def _strut_vectors(
 
 def strut_motion(motion: Motion, machine: HexapodMachine) -> tuple[Array, Array, Array]:
     """Strut lengths [m], velocities and accelerations of a motion, each of shape (n, 6)."""
-    return _along(*_strut_vectors(motion, rotation_motion(motion), machine)[:3])
+    return _along(*strut_vectors(motion, rotation_motion(motion), machine)[:3])
 
 
 def _along(strut: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
@@ -228,7 +228,7 @@ def limited_struts(
     Args:
         workspace: what it can reach.
     """
-    strut, velocity, acceleration, normal = _strut_vectors(motion, rotation, machine)
+    strut, velocity, acceleration, normal = strut_vectors(motion, rotation, machine)
     yield from _keep_out(motion, rotation[0], machine.base.points, strut, workspace)
     length, along, second = _along(strut, velocity, acceleration)
     six = np.ones(6)
@@ -252,9 +252,8 @@ def _keep_out(motion: Motion, turn: Array, base: Array, strut: Array, workspace:
     """
     labels = guarded(workspace)
     for box in workspace.keep_out:
-        low, high = box.corners
         distance = distances(box, workspace, motion.pose[:, :3], turn, base, strut)
-        ratio = np.maximum(0.0, 1.0 - distance / (float(np.linalg.norm(high - low)) / 2))
+        ratio = np.maximum(0.0, 1.0 - distance / box.vicinity)
         ratio = np.nan_to_num(ratio, nan=np.inf)
         surface = np.zeros((2, len(labels)))
         yield Quantity(f"distance from {box.name}", "mm", labels, distance, surface, ratio, 1 / MM)
@@ -287,7 +286,7 @@ def _at_home(of: _Of) -> float:
     """det(J^-1) at home."""
     machine = of.machine
     standing = Motion(np.zeros(1), machine.home.vector[None, :].copy(), *(np.zeros((1, 6)) for _ in range(3)))
-    strut, _, _, _ = _strut_vectors(standing, rotation_motion(standing), machine)
+    strut, _, _, _ = strut_vectors(standing, rotation_motion(standing), machine)
     direction = strut / np.linalg.norm(strut, axis=2)[:, :, None]
     return float(_determinant(direction, strut + machine.base.points - machine.home.vector[:3])[0])
 

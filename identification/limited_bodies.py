@@ -54,8 +54,9 @@ def clearances(chain: Chain, frames: Sequence[tuple[Array, Array, Array]], t: Ar
     for box in chain.keep_out:
         if moving:
             columns = [_from_box(body, box.corners) for body in moving]
-            size = float(np.linalg.norm(np.diff(box.corners, axis=0))) / 2
-            yield _kept(f"distance from {box.name}", [body.name for body in moving], columns, [size] * len(moving))
+            yield _kept(
+                f"distance from {box.name}", [body.name for body in moving], columns, [box.vicinity] * len(moving)
+            )
     pairs = [(a, b) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if abs(a.link - b.link) > 1]
     if pairs:
         labels, reach = [f"{a.name}, {b.name}" for a, b in pairs], [a.radius + b.radius for a, b in pairs]

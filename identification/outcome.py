@@ -156,7 +156,9 @@ def tare(recording: Recording, result: Result) -> Result:
 
     known = result.solution
     found = new_offsets(on_one_clock(recording, result.case), result.case, known)
-    return Result(result.case, with_tare(known, result.case, found.values, found.covariance, recording.source))
+    return Result(
+        result.case, with_tare(known, result.case, found.values, found.covariance, recording.source, found.notes)
+    )
 
 
 Array = NDArray[np.float64]

@@ -6,6 +6,7 @@ Written for the proof of limits, from the definitions, without the regressor tha
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ SHARE = 0.8  # of the sensors' range; the rest is for process forces, offsets an
 
 
 def sensor_forces(turn: Array, first: Array, second: Array, acceleration: Array, body: RigidBody, case: Case) -> Array:
-    """Forces of the sensors, offsets and compensation apart, shape (n, 6) [N or N m].
+    """Forces of the sensors in the platform, offsets and compensation apart, shape (n, 6) [N or N m].
 
     Args:
         turn: R, shape (n, 3, 3).
@@ -30,17 +31,39 @@ def sensor_forces(turn: Array, first: Array, second: Array, acceleration: Array,
         second: its second time derivative.
         acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
     """
-    back = turn.transpose(0, 2, 1)
-    spin = first @ back  # S(omega)
-    spin_rate = second @ back + first @ first.transpose(0, 2, 1)  # S(omega')
-    omega, alpha = (np.stack([s[:, 2, 1], s[:, 0, 2], s[:, 1, 0]], axis=1) for s in (spin, spin_rate))
+    wrench = load_wrench(turn, first, second, acceleration, body, case.gravity).reshape(-1, 2, 3)
+    of_platform = np.einsum("nji,nkj->nki", turn, wrench).reshape(-1, 6, 1)
+    return np.asarray(np.linalg.solve(structure_matrix(case.sensor_frame)[None], of_platform)[:, :, 0])
+
+
+def load_wrench(
+    turn: Array, first: Array, second: Array, acceleration: Array, body: RigidBody, gravity: Array
+) -> Array:  # fmt: skip
+    """Force and moment about the origin of {P} that move a body with {P}, in {B}, shape (n, 6) [N, N m].
+
+    Args:
+        turn: R, shape (n, 3, 3).
+        first: its time derivative.
+        second: its second time derivative.
+        acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
+        gravity: gravity in {B}, shape (3,) [m/s^2].
+    """
+    omega, alpha = spins((turn, first, second))
     arm = turn @ body.centre_of_gravity
-    force = body.mass_kg * (acceleration + (second @ body.centre_of_gravity) - case.gravity)
-    inertia = turn @ body.inertia @ back
+    force = body.mass_kg * (acceleration + (second @ body.centre_of_gravity) - gravity)
+    inertia = turn @ body.inertia @ turn.transpose(0, 2, 1)
     momentum = np.einsum("nij,nj->ni", inertia, omega)
     moment = np.einsum("nij,nj->ni", inertia, alpha) + np.cross(omega, momentum) + np.cross(arm, force)
-    wrench = np.concatenate([np.einsum("nji,nj->ni", turn, v)[:, :, None] for v in (force, moment)], axis=1)
-    return np.asarray(np.linalg.solve(structure_matrix(case.sensor_frame)[None], wrench)[:, :, 0])
+    return np.hstack([force, moment])
+
+
+def spins(rotation: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+    """Angular velocity and acceleration in {B}, shapes (n, 3), from R and its time derivatives, shapes (n, 3, 3)."""
+    turn, first, second = rotation
+    back = turn.transpose(0, 2, 1)
+    matrices = first @ back, second @ back + first @ first.transpose(0, 2, 1)  # S(omega), S(omega')
+    omega, alpha = (np.stack([s[:, 2, 1], s[:, 0, 2], s[:, 1, 0]], axis=1) for s in matrices)
+    return omega, alpha
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,32 +155,30 @@ def _cross_matrices(vectors: Array) -> Array:
     return matrices
 
 
-def sensor_loads(rotation: tuple[Array, Array, Array], acceleration: Array, loads: Loads | None) -> Iterable[Quantity]:
+class Channels(Protocol):
+    """What forces of sensors are limited by; one channel is one sensor with one of the bodies."""
+
+    @property
+    def limit(self) -> Array:
+        """Limit of each channel, shape (channels,) [N or N m]."""
+
+    @property
+    def moments(self) -> NDArray[np.bool_]:
+        """Which of them are moments with a range of their own, shape (channels,)."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Labels of the channels."""
+
+
+def sensor_loads(values: Array, loads: Channels) -> Iterable[Quantity]:
     """Predicted sensor forces with every body that the case expects, against 80 % of the sensors' range.
 
-    Nothing where the case names no range or no nominal body.
-
     Args:
-        rotation: R and its first and second time derivative, shapes (n, 3, 3).
-        acceleration: acceleration of the origin of {P}, shape (n, 3) [m/s^2].
+        values: the forces, shape (n, channels) [N or N m].
     """
-    if loads is None:
-        return
-    values = loads.forces(rotation, acceleration)
     for name, unit, channels in (("sensor force", "N", ~loads.moments), ("sensor moment", "N m", loads.moments)):
         if channels.any():
             labels = tuple(label for label, own in zip(loads.labels, channels, strict=True) if own)
             limit = loads.limit[channels]
             yield Quantity.between(name, unit, labels, values[:, channels], -limit, limit, 1.0)
-
-
-def load_shares(rotation: tuple[Array, Array, Array], acceleration: Array, case: Case) -> Array:
-    """Largest share of that limit which a motion uses with each number of payloads, shape (bodies,).
-
-    Empty where nothing is limited.
-    """
-    loads = Loads.of(case)
-    if loads is None:
-        return np.zeros(0)
-    forces = loads.forces(rotation, acceleration)
-    return np.asarray((np.abs(forces).max(axis=0) / loads.limit).reshape(-1, 6).max(axis=1))

@@ -3,8 +3,8 @@
 Columns (CONVENTIONS): `t_s` (absent: each row is an averaged standstill), struts `l1_mm`..`l6_mm` (of a chain its
 joints `q1_deg`.. or `q1_mm`..; or drive positions `q1_mm`.., a pose `x_mm`..`c_deg`, a rotation matrix `r11`..`r33`
 sensor to world), forces `f1_N`..`f6_N` or `fx_N`..`mz_Nm`, optionally strut velocities `ld1_mm_s`.., an accelerometer
-`ax`..`az`, `trigger` 0/1, `override_percent` of the feed. The case's `[recording]` maps file formats, other names,
-units and clocks. A run may come as several files with their own clocks.
+`ax`..`az`, `trigger` 0/1, `override_percent` of the feed, `temperature_degC` of the sensor. The case's `[recording]`
+maps file formats, other names, units and clocks. A run may come as several files with their own clocks.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,6 +29,7 @@ from cases.recording_format import (
     ROTATION,
     STRUT_VELOCITIES,
     STRUTS,
+    TEMPERATURE,
     TRIGGER,
     WRENCH,
 )
@@ -151,6 +152,7 @@ def _columns(recording: Recording, case: Case) -> dict[str, NDArray[np.float64]]
         (STRUT_VELOCITIES, recording.strut_velocities, MM),
         (case.sensor_frame.channels, recording.forces, 1.0),
         (ACCELEROMETER, recording.specific_forces, 1.0),
+        ((TEMPERATURE,), None if recording.temperature is None else recording.temperature[:, None], 1.0),
         ((OVERRIDE,), None if recording.override is None else recording.override[:, None], 0.01),
     )
     for names, values, unit in groups:

@@ -1,6 +1,6 @@
 """A result that was saved, as other commands use it: parameters to predict forces with."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -141,7 +141,9 @@ def biases_of(path: Path, case: Case, stale: bool = False) -> Biases:
     return Biases(str(path), result.values[offsets], covariance, result.accelerometer, remarks)
 
 
-def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array, source: str) -> dict[str, Any]:
+def with_tare(
+    result: SavedResult, case: Case, values: Array, covariance: Array, source: str, notes: Sequence[str] = ()
+) -> dict[str, Any]:
     """What `result.json` holds with other linear values: physical parameters and deviations follow from them.
 
     Args:
@@ -149,6 +151,7 @@ def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array,
         values: new u, shape (u,).
         covariance: covariance of u, shape (u, u).
         source: the recording that they come from.
+        notes: what else there is to say.
     """
     data = dict(result.about)
     form = physical_form(result.model_of(case))
@@ -170,5 +173,6 @@ def with_tare(result: SavedResult, case: Case, values: Array, covariance: Array,
         "linear": {"names": data["linear"]["names"], "values": values.tolist()},
         "covariance": covariance.tolist(),
         "covariance_robust": robust_covariance.tolist(),
+        "notes": [*data.get("notes", ()), *notes],
         "tared_with": source,
     }

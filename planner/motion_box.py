@@ -1,5 +1,6 @@
-"""The largest box of poses inside `[limits.motion]` that a hexapod reaches as a whole."""
+"""The largest box of poses, or of joints, inside `[limits.motion]` that a machine reaches as a whole."""
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -7,12 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cases.chain import JointLimit
 from cases.errors import CaseError
 from cases.recording_format import POSE
 from cases.schema import Case
 from identification.limits import TOLERANCE, LimitCheck, prove
 from identification.motion import StandingPoses
-from planner.reach import GRID, UNITS, StaticLimits
+from planner.reach import StaticLimits, corners_and_middles, static_limits
 
 Array = NDArray[np.float64]
 
@@ -31,16 +33,21 @@ STEP = 1e-7  # of differences, share of the stated box
 class MotionBox:
     """A reachable box, to be written into a case file."""
 
-    # key of `[limits.motion]` -> lower and upper limit relative to home [mm, deg], rounded inwards
+    # key of `[limits.motion]`, or joint -> lower and upper limit relative to home [mm, deg], rounded inwards
     sides: dict[str, tuple[float, float]]
     share: float  # its volume over that of the stated box
     poses: int  # number of its poses at which `identification.limits` proved the limits
     worst: float  # the largest share of a limit at these
     worst_limit: str  # name of that limit
     starts: int  # number of boxes from which the search began
+    joints: tuple[JointLimit, ...] = ()  # limits of a chain with these sides; empty of a hexapod
 
     def toml(self) -> str:
         """The lines that replace those of `[limits.motion]`."""
+        if self.joints:
+            rows = [limit.model_dump(mode="json", exclude_none=True) for limit in self.joints]
+            tables = [", ".join(f"{key} = {json.dumps(value)}" for key, value in row.items()) for row in rows]
+            return "\n".join(["joints = [", *(f"    {{ {table} }}," for table in tables), "]"])
         return "\n".join(f"{key} = [{low!r}, {high!r}]" for key, (low, high) in self.sides.items())
 
     def to_json(self) -> dict[str, Any]:
@@ -58,7 +65,7 @@ class MotionBox:
 def largest_box(case: Case, seed: int = 0) -> MotionBox:
     """The largest box around home, inside `[limits.motion]`, all of whose poses keep the limits of poses at rest.
 
-    "Largest" means the largest product of the six widths, each relative to that of the stated box. The sides are found
+    "Largest" means the largest product of the widths, each relative to that of the stated box. The sides are found
     by sequential quadratic programming (SLSQP) from several starts, under the limits at the worst poses of the boxes
     before. So the box is a local optimum; home may lie near one of its sides. It is verified at many poses (corners,
     edges, inside, and where a search from these ends), not everywhere.
@@ -75,35 +82,39 @@ def largest_box(case: Case, seed: int = 0) -> MotionBox:
         box = _rounded(case, sides)
         worst, poses = _proof(case, search.limits, box, seed)
         if worst.kept:
-            share = float(np.prod(np.ptp(box * UNITS, axis=0) / np.ptp(search.limits.box, axis=0)))
-            ranges = dict(zip(POSE, map(tuple, box.T.tolist()), strict=True))
-            return MotionBox(ranges, share, poses, worst.ratio, worst.name, STARTS)
+            units = search.limits.units
+            share = float(np.prod(np.ptp(box * units, axis=0) / np.ptp(search.limits.box, axis=0)))
+            keys = POSE if case.chain is None else case.chain.names
+            ranges = dict(zip(keys, map(tuple, box.T.tolist()), strict=True))
+            return MotionBox(ranges, share, poses, worst.ratio, worst.name, STARTS, _joints(case, box))
         sides = sides * SHRINKING
     raise search.at_the_end_of_reach()
 
 
 class _Search:
-    """Shares of the twelve sides, (lower.., upper..) over those of the stated box, under limits at poses of the box.
+    """Shares of the sides, (lower.., upper..) over those of the stated box, under limits at poses of the box.
 
     A pose is given by fractions of the sides, so that it moves with them: the limits there are smooth in the sides, and
     necessary for every box.
     """
 
     def __init__(self, case: Case, seed: int) -> None:
-        self.limits = StaticLimits(case)
+        self.limits = static_limits(case)
+        self.count = self.limits.box.shape[1]
         self.draw = np.random.default_rng(seed)
         self.case, self.at_home = case, self.limits.shares(self.limits.home[None])[0]
         if self.at_home.max() > 1.0 - TOLERANCE:
             raise self.at_the_end_of_reach()
         margin = np.clip((1.0 - self.at_home) / 2, 0.0, MARGIN)
         self.most, self.tolerated = 1.0 - margin, 1.0 - 0.9 * margin
-        self.fractions = np.empty((0, 6))
+        self.fractions = np.empty((0, self.count))
         self.columns = np.empty(0, dtype=int)
 
     def best(self) -> Array:
-        """The sides of the largest box that was found, shape (12,)."""
-        if (self._add_worst(np.ones(12)) <= 1.0 + TOLERANCE).all():
-            return np.ones(12)
+        """The sides of the largest box that was found, shape (2 n,)."""
+        whole = np.ones(2 * self.count)
+        if (self._add_worst(whole) <= 1.0 + TOLERANCE).all():
+            return whole
         boxes = [self._grown(start) for start in self._starts()]
         return min(boxes, key=lambda sides: self._objective(sides)[0])
 
@@ -112,14 +123,14 @@ class _Search:
         limit, share = self.limits.names[int(self.at_home.argmax())], float(self.at_home.max())
         return CaseError(
             f"case {self.case.name}",
-            "machine.home",
+            "machine.home" if self.case.chain is None else "machine.chain: home",
             f"uses {100 * share:.4g} % of the limit {limit}, so that no box around it is reachable; move home inwards",
         )
 
     def _starts(self) -> Iterator[Array]:
         """Boxes of the stated shape, then of random shapes, shrunk until they keep the limits."""
         for k in range(STARTS):
-            shape = np.exp(self.draw.normal(0.0, 0.5, 12)) if k else np.ones(12)
+            shape = np.exp(self.draw.normal(0.0, 0.5, 2 * self.count)) if k else np.ones(2 * self.count)
             yield self._shrunk(shape / shape.max())
 
     def _shrunk(self, sides: Array) -> Array:
@@ -141,7 +152,7 @@ class _Search:
                 sides,
                 jac=True,
                 method="SLSQP",
-                bounds=[(NARROWEST, 1.0)] * 12,
+                bounds=[(NARROWEST, 1.0)] * len(sides),
                 constraints={"type": "ineq", "fun": self._room, "jac": self._slope},
                 options={"maxiter": 20, "ftol": 1e-4},
             )
@@ -154,11 +165,11 @@ class _Search:
     def _objective(self, sides: Array) -> tuple[float, Array]:
         """-log of the volume over that of the stated box, and its gradient."""
         low, high = self.limits.box
-        width = (high - low) / (high * sides[6:] - low * sides[:6])
+        width = (high - low) / (high * sides[self.count :] - low * sides[: self.count])
         return float(np.log(width).sum()), np.concatenate([low, -high]) * np.tile(width / (high - low), 2)
 
     def _poses(self, sides: Array) -> Array:
-        return self.limits.poses(self.limits.box * sides.reshape(2, 6), self.fractions)
+        return self.limits.poses(self.limits.box * sides.reshape(2, -1), self.fractions)
 
     def _room(self, sides: Array) -> Array:
         """What is left of the limits at the poses, shape (n,)."""
@@ -166,18 +177,18 @@ class _Search:
         return np.asarray(self.most[self.columns] - shares[np.arange(len(shares)), self.columns])
 
     def _slope(self, sides: Array) -> Array:
-        """Derivative of `_room` by the sides, shape (n, 12)."""
+        """Derivative of `_room` by the sides, shape (poses, 2 n)."""
         low, high = self.limits.box
-        moved = self._poses(sides)[:, None] + STEP * np.vstack([np.zeros(6), np.diag(high - low)])
-        shares = self.limits.shares(moved.reshape(-1, 6)).reshape(len(moved), 7, -1)
+        moved = self._poses(sides)[:, None] + STEP * np.vstack([np.zeros(self.count), np.diag(high - low)])
+        shares = self.limits.shares(moved.reshape(-1, self.count)).reshape(len(moved), self.count + 1, -1)
         shares = shares[np.arange(len(moved)), :, self.columns]
         slope = (shares[:, :1] - shares[:, 1:]) / (STEP * (high - low))
         return np.hstack([slope * (1 - self.fractions) * low, slope * self.fractions * high])
 
     def _add_worst(self, sides: Array) -> Array:
         """Largest share of each limit in the box, shape (limits,); poses where one is above `tolerated` are added."""
-        box = self.limits.box * sides.reshape(2, 6)
-        starts = np.vstack([GRID, _drawn(self.draw, SAMPLED)])
+        box = self.limits.box * sides.reshape(2, -1)
+        starts = np.vstack([corners_and_middles(self.count), _drawn(self.draw, SAMPLED, self.count)])
         worst, shares = self.limits.worst_poses(box, starts)
         broken = np.flatnonzero(shares > self.tolerated)
         self.fractions = np.vstack([self.fractions, worst[broken]])
@@ -185,27 +196,43 @@ class _Search:
         return shares
 
 
-def _drawn(draw: np.random.Generator, count: int) -> Array:
-    """Fractions of the sides of a box, shape (count, 6): half of them random, the others 0 or 1."""
-    return np.where(draw.random((count, 6)) < 0.5, draw.random((count, 6)), draw.integers(0, 2, (count, 6)))
+def _drawn(draw: np.random.Generator, count: int, n: int) -> Array:
+    """Fractions of the sides of a box, shape (count, n): half of them random, the others 0 or 1."""
+    return np.where(draw.random((count, n)) < 0.5, draw.random((count, n)), draw.integers(0, 2, (count, n)))
+
+
+def _joints(case: Case, box: Array) -> tuple[JointLimit, ...]:
+    """Limits of a chain's joints with other positions, shape (2, n) [mm, deg]; none of a hexapod."""
+    if case.chain is None:
+        return ()
+    stated = case.need_chain("the reach of the motion box")[1].joints
+    return tuple(
+        limit.model_copy(update={"position_deg" if limit.turns else "position_mm": tuple(side)})
+        for limit, side in zip(stated, box.T.tolist(), strict=True)
+    )
 
 
 def _rounded(case: Case, sides: Array) -> Array:
-    """The box in the units of the case file, rounded inwards to a 500th of its widths, shape (2, 6) [mm, deg]."""
-    limits = case.need_machine("the reach of the motion box")[2].motion
-    stated = np.array([getattr(limits, key) for key in POSE]).T
-    box = stated * sides.reshape(2, 6)
+    """The box in the units of the case file, rounded inwards to a 500th of its widths, shape (2, n) [mm, deg]."""
+    if case.chain is None:
+        limits = case.need_machine("the reach of the motion box")[2].motion
+        stated = np.array([getattr(limits, key) for key in POSE]).T
+    else:
+        joints = case.need_chain("the reach of the motion box")[1].joints
+        stated = np.array([joint.position_deg or joint.position_mm for joint in joints]).T
+    box = stated * sides.reshape(2, -1)
     finest = np.minimum(np.ptp(box, axis=0) / 500, np.abs(box).min(axis=0) / 10)
     scale = 10.0 ** np.maximum(np.ceil(-np.log10(finest)), 0.0)
     inwards = np.trunc(box * scale * (1 + 1e-12)) / scale
-    return np.where(sides.reshape(2, 6) >= WHOLE, stated, inwards)
+    return np.where(sides.reshape(2, -1) >= WHOLE, stated, inwards)
 
 
 def _proof(case: Case, limits: StaticLimits, box: Array, seed: int) -> tuple[LimitCheck, int]:
     """The worst limit of poses at rest by `identification.limits`, at many poses of the box; and their number."""
-    starts = np.vstack([GRID, _drawn(np.random.default_rng(seed + 1), PROVEN)])
-    worst, _ = limits.worst_poses(box * UNITS, starts)
-    poses = limits.poses(box * UNITS, np.vstack([starts, worst]))
+    n = box.shape[1]
+    starts = np.vstack([corners_and_middles(n), _drawn(np.random.default_rng(seed + 1), PROVEN, n)])
+    worst, _ = limits.worst_poses(box * limits.units, starts)
+    poses = limits.poses(box * limits.units, np.vstack([starts, worst]))
     checks = prove(StandingPoses(poses), case, 1.0).checks
     static = [check for check in checks if check.name.split(" (")[0] in limits.kinds]
     return max(static, key=lambda check: check.ratio), len(poses)

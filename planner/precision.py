@@ -1,7 +1,7 @@
 """Numbers as people read them, to the second digit of their standard deviation, and parameters by their words."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import floor, isfinite, log10
 from typing import Any
 
@@ -12,6 +12,16 @@ _WORDS = {
     "k2": "deformation: force by tilt",
     "k3": "deformation: moment by tilt",
 } | {f"{axis}C": f"centre of gravity {axis}" for axis in "xyz"}
+_OF_STRUTS = {
+    "mu": "mass of a rod",
+    "h": "first moment of a rod",
+    "k": "inertia of rod and tube",
+    "d": "first moment of a tube",
+    "cB": "viscous friction of a base joint",
+    "cP": "viscous friction of a platform joint",
+    "tB": "Coulomb friction of a base joint",
+    "tP": "Coulomb friction of a platform joint",
+}
 MOST_TIMES = 10.0  # a limit, up to which a share is told
 MOST_PLACES = 9  # beyond these a fixed notation is longer than it is legible
 
@@ -53,11 +63,26 @@ def bounds_text(limit: Mapping[str, Any]) -> str:
     return f"{limit['limit']:.4g}"
 
 
-def parameter_words(name: str) -> str:
-    """A parameter in words with its letter in brackets, such as `mass (m)`; letters that have no words stay alone."""
+def carries_rods(names: Iterable[str]) -> bool:
+    """Whether these are parameters of sensors in struts that carry whole rods: the body is the platform with rods."""
+    kinds = {name.split("_")[0] for name in names}
+    return "d" in kinds and "mu" not in kinds
+
+
+def parameter_words(name: str, rods: bool = False) -> str:
+    """A parameter in words with its letter in brackets, such as `mass (m)`; letters that have no words stay alone.
+
+    Args:
+        rods: whether those of the body are of the platform with rods, see `carries_rods`.
+    """
     words = _WORDS.get(name)
+    if words is not None and rods:
+        words += ", platform with rods"
+    if words is None and (strut := re.fullmatch(r"(mu|[hkd]|[ct][BP])(?:_([1-6]))?", name)):
+        words = _OF_STRUTS[strut[1]] + (f", strut {strut[2]}" if strut[2] else "")
     if words is None and (inertia := re.fullmatch(r"IC([123])([123])", name)):
         words = f"inertia {'xyz'[int(inertia[1]) - 1]}{'xyz'[int(inertia[2]) - 1]}"
+        words += ", platform with rods" if rods else ""
     elif words is None and (offset := re.fullmatch(r"f_q0_([1-6])", name)):
         words = f"offset of channel {offset[1]}"
     elif words is None and (factor := re.fullmatch(r"K[134]_([1-6])([xyz])", name)):

@@ -92,11 +92,11 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
     Raises:
         CaseError: the case has no machine or no limits.
     """
-    limits = StaticLimits(case) if case.chain is None else StaticLimitsOfChain(case)
+    limits = static_limits(case)
     box = limits.box
     n = box.shape[1]
     drawn = np.random.default_rng(seed).random((count, n))
-    grid = GRID if n == MOST_COORDINATES else np.random.default_rng(seed).choice((0.0, 0.5, 1.0), (len(GRID), n))
+    grid = corners_and_middles(n, seed)
     passed = limits.shares(limits.poses(box, drawn)) > 1.0 + TOLERANCE
     kept = int(count - passed.any(axis=1).sum())
     exceeded = {
@@ -118,6 +118,20 @@ def reach(case: Case, count: int = POSES, seed: int = 0) -> Reach:
         limited_by=limited_by,
         keys=case.need_motion("the reach of the motion box")[1].columns,
     )
+
+
+def static_limits(case: Case) -> "StaticLimits":
+    """What a case limits of poses at rest.
+
+    Raises:
+        CaseError: the case has no machine or no limits.
+    """
+    return StaticLimits(case) if case.chain is None else StaticLimitsOfChain(case)
+
+
+def corners_and_middles(n: int, seed: int = 0) -> Array:
+    """Corners and middles of a box, all of six coordinates, else some: fractions of its sides, shape (729, n)."""
+    return GRID if n == MOST_COORDINATES else np.random.default_rng(seed).choice((0.0, 0.5, 1.0), (len(GRID), n))
 
 
 def _coordinates(limits: "StaticLimits") -> tuple[Array, tuple[tuple[str | None, str | None], ...]]:
@@ -155,7 +169,7 @@ class StaticLimits:
 
     def __init__(self, case: Case) -> None:
         self.machine, self.workspace, limits = case.need_machine("the reach of the motion box")
-        self.home, self.box = self.machine.home.vector, limits.motion.pose
+        self.home, self.box, self.units = self.machine.home.vector, limits.motion.pose, UNITS
         self.shortest = max(limits.motion.strut_length[0], self.workspace.strut_length[0])
         self.longest = min(limits.motion.strut_length[1], self.workspace.strut_length[1])
         hexapod, pose = Hexapod.of(case), ca.SX.sym("pose", 6)
@@ -199,7 +213,7 @@ class StaticLimits:
             struts = jacobian[:, :, :3] * length[:, :, None]  # the rows of J^-1 begin with the struts' directions
             for box in workspace.keep_out:
                 apart = distances(box, workspace, poses[:, :3], turn, self.machine.base.points, struts)
-                columns.append(1.0 - apart / (float(np.linalg.norm(np.ptp(box.corners, axis=0))) / 2))
+                columns.append(1.0 - apart / box.vicinity)
         return np.asarray(np.nan_to_num(np.hstack(columns), nan=np.inf))
 
     def worst_poses(self, box: Array, starts: Array) -> tuple[Array, Array]:
@@ -244,7 +258,7 @@ class StaticLimitsOfChain(StaticLimits):
 
     def __init__(self, case: Case) -> None:
         chain, limits = case.need_chain("the reach of the motion box")
-        self.case, self.chain, self.home, self.box = case, chain, chain.home, limits.pose
+        self.case, self.chain, self.home, self.box, self.units = case, chain, chain.home, limits.pose, chain.units
         self.kinds, self.names = zip(*self._columns(), strict=True)
 
     def shares(self, poses: Array) -> Array:

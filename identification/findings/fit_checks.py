@@ -15,6 +15,7 @@ from cases.schema import Case
 from identification.estimation.estimators import Method
 from identification.estimation.fit import Fit
 from identification.finding import Finding, Kind, note, warning
+from identification.findings.drift import drifting
 from identification.findings.sample_checks import cut_off
 from identification.fitting import SANDWICHED, Fitted
 from identification.model import Model
@@ -208,7 +209,7 @@ def _noisier(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> 
 
 def _looks_like(_recording: Recording, case: Case, how: Method, fitted: Fitted) -> list[Finding]:
     """What noise the residuals look like."""
-    if not isinstance(fitted.samples, Run):
+    if not isinstance(fitted.samples, Run) or case.sensor_frame.struts is not None:
         return []
     found = noise_components(fitted.samples, fitted.fit, case.sensor_frame.has_moments)
     return [] if found is None else [found.finding(how.weights or case.sensors.weights)]
@@ -238,6 +239,7 @@ CHECKS: tuple[Check, ...] = (
     _looks_like,
     _fed,
     _rated,
+    drifting,
 )
 """What is looked at after every fit, in the order in which it is told."""
 

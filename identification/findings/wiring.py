@@ -15,6 +15,7 @@ from cases.errors import HexciteError, IdentificationError
 from cases.recording_format import STRUTS
 from cases.schema import Case
 from identification.estimation.compressed import triangle
+from identification.findings.compensated import compensated
 from identification.findings.sample_checks import scan
 from identification.hexapod import Hexapod
 from identification.model import Model, regressors
@@ -34,14 +35,15 @@ INSTANTS = 90  # that are tried
 
 
 def require_wiring(recording: Recording, case: Case, model: Model, negative: bool = False) -> None:
-    """Raises IdentificationError where exchanged struts or force channels explain what is wrong with a run.
+    """Raises IdentificationError where exchanged or compensated channels, or exchanged struts, explain a bad run.
 
     Args:
         recording: a run that something speaks against.
         model: model that its forces are compared with.
         negative: whether the mass came out negative for certain.
     """
-    if (found := other_wiring(recording, case, model, negative)) is not None:
+    found = compensated(recording, case, model) or other_wiring(recording, case, model, negative)
+    if found is not None:
         raise IdentificationError(found)
 
 

@@ -18,6 +18,7 @@ from cases.recording_format import (
     ROTATION,
     STRUT_VELOCITIES,
     STRUTS,
+    TEMPERATURE,
     TRIGGER,
     WRENCH,
     RecordingFormat,
@@ -92,6 +93,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
     override = _group(table, form, (OVERRIDE,))
     if override is not None:
         require_override(table, override[:, 0], form)
+    temperature = _group(table, form, (TEMPERATURE,))
     stream = Stream(
         source=table.source,
         t=t,
@@ -101,6 +103,7 @@ def _stream(found: Marked, t: Array | None, case: Case, form: RecordingFormat) -
         trigger=None if trigger is None else require_switch(table, trigger[:, 0], form),
         strut_velocities=_strut_velocities(table, form),
         override=None if override is None else override[:, 0],
+        temperature=None if temperature is None else temperature[:, 0],
         poses=_group(table, form, POSE),
         specific_forces=_specific_forces(table, form),
         lines=table.lines,

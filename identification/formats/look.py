@@ -26,9 +26,11 @@ from cases.recording_format import (
 from cases.schema import Case
 from identification.formats.checks import switched
 from identification.formats.layout import TextLayout, layout_of
+from identification.formats.look_ros import look_at_bag
 from identification.formats.looked import CLOCKS, RATES, Column, Look, oddities, strut_range
-from identification.formats.naming import matched, sixes
+from identification.formats.naming import matched, may_be_force, sixes, wrenches
 from identification.formats.reading import read_run, read_tables
+from identification.formats.ros import bag_of, is_bag
 from identification.formats.table import Array
 from identification.formats.text import Fields, parse, read_blocks, require_file
 
@@ -43,13 +45,15 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     """What a file of unknown format is likely to be.
 
     Args:
-        file: text or Parquet.
+        file: text, Parquet, or the folder of a ROS 2 bag.
         case: the machine that it was recorded on; without one, units and completeness are told by names alone.
 
     Raises:
         RecordingError: the file cannot be read, or holds no table of numbers.
     """
-    file = Path(file)
+    file = bag_of(Path(file))
+    if is_bag(file):
+        return _bag(file, case)
     require_file(file)
     with file.open("rb") as stream:
         parquet = stream.read(4) == b"PAR1"
@@ -62,6 +66,10 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     scope = layout is not None and layout.format == "twincat-scope"
     if scope:
         places = {CLOCK: names.index("Name")} | {ours: k for ours, k in places.items() if ours != CLOCK}
+    if case is not None and case.sensor_frame.transducer is not None:
+        places = {ours: k for ours, k in places.items() if ours not in BAR_FORCES}
+        if WRENCH[0] not in places:
+            places |= dict(zip(WRENCH, next(iter(wrenches(names, sorted(columns))), ()), strict=False))
     guessed = _by_values(names, columns, places, case)
     units |= _units(columns, places, units, case, guessed)
     settings = _layout_settings(layout) | _meaning_settings(names, places, units, scope, layout)
@@ -81,6 +89,15 @@ def look(file: Path | str, case: Case | None = None) -> Look:
     problem = _problem(file, settings, case)
     odd = (*oddities(found, layout, case), *([f"not read with these settings: {problem}"] if problem else []))
     return Look(file, rows, shown_columns, settings, odd, problem is None)
+
+
+def _bag(bag: Path, case: Case | None) -> Look:
+    columns, settings, odd = look_at_bag(bag, case)
+    settings["filter_cutoff_Hz"] = (case and case.recording.filter_cutoff_Hz) or CUTOFF_HZ
+    problem = "name the robot with --case, for the order of its joints" if case is None else None
+    problem = problem or _problem(bag, settings, case)
+    odd += [f"not read with these settings: {problem}"] if problem else []
+    return Look(bag, len(columns[0].values), columns, settings, tuple(odd), problem is None)
 
 
 def _numbers(file: Path, layout: TextLayout) -> tuple[tuple[str, ...], dict[int, Array]]:
@@ -135,7 +152,8 @@ def _by_values(
             places |= dict(zip(STRUTS, next(struts, ()), strict=False))
     forces = WRENCH if case is not None and case.sensor_frame.transducer is not None else BAR_FORCES
     if forces[0] not in places:
-        places |= dict(zip(forces, next(sixes(names, free()), ()), strict=False))
+        unsaid = [k for k in free() if may_be_force(names[k])]
+        places |= dict(zip(forces, next(sixes(names, unsaid), ()), strict=False))
     return set(places) - before
 
 

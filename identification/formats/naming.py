@@ -16,6 +16,7 @@ from cases.recording_format import (
     ROTATION,
     STRUT_VELOCITIES,
     STRUTS,
+    TEMPERATURE,
     TRIGGER,
     WRENCH,
 )
@@ -28,6 +29,7 @@ _KNOWN = ("s", "ms", "us", "ns", "mm", "m", "um", "nm", "cm", "in", "N", "kN", "
           "mrad", "%", "mm/s", "m/s", "mm/min", "m/min")  # fmt: skip
 _BRACKETED = re.compile(r"[\[(<]\s*([^\])>]*?)\s*[\])>]")
 _SUFFIX = re.compile(r"(?<=[A-Za-z0-9])[_ /]+([A-Za-zµμ%/]+)$")
+_WRENCH = re.compile(r"wrench|force|kraft|(?:^|_)fts?(?:_|$)")
 _COMMANDED = re.compile(r"soll|target|cmd|command|setp|desired|_ref")
 _RATE = re.compile(r"vel|speed|geschw|ld_?\d|qd_?\d")
 _NUMBERED: tuple[tuple[str, Sequence[str], Sequence[str]], ...] = (
@@ -51,6 +53,7 @@ _SINGLE = (
     (r"^(?:t|ts|time|zeit|timestamp|stamp|zeitstempel|elapsed.*)$", CLOCK),
     (r"^(?:trig.*|ttl.*|gate|marker|.*digital-?out.*|.*a_out.*)$", TRIGGER),
     (r"^(?:ovr|.*override.*)$", OVERRIDE),
+    (r"^(?:.*temp(?:erature|eratur)?)$", TEMPERATURE),
     (r"^(?:a|roll|phi)$", POSE[3]),
     (r"^(?:b|pitch|theta)$", POSE[4]),
     (r"^(?:c|yaw|psi)$", POSE[5]),
@@ -185,3 +188,20 @@ def sixes(names: Sequence[str], free: Sequence[int]) -> Iterator[tuple[int, ...]
         six = tuple(free[start : start + 6])
         if six[-1] - six[0] == 5 and len({re.sub(r"\d+", "#", names[k]) for k in six}) == 1:
             yield six
+
+
+def wrenches(names: Sequence[str], free: Sequence[int]) -> list[tuple[int, ...]]:
+    """Six columns next to each other whose names call them a wrench, raw ones first, for robots offer others beside.
+
+    Args:
+        free: positions that may be meant.
+    """
+    found = [six for six in sixes(names, free) if _WRENCH.search(names[six[0]].lower())]
+    measured = [six for six in found if not named(names[six[0]]).commanded]
+    return sorted(measured, key=lambda six: ("raw" not in names[six[0]].lower(), "wrench" not in names[six[0]].lower()))
+
+
+def may_be_force(name: str) -> bool:
+    """Whether a name says nothing, or that it is a force."""
+    said = named(name)
+    return not said.commanded and (said.ours is None or said.ours in (*BAR_FORCES, *WRENCH))

@@ -14,7 +14,7 @@ import numpy as np
 from cases.errors import RecordingError
 from cases.recording_format import POSE, ROTATION, RecordingFormat
 from cases.schema import Case
-from identification.formats import delimited, scope
+from identification.formats import delimited, ros, scope
 from identification.formats.assembly import start_of, stream_of
 from identification.formats.checks import require_stamps
 from identification.formats.delimited import without
@@ -42,17 +42,7 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
     Raises:
         RecordingError: it cannot be read, with the place and the remedy, or takes more than half of the free memory.
     """
-    require_file(file)
-    try:
-        with file.open("rb") as stream:
-            start = stream.read(len(_PARQUET))
-    except OSError as error:
-        raise unreadable(file, error) from error
-    reader = _READERS[form.format]
-    if start == _PARQUET:
-        from identification.formats import parquet  # costs 50 ms, and few need it
-
-        reader = parquet.tables
+    reader = _reader(file, form)
     most = free_memory() // (2 * BYTES)
     piles: dict[tuple[str, ...], _Pile] = {}
     numbers = held
@@ -64,12 +54,36 @@ def read_tables(file: Path, form: RecordingFormat, held: int = 0) -> tuple[Colum
             others = " and the files before it" if held else ""
             raise RecordingError(
                 f"{file}{others}",
-                f"{file.stat().st_size / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
+                f"{_size(file) / 1e9:.3g} GB in the file hold more than {most:,} numbers, and "
                 f"to evaluate these takes more than half of the free memory ({2e-09 * BYTES * most:.3g} GB)",
                 f"cut the run, at most {most // len(table.values):,} rows of {len(table.values)} columns fit, or "
                 "free memory",
             )
     return tuple(pile.joined() for pile in piles.values())
+
+
+def _reader(file: Path, form: RecordingFormat) -> Callable[[Path, RecordingFormat], Iterator[ColumnTable]]:
+    if ros.is_bag(file):
+        return ros.tables
+    require_file(file)
+    try:
+        with file.open("rb") as stream:
+            start = stream.read(len(_PARQUET))
+    except OSError as error:
+        raise unreadable(file, error) from error
+    if start != _PARQUET:
+        return _READERS[form.format]
+    from identification.formats import parquet  # costs 50 ms, and few need it
+
+    return parquet.tables
+
+
+def _size(file: Path) -> int:
+    return sum(part.stat().st_size for part in _files(file))
+
+
+def _files(place: Path) -> list[Path]:
+    return sorted(place.iterdir()) if ros.is_bag(place) else [place]
 
 
 def free_memory() -> int:
@@ -109,7 +123,7 @@ def _whole(parts: list[Any]) -> Any:
 
 
 def read_recording(path: Path, case: Case) -> Recording:
-    """Reads a recording: a file in the case's format, or the folder that `hexcite run` wrote.
+    """Reads a recording: a file in the case's format, the folder that `hexcite run` wrote, or a ROS 2 bag.
 
     Args:
         case: says which columns to expect and how the file writes them.
@@ -137,7 +151,7 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
         raise RecordingError("no recording is named; give the files of one run")
     tables: list[tuple[ColumnTable, RecordingFormat]] = []
     for path in paths:
-        file, form = _file_of(path, case.recording)
+        file, form = _file_of(path, case)
         held = sum(table.rows * len(table.values) for table, _ in tables)
         tables += [(table, form) for table in read_tables(file, form, held)]
     for table, form in tables:
@@ -157,26 +171,29 @@ def read_run(paths: Sequence[Path], case: Case) -> Recording:
     others = tuple(s for s in streams if s.forces is None)
     return Recording(
         main.source, main.t, main.struts, main.rotations, main.forces, main.trigger, main.strut_velocities, main.poses,
-        main.specific_forces, others, main.lines, override=main.override, missing=main.missing,
-        missing_in=main.missing_in, case=case, paths=tuple(paths),
+        main.specific_forces, others, main.lines, override=main.override, temperature=main.temperature,
+        missing=main.missing, missing_in=main.missing_in, case=case, paths=tuple(paths),
     )  # fmt: skip
 
 
 def files_of(paths: Sequence[Path]) -> list[Path]:
-    """The files that paths mean: a folder of `hexcite run` means the recording in it."""
-    return [_file_of(path, None)[0] for path in paths]
+    """The files that paths mean: a folder of `hexcite run` means the recording in it, a bag all of its files."""
+    return [file for path in paths for file in _files(_file_of(path, None)[0])]
 
 
-def _file_of(path: Path, form: RecordingFormat | None) -> tuple[Path, RecordingFormat]:
-    """The file that a path means, and how it is written: what `hexcite run` wrote has our names and units."""
+def _file_of(path: Path, case: Case | None) -> tuple[Path, RecordingFormat]:
+    """The file or bag that a path means, and how it is written: what `hexcite run` wrote has our names and units."""
     try:
+        path = ros.bag_of(path)
+        if ros.is_bag(path):
+            return path, RecordingFormat() if case is None else ros.bag_format(case)
         if path.is_dir():
             parquet = path / "recording.parquet"
             path = parquet if parquet.is_file() else path / "recording.csv"
         ours = path.stem == "recording" and path.with_name("recording.json").is_file()
     except OSError:  # a name that the system refuses; the reader explains it
         ours = False
-    return path, RecordingFormat() if ours or form is None else form
+    return path, RecordingFormat() if ours or case is None else case.recording
 
 
 def _require_whole(streams: Sequence[Stream], case: Case, names: Sequence[str]) -> None:

@@ -14,7 +14,15 @@ from identification.finding import Finding, Kind, note
 from identification.formats.table import Array, Lines, lost_samples, uniform_step
 
 Channel = Literal[
-    "struts", "rotations", "forces", "trigger", "strut_velocities", "poses", "specific_forces", "override"
+    "struts",
+    "rotations",
+    "forces",
+    "trigger",
+    "strut_velocities",
+    "poses",
+    "specific_forces",
+    "override",
+    "temperature",
 ]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
 _BELOW_A_HEADER = Lines()
@@ -36,6 +44,7 @@ class Stream:
     poses: Array | None = None  # poses of {P} in {B}, shape (n, 6) [m, rad]
     specific_forces: Array | None = None  # acceleration less gravity, in the axes of {P}, shape (n, 3) [m/s^2]
     override: Array | None = None  # override of the feed, shape (n,); 1 is none
+    temperature: Array | None = None  # of the sensor, shape (n,) [degC]
     lines: Lines = _BELOW_A_HEADER  # where the rows stand in the file
     # rows in which a value was not measured and stands for nothing, shape (n,); None: there are none
     missing: Rows | None = None
@@ -113,6 +122,7 @@ class Recording:
         weights: weights of averaged standstills: what forces and model of each are multiplied by in a fit, shape (n,).
         averaged: how forces were averaged that were sampled faster than the motion.
         override: override of the feed, shape (n,); 1 is none.
+        temperature: of the sensor, shape (n,) [degC].
         missing: rows in which a value was not measured and stands for nothing, shape (n,); None: there are none.
         missing_in: the columns in which they are, as the file calls them.
         case: case that it is of; None where that is not known.
@@ -134,6 +144,7 @@ class Recording:
     weights: Array | None = None
     averaged: Averaged | None = None
     override: Array | None = None
+    temperature: Array | None = None
     missing: Rows | None = None
     missing_in: tuple[str, ...] = ()
     case: Case | None = None

@@ -82,6 +82,7 @@ UNIFORMITY = 0.05
 GAP = 1.5  # steps between two samples, from which on others were lost between them
 HOST_GAP = 5.0  # the same where a host stamps what it receives: so far its stamps stray from equal steps
 _FEW_STEPS, _TYPICAL_STEPS = 5, 20  # that tell a rate which has changed from a gap
+_SEEN = 15  # stamps of a host that tell a loss from one that is late
 
 
 def lost_samples(t: Array | None, least: float = GAP, step: float | None = None) -> NDArray[np.int64]:
@@ -129,6 +130,52 @@ def uniform_step(source: str, t: Array | None, lines: Lines) -> float:
         row = int(np.argmax(off & ~gaps)) if changed is None else changed
         raise RecordingError(_uneven(source, steps, usual, off, row, lines))
     return float(steps[~gaps].mean())
+
+
+def equal_steps(source: str, t: Array, lines: Lines) -> tuple[Array, float]:
+    """Sampling instants behind the jitter of a host's stamps, shape (n,) [s], and their step [s].
+
+    They are a straight line through the stamps, which leaves room for samples that were lost; behind a gap it begins
+    anew, with the same step.
+
+    Args:
+        source: the file, for the message.
+        t: ascending, shape (n,) [s]; at least two.
+        lines: places of the rows in the file.
+
+    Raises:
+        RecordingError: a stamp is too far from equal steps.
+    """
+    span = min(_SEEN, len(t) - 1)
+    usual = float(np.median(t[span:] - t[:-span])) / span
+    section = np.r_[0, np.cumsum(lost_samples(t, HOST_GAP, usual) > 0)] if len(t) > 2 else np.zeros(len(t), dtype=int)
+    count = np.bincount(section)
+    index = _numbers(t, usual)
+    middle, mean = (np.bincount(section, weights=v) / count for v in (index, t))
+    away, late = index - middle[section], t - mean[section]
+    step = float(away @ late / (away @ away))
+    instants = mean[section] + step * away
+    off = np.abs(t - instants)
+    if off.max() > HOST_GAP * step:
+        row = int(np.argmax(off))
+        raise RecordingError(
+            f"{source}, {lines.place(row)}",
+            f"the time stamp is {off[row] * 1e3:.3g} ms from equal steps of {step * 1e3:.4g} ms",
+            "export the run at one rate",
+        )
+    return instants, step
+
+
+def _numbers(t: Array, step: float) -> Array:
+    """Number of each sample where lost ones count: a late stamp is followed by usual ones, a loss shifts all behind."""
+    numbers = np.arange(len(t), dtype=float)
+    late = t / step - numbers
+    for k in np.flatnonzero(np.diff(t) > GAP * step) + 1:
+        shift = np.median(late[k : k + _SEEN]) - np.median(late[max(k - _SEEN, 0) : k])
+        lost = float(np.clip(np.rint(shift), 0.0, np.rint((t[k] - t[k - 1]) / step) - 1.0))
+        numbers[k:] += lost
+        late[k:] -= lost
+    return numbers
 
 
 def crowded(gaps: NDArray[np.bool_]) -> int | None:

@@ -111,9 +111,10 @@ def noise_sources(run: Run | PeriodicRun, fit: Fit, w: Array, delay: float, sens
         sensors: sensors with noise of forces, of struts or both.
     """
     squared = max(fit.s0**2, np.finfo(float).tiny)
+    averaged = 1.0 if run.recording.averaged is None else run.recording.averaged.ratio
     force_share = None
-    if sensors.force_noise is not None:
-        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / squared
+    if sensors.force_noise is not None:  # of the recorded samples, of which some were averaged for one of the fit
+        force_share = float(np.mean(np.diag(w) * sensors.force_noise**2)) / averaged / squared
     if sensors.strut_variance is None and sensors.acceleration_noise is None:
         return NoiseSources(force_share, None, None, None, None)
     moment, samples, variance = regressor_noise(run.excerpt(), w, delay, sensors)

@@ -38,7 +38,7 @@ def on_one_clock(recording: Recording, case: Case) -> Recording:
     Raises:
         RecordingError: struts are held, and a gap breaks their rhythm; forces and struts hardly overlap.
     """
-    if case.hexapod is None or recording.t is None:
+    if (case.hexapod is None and case.chain is None) or recording.t is None:
         return recording
     motion = _motion(recording, case)
     if motion is None or motion.t is None or motion.struts is None or len(motion.t) < 2 or len(recording.t) < 2:
@@ -133,7 +133,8 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
     hidden = _reach_a_gap(t, max(GAP, 0.5 * interval / step) * step, motion.t[inside], 1.5 * interval)
     missing = hidden if motion.missing is None else hidden | motion.missing[inside]
     means = _at_full_range(means, t, forces, motion.t[inside], half, case)
-    trigger, override = motion.trigger, _latest(recording, "override", motion.t)
+    trigger = motion.trigger
+    override, temperature = (_latest(recording, name, motion.t) for name in ("override", "temperature"))
     if trigger is None:
         trigger = _latest(recording, "trigger", motion.t)
     noise = np.median(np.abs(forces[2:] - 2.0 * forces[1:-1] + forces[:-2]), axis=0) / 0.6745 / np.sqrt(6.0)
@@ -145,6 +146,7 @@ def _at_the_motion(recording: Recording, motion: Stream, interval: float, step: 
         lines=motion.lines.later(int(inside[0])),
         averaged=Averaged(interval / step, interval, noise),
         override=None if override is None else override[inside],
+        temperature=None if temperature is None else temperature[inside],
         missing=missing, missing_in=(*motion.missing_in, *(("the forces averaged there",) if hidden.any() else ())),
     )  # fmt: skip
 
@@ -190,7 +192,7 @@ def interval_means(t: Array, values: Array, centres: Array, interval: float) -> 
 
 
 def _latest(recording: Recording, name: Channel, at: Array) -> Any:
-    """A channel that switches, of whichever clock, as it was last recorded at given instants; None without it."""
+    """A channel that switches, or changes slowly, as last recorded at given instants; None where there is none."""
     found = recording.stream_with(name)
     if found is None or found.t is None:
         return None
@@ -226,12 +228,12 @@ def _at_the_forces(recording: Recording, motion: Stream) -> Recording:
     if not len(inside):
         return recording
     t = recording.t[inside]
-    trigger, override = (_latest(recording, name, t) for name in ("trigger", "override"))
+    trigger, override, temperature = (_latest(recording, name, t) for name in ("trigger", "override", "temperature"))
     hidden = _reach_a_gap(at, GAP * usual, t, usual)
     missing = hidden if recording.missing is None else hidden | recording.missing[inside]
     return replace(
         recording, t=t, struts=CubicSpline(at, struts)(t), forces=recording.forces[inside],
-        trigger=trigger, override=override, rotations=None, poses=None, specific_forces=None,
+        trigger=trigger, override=override, temperature=temperature, rotations=None, poses=None, specific_forces=None,
         strut_velocities=None, others=(), lines=recording.lines.later(int(inside[0])),
         missing=missing, missing_in=(*recording.missing_in, *(("the struts there",) if hidden.any() else ())),
     )  # fmt: skip

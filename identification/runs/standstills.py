@@ -124,8 +124,10 @@ def average(recording: Recording, windows: tuple[Window, ...]) -> Standing:
     variance = np.array([_variance_of_mean(recording.forces[r]) for r in rows])
     usual = np.maximum(np.median(variance, axis=0), np.finfo(float).tiny)
     scatter = np.sqrt(np.maximum(np.mean(variance / usual, axis=1), 1e-6))
+    degrees = recording.temperature
     averages = replace(
-        recording, t=None, struts=struts, forces=forces, trigger=None, strut_velocities=None, poses=None,
+        recording, temperature=None if degrees is None else np.array([degrees[r].mean() for r in rows]),
+        t=None, struts=struts, forces=forces, trigger=None, strut_velocities=None, poses=None,
         rotations=None, specific_forces=None, others=(), lines=_COUNTED,
         weights=1.0 / scatter, missing=None, missing_in=(),
     )  # fmt: skip
@@ -183,7 +185,10 @@ def match(standing: Standing, case: Case, expected: Array, names: str) -> Standi
     averages = standing.averages
     assert averages.struts is not None
     scatter = standing.scatter[rows]
-    averages = replace(averages, struts=averages.struts[rows], forces=averages.forces[rows], weights=1.0 / scatter)
+    degrees = None if averages.temperature is None else averages.temperature[rows]
+    averages = replace(
+        averages, struts=averages.struts[rows], forces=averages.forces[rows], weights=1.0 / scatter, temperature=degrees
+    )
     return Standing(averages, tuple(standing.windows[k] for k in kept), scatter)
 
 

@@ -20,7 +20,7 @@ from identification.estimation.fit import Filtered, Fit, Robust
 from identification.finding import Finding
 from identification.findings.sample_checks import bridged
 from identification.formats.stream import Recording, Stream
-from identification.formats.table import HOST_GAP, lost_samples
+from identification.formats.table import HOST_GAP, equal_steps, lost_samples
 from identification.model import Model
 from identification.noise.coloured import coloured_covariance, turned
 from identification.parameters import MASS
@@ -31,7 +31,6 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 
 TURNING = 0.02  # [rad/s] from which the sensor counts as moving
-MOST_JITTER = HOST_GAP  # steps by which stamps of a host may stray from equal steps
 DELAY_STEP = 1e-5  # [s] for the derivative with respect to the delay
 LEAST_ROWS = 20
 
@@ -261,28 +260,10 @@ def delay_band(recording: Recording) -> float:
 
 
 def _equal_steps(stream: Stream) -> tuple[Array, float]:
-    """Sampling instants behind the jitter of a host's stamps, and their step [s].
-
-    They are a straight line through the stamps; behind a gap it begins anew, with the same step.
-    """
+    """Sampling instants behind the jitter of a host's stamps, and their step [s]."""
     if stream.t is None or len(stream.t) < LEAST_ROWS:
         raise RecordingError(stream.source, "has too few samples with time stamps for a moving run", "record longer")
-    section = np.r_[0, np.cumsum(_lost(stream) > 0)]
-    count = np.bincount(section)
-    index = np.arange(len(stream.t), dtype=float)
-    middle, mean = (np.bincount(section, weights=v) / count for v in (index, stream.t))
-    away, late = index - middle[section], stream.t - mean[section]
-    step = float(away @ late / (away @ away))
-    instants = mean[section] + step * away
-    off = np.abs(stream.t - instants)
-    if off.max() > MOST_JITTER * step:
-        row = int(np.argmax(off))
-        raise RecordingError(
-            f"{stream.source}, {stream.lines.place(row)}",
-            f"the time stamp is {off[row] * 1e3:.3g} ms from equal steps of {step * 1e3:.4g} ms",
-            "export the run at one rate",
-        )
-    return instants, step
+    return equal_steps(stream.source, stream.t, stream.lines)
 
 
 def _product(a: Array, b: Array) -> Array:

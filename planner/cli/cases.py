@@ -89,7 +89,7 @@ def check(
     for remark in remarks:
         print(f"look at {remark}")
     if reach is not None:
-        _print_reach(reach, case, proposal is None and loaded.chain is None)
+        _print_reach(reach, case, proposal is None)
     if proposal is not None:
         _print_proposal(proposal)
 

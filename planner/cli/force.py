@@ -150,7 +150,7 @@ def tare(
     saved = load_result(parameters)
     remarks += saved.remarks(loaded, stale)
     found = new_offsets(on_one_clock(read_recording(recording, loaded), loaded), loaded, saved)
-    content = with_tare(saved, loaded, found.values, found.covariance, str(recording))
+    content = with_tare(saved, loaded, found.values, found.covariance, str(recording), found.notes)
     if remarks:
         content |= {"stale": list(remarks), "warnings": [*content["warnings"], *remarks]}
     with atomic_folder(folder, RESULT, overwrite) as part:
@@ -161,7 +161,7 @@ def tare(
     rows = [
         [f"f_q0_{k + 1}", f"{found.change[k]:+.4g}", f"{found.std[k]:.2g}"] for k in range(6)
     ]  # fmt: skip
-    for remark in remarks:
+    for remark in (*remarks, *found.notes):
         print(f"warning: {remark}")
     print_table("Offsets", ("offset", "change", "std"), rows)
     print(f"result written: {folder}")

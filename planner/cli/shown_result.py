@@ -11,7 +11,7 @@ from identification.result import Value
 from identification.runs.rates import on_one_clock
 from identification.saved_result import load_result
 from planner.cli.console import print_table
-from planner.precision import parameter_words, std_text, value_text
+from planner.precision import carries_rods, parameter_words, std_text, value_text
 
 PARAMETER_COLUMNS = ("parameter", "value", "+-", "std (28)", "std robust", "unit")
 
@@ -47,7 +47,7 @@ def verify_result(path: Path, case: Case, result: Path, quiet: bool) -> dict[str
 
 def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
     """Rows of a parameter table, lengths in mm: value, the larger standard deviation, and both of them."""
-    rows = []
+    rows, rods = [], carries_rods(parameters)
     for name, p in parameters.items():
         scale, unit = (1e3, "mm") if p["unit"] == "m" else (1.0, p["unit"])
         known = Value(p["value"], p["std"], p["std_robust"], p["unit"])
@@ -55,7 +55,7 @@ def parameter_rows(parameters: dict[str, Any]) -> list[list[str]]:
         given = deviations[0] <= 1e-9 * abs(p["value"])  # of what is given only rounding is left
         shown = ["given", "-", "-"] if given else [std_text(d * scale) for d in deviations]
         value = f"{p['value'] * scale:.6g}" if given else value_text(p["value"] * scale, deviations[0] * scale)
-        rows.append([parameter_words(name), value, *shown, unit])
+        rows.append([parameter_words(name, rods), value, *shown, unit])
     return rows
 
 

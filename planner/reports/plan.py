@@ -11,11 +11,11 @@ from cases.units import MM
 from identification.criteria import analyse, reference_scaling
 from identification.evaluate import over_samples
 from identification.limited import strut_motion
-from identification.limits import load_motion
+from identification.limits import load_shares
 from identification.model import RIGID, Model, identification_model
 from identification.motion import Motion, Trajectory, sample
 from identification.noise.pose_field import PoseField
-from identification.overload import SHARE, load_shares
+from identification.overload import SHARE
 from identification.parameters import nominal_parameters, physical_form
 from planner.comparison.beside_manual import Beside
 from planner.plans import Plan
@@ -234,7 +234,7 @@ def _forces(case: Case, motion: Motion, payload: int) -> tuple[Item, ...]:
     unit = f"force [{', '.join(dict.fromkeys(c.rsplit('_', 1)[-1].replace('Nm', 'N m') for c in columns))}]"
     words = f"With {payload} payloads, offsets and compensation apart."
     plot = Plot("sensor-forces", _lines(motion.t, forces, list(columns), unit, limits, 340), words)
-    shares = load_shares(*load_motion(motion, case), case)
+    shares = load_shares(motion, case)
     if of is None or not len(shares):
         return (plot, Note("The case names no range of its sensors: nothing limits these forces."))
     rows = tuple((str(k), f"{100 * share:.1f} %") for k, share in enumerate(shares))

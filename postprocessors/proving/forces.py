@@ -5,6 +5,7 @@ cause more than these: f = b (p'' - g) + d alpha + omega Q omega, with b, d and 
 """
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -13,10 +14,10 @@ from numpy.typing import ArrayLike
 from cases.chain import Chain
 from cases.schema import Case
 from identification.limited import Box, rotation_motion
-from identification.limited_chain import frame_motion
-from identification.limits import LimitCheck, Status
+from identification.limits import LimitCheck, Status, load_motion, loaded_forces, loads_of
 from identification.motion import Array, Motion, Trajectory
 from identification.overload import PAIRS, Loads
+from identification.strut_loads import StrutLoads
 from identification.trajectories.circle import CircularMove
 from identification.trajectories.profile import StraightMove, limits_along
 
@@ -49,43 +50,37 @@ class Steady(NamedTuple):
 class ForceBounds:
     """Bounds of the sensor forces with every body that a case expects, in motions that keep its limits."""
 
-    loads: Loads
+    loads: Loads | StrutLoads
     limits: Box  # limits of rates and accelerations, which the controller keeps
-    chain: Chain | None = None  # the machine, where it is one; else a hexapod
+    case: Case
 
     @classmethod
     def of(cls, case: Case) -> "ForceBounds | None":
         """Bounds for a case; None where it names no range or no nominal body."""
-        loads = Loads.of(case)
-        return None if loads is None else cls(loads, case.need_motion("the check of a program")[1], case.chain)
-
-    @property
-    def _spin(self) -> Array:
-        """Q as symmetric matrices, shape (channels, 3, 3)."""
-        matrices = np.zeros((len(self.loads.spin), 3, 3))
-        for column, (i, j) in enumerate(PAIRS):
-            both = self.loads.spin[:, column] / (1 if i == j else 2)
-            matrices[:, i, j] = matrices[:, j, i] = both
-        return matrices
+        loads = loads_of(case)
+        return None if loads is None else cls(loads, case.need_motion("the check of a program")[1], case)
 
     def anywhere(self, clock: float, share: float = 1.0) -> tuple[LimitCheck, ...]:
-        """In whatever pose the motion is, with a share of the limits."""
+        """In whatever pose the motion is, with a share of the limits; of struts, which go with the pose, none."""
+        loads = self.loads
+        if isinstance(loads, StrutLoads):
+            return ()
         omega, alpha, pull = self._largest(share * self.limits.rate, share * self.limits.acceleration)
-        pull += float(np.linalg.norm(self.loads.gravity))
-        most = np.linalg.norm(self.loads.linear, axis=1) * pull + np.linalg.norm(self.loads.angular, axis=1) * alpha
-        most += np.abs(np.linalg.eigvalsh(self._spin)).max(axis=1) * omega**2
+        pull += float(np.linalg.norm(loads.gravity))
+        most = np.linalg.norm(loads.linear, axis=1) * pull + np.linalg.norm(loads.angular, axis=1) * alpha
+        most += np.abs(np.linalg.eigvalsh(_matrices(loads.spin))).max(axis=1) * omega**2
         return self._checks(most[None], np.array([clock]))
 
     def _largest(self, rate: Array, acceleration: Array) -> tuple[float, float, float]:
         """Bounds of |omega|, |alpha| and |p''| in any pose [rad/s, rad/s^2, m/s^2]."""
-        if self.chain is None:
+        if self.case.chain is None:
             omega = float(rate[3:].sum())  # |omega| <= |roll'| + |pitch'| + |yaw'|
             alpha = float(acceleration[3:].sum() + rate[3] * rate[4] + rate[3] * rate[5] + rate[4] * rate[5])
             return omega, alpha, float(np.linalg.norm(acceleration[:3]))
         turns = self.limits.turns
         omega = float(rate[turns].sum())
         alpha = float(acceleration[turns].sum()) + omega**2 / 2.0  # each joint's axis turns with those before it
-        reach = _reach(self.chain)
+        reach = _reach(self.case.chain)
         slide = float(rate[~turns].sum())
         pull = float(acceleration[turns] @ reach[turns] + acceleration[~turns].sum())
         return omega, alpha, pull + omega**2 * float(reach[0]) + 2.0 * omega * slide
@@ -94,23 +89,54 @@ class ForceBounds:
         """At the poses of a path, whatever the motion along it or beside it."""
         t = np.linspace(0.0, path.duration, PATH_SAMPLES)
         pose = path.at(t).pose
+        loads = self.loads
+        if isinstance(loads, StrutLoads):
+            return self._in_struts(pose, t + clock)
         none = np.zeros_like(pose)
         turn = rotation_motion(Motion(t, pose.copy(), none, none, none))[0]
         rate, acceleration = self.limits.rate[3:], self.limits.acceleration
         axes = _rate_axes(pose[:, 3:])
-        along = np.einsum("ci,nij->ncj", self.loads.angular, axes)
-        most = np.abs(np.einsum("nij,ci,j->nc", turn.transpose(0, 2, 1), self.loads.linear, self.loads.gravity))
-        most += np.abs(np.einsum("nki,ci->nck", turn, self.loads.linear)) @ acceleration[:3]
+        along = np.einsum("ci,nij->ncj", loads.angular, axes)
+        most = np.abs(np.einsum("nij,ci,j->nc", turn.transpose(0, 2, 1), loads.linear, loads.gravity))
+        most += np.abs(np.einsum("nki,ci->nck", turn, loads.linear)) @ acceleration[:3]
         most += np.abs(along) @ acceleration[3:]
-        spin = np.einsum("nik,cij,njl->nckl", axes, self._spin, axes)
+        spin = np.einsum("nik,cij,njl->nckl", axes, _matrices(loads.spin), axes)
         crossed = _crossed_axes(pose[:, 3:])
         for i, j in PAIRS:
-            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + crossed[i, j] @ self.loads.angular.T
+            share = spin[:, :, i, j] if i == j else 2 * spin[:, :, i, j] + crossed[i, j] @ loads.angular.T
             most += np.abs(share) * rate[i] * rate[j]
         return self._checks(most, t + clock)
 
+    def _in_struts(self, pose: Array, times: Array) -> tuple[LimitCheck, ...]:
+        """Bounds at some poses, shape (n, 6): forces are linear in accelerations, products of rates, and, by viscous
+        friction, rates, whose coefficients unit ones show. Coulomb friction has no such coefficients.
+        """
+        sensors = self.case.sensor_frame.struts
+        if sensors is None or sensors.coulomb_friction_Nm is not None:
+            return ()
+        axes, none = np.eye(6), np.zeros_like(pose)
+
+        def at(rates: Array, accelerations: Array = none) -> Array:
+            rate, acceleration = (np.array(np.broadcast_to(v, pose.shape)) for v in (rates, accelerations))
+            return self._forces(Motion(times, pose.copy(), rate, acceleration, none.copy()))
+
+        still = at(none)
+        most = np.abs(still)
+        squares, odd = np.zeros((2, 6, *still.shape))
+        for k, (rate, acceleration) in enumerate(zip(self.limits.rate, self.limits.acceleration, strict=True)):
+            forth, back = at(axes[k]), at(-axes[k])
+            squares[k], odd[k] = (forth + back) / 2.0 - still, (forth - back) / 2.0
+            most += np.abs(at(none, axes[k]) - still) * acceleration + np.abs(squares[k]) * rate**2
+            most += np.abs(odd[k]) * rate
+        for i, j in combinations(range(6), 2):
+            both = at(axes[i] + axes[j]) - odd[i] - odd[j] - squares[i] - squares[j] - still
+            most += np.abs(both) * self.limits.rate[i] * self.limits.rate[j]
+        return self._checks(most, times)
+
     def along(self, move: StraightMove | CircularMove, feed: float | None, clock: float) -> tuple[LimitCheck, ...]:
         """In a move at any speed and acceleration along its way: forces are affine in s'^2 and s''.
+
+        What friction in struts adds changes sign with s', and is at most that at s' = 1 or in proportion to s'.
 
         Args:
             feed: largest speed of the share of the way, besides the limits [1/s].
@@ -120,19 +146,19 @@ class ForceBounds:
         way = steady.at(np.linspace(0.0, 1.0, SAMPLES + 1))
         none = np.zeros_like(way.pose)
         pose, tangent, bend = way.pose.copy(), way.rates.copy(), way.accelerations.copy()
-        standing, turning, starting = (
+        standing, forth, back, starting = (
             self._forces(Motion(way.t, pose, *values, none))
-            for values in ((none, none), (tangent, bend), (none, tangent))
+            for values in ((none, none), (tangent, bend), (-tangent, bend), (none, tangent))
         )
         speed, acceleration = _fastest(move, tangent, bend, self.limits)
-        square = min(speed, np.inf if feed is None else feed) ** 2
-        most = np.maximum(np.abs(standing), np.abs(standing + square * (turning - standing)))
+        fastest = min(speed, np.inf if feed is None else feed)
+        turning = (forth + back) / 2.0 - standing
+        most = np.maximum(np.abs(standing), np.abs(standing + fastest**2 * turning))
+        most += np.abs(forth - back) / 2.0 * max(fastest, 1.0)
         return self._checks(most + acceleration * np.abs(starting - standing), way.t * move.duration + clock)
 
     def _forces(self, motion: Motion) -> Array:
-        if self.chain is not None:
-            return self.loads.forces(*frame_motion(motion, self.chain))
-        return self.loads.forces(rotation_motion(motion), motion.accelerations[:, :3])
+        return loaded_forces(self.loads, motion, *load_motion(motion, self.case))
 
     def _checks(self, most: Array, times: Array) -> tuple[LimitCheck, ...]:
         """The worst force, and the worst moment where moments have a range."""
@@ -146,6 +172,14 @@ class ForceBounds:
         return LimitCheck(
             f"sensor {what} ({name}, at most)", worst, limit, unit, worst / limit, float(times[row]), Status.PROVEN
         )
+
+
+def _matrices(spin: Array) -> Array:
+    """Q of each channel as a symmetric matrix, shape (channels, 3, 3)."""
+    matrices = np.zeros((len(spin), 3, 3))
+    for column, (i, j) in enumerate(PAIRS):
+        matrices[:, i, j] = matrices[:, j, i] = spin[:, column] / (1 if i == j else 2)
+    return matrices
 
 
 def _rate_axes(angles: Array) -> Array:

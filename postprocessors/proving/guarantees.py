@@ -100,8 +100,8 @@ class Answering:
         """
         if self.forces is None or not {"velocity", "acceleration"} <= self.guarantees.enforced:
             return None
-        check = next(c for c in bound(self.forces) if family(c.name) == kind)
-        return replace(check, name=_renamed(check.name, where)) if check.ratio <= 1.0 else None
+        check = next((c for c in bound(self.forces) if family(c.name) == kind), None)
+        return None if check is None or check.ratio > 1.0 else replace(check, name=_renamed(check.name, where))
 
 
 def _renamed(name: str, addition: str) -> str:

@@ -179,9 +179,10 @@ def _remarks(reading: Reading, program: Sequence[Stretch], case: Case) -> Iterat
         return
     first = moves[0]
     if isinstance(first, Untimed) and first.start is None:
+        sensed = "" if case.sensor_frame.struts is None or case.sensors.range is None else "forces in struts, "
         yield (
-            f"line {first.line}: from wherever the machine stands its way is not known, and neither are struts, joints "
-            "and boxes on it; keep it clear"
+            f"line {first.line}: from wherever the machine stands its way is not known, and neither are struts, "
+            f"{sensed}joints and boxes on it; keep it clear"
         )
         if away := _away(first.end, home, limits):
             yield f"line {first.line}: the first move does not go home, {away}"

@@ -1,12 +1,13 @@
-"""Clearances of a chain: MuJoCo's distances of capsules and boxes, and the search's balls on the safe side."""
+"""Clearances of a chain: coal's distances of capsules, boxes and planes, and the search's balls on the safe side."""
 
 import casadi as ca
-import mujoco
+import coal
 import numpy as np
 import pytest
+from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from cases.chain import Chain
+from cases.chain import Chain, ChainFrame
 from cases.machine import KeepOut, Tool
 from identification.evaluate import over_samples
 from identification.limited_chain import body_clearances
@@ -50,45 +51,50 @@ def found(chain: Chain, q: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def in_mujoco(chain: Chain) -> mujoco.MjModel:
-    def capsule(body: Tool) -> str:
-        ends = " ".join(repr(float(v)) for v in body.axis.ravel())
-        return f'<geom name="{body.name}" type="capsule" fromto="{ends}" size="{body.radius_mm / 1e3}" mass="0.1"/>'
+def placed(frame: ChainFrame, before: np.ndarray) -> np.ndarray:
+    own = np.eye(4)
+    own[:3, :3], own[:3, 3] = Rotation.from_euler("xyz", frame.rpy).as_matrix(), frame.origin
+    return before @ own
 
-    def frame(of: object) -> str:
-        turn = Rotation.from_euler("xyz", of.rpy).as_quat(scalar_first=True)
-        return f'pos="{" ".join(map(repr, map(float, of.origin)))}" quat="{" ".join(map(repr, map(float, turn)))}"'
 
-    text = f"<body {frame(chain.sensor)}>{''.join(map(capsule, chain.tool))}</body>"
-    for joint in reversed(chain.joints):
-        kind, axis = ("hinge" if joint.turns else "slide"), " ".join(map(str, joint.axis))
-        own = f'<joint type="{kind}" axis="{axis}"/>'
-        text = f"<body {frame(joint)}>{own}{''.join(map(capsule, joint.bodies))}{text}</body>"
-    boxes = ""
-    for box in chain.keep_out:
-        middle, half = box.corners.mean(axis=0), np.diff(box.corners, axis=0)[0] / 2
-        boxes += (
-            f'<geom name="{box.name}" type="box" pos="{" ".join(map(str, middle))}" size="{" ".join(map(str, half))}"/>'
-        )
-    world = f"<worldbody>{''.join(map(capsule, chain.base))}{boxes}{text}</worldbody>"
-    return mujoco.MjModel.from_xml_string(f'<mujoco><compiler angle="radian"/>{world}</mujoco>')
+def capsules(chain: Chain, q: np.ndarray) -> dict[str, tuple[coal.Capsule, coal.Transform3s]]:
+    """The bodies of a chain for coal, placed by SciPy's rotations."""
+    frame = np.eye(4)
+    owners = [(frame, chain.base)]
+    for joint, value in zip(chain.joints, q, strict=True):
+        move, axis = np.eye(4), np.array(joint.axis) / np.linalg.norm(joint.axis)
+        if joint.turns:
+            move[:3, :3] = Rotation.from_rotvec(value * axis).as_matrix()
+        else:
+            move[:3, 3] = value * axis
+        frame = placed(joint, frame) @ move
+        owners.append((frame, joint.bodies))
+    owners.append((placed(chain.sensor, frame), chain.tool))
+    found = {}
+    for frame, bodies in owners:
+        for body in bodies:
+            start, end = body.axis @ frame[:3, :3].T + frame[:3, 3]
+            along, _ = Rotation.align_vectors([end - start], [[0.0, 0.0, 1.0]])
+            shape = coal.Capsule(body.radius_mm / 1e3, float(np.linalg.norm(end - start)))
+            found[body.name] = shape, coal.Transform3s(along.as_matrix(), (start + end) / 2)
+    return found
+
+
+def apart(one: tuple[object, coal.Transform3s], other: tuple[object, coal.Transform3s]) -> float:
+    return float(coal.distance(*one, *other, coal.DistanceRequest(), coal.DistanceResult()))
 
 
 @pytest.mark.parametrize("name", CHAINS)
-def test_mujoco_measures_the_same_distances_between_links(name: str) -> None:
+def test_coal_measures_the_same_distances_between_links(name: str) -> None:
     chain, q = CHAINS[name], states(CHAINS[name])
     distances = {k: v for k, v in found(chain, q).items() if k.startswith("distance between")}
     n = len(chain.joints)
     assert len(distances) == sum(max(0, n - first - 1) + (first < n - 1) for first in range(n + 1))
-    model = in_mujoco(chain)
-    data = mujoco.MjData(model)
     for row, coordinates in enumerate(q):
-        data.qpos = coordinates
-        mujoco.mj_kinematics(model, data)
+        bodies = capsules(chain, coordinates)
         for label, values in distances.items():
-            ids = [model.geom(body).id for body in label.removeprefix("distance between links (")[:-1].split(", ")]
-            measured = mujoco.mj_geomDistance(model, data, *ids, 10.0, np.zeros(6))
-            assert values[row] == pytest.approx(measured, abs=2e-6)
+            one, other = label.removeprefix("distance between links (")[:-1].split(", ")
+            assert values[row] == pytest.approx(apart(bodies[one], bodies[other]), abs=2e-6)
 
 
 @pytest.mark.parametrize("name", CHAINS)
@@ -97,20 +103,32 @@ def test_a_box_is_never_nearer_than_it_says(name: str) -> None:
     chain, q = CHAINS[name], states(CHAINS[name])
     distances = {k: v for k, v in found(chain, q).items() if "table" in k}
     assert len(distances) == len(chain.joints) + 1
-    model = in_mujoco(chain)
-    data = mujoco.MjData(model)
+    table = coal.Box(*np.diff(TABLE.corners, axis=0)[0]), coal.Transform3s(np.eye(3), TABLE.corners.mean(axis=0))
     for row, coordinates in enumerate(q):
-        data.qpos = coordinates
-        mujoco.mj_kinematics(model, data)
+        bodies = capsules(chain, coordinates)
         for label, values in distances.items():
-            body = label.removeprefix("distance from table (")[:-1]
-            measured = mujoco.mj_geomDistance(
-                model, data, model.geom(body).id, model.geom("table").id, 10.0, np.zeros(6)
-            )
-            if measured > 0.0:
-                assert values[row] <= measured + 1e-6
-            else:
-                assert values[row] <= 1e-6
+            measured = apart(bodies[label.removeprefix("distance from table (")[:-1]], table)
+            assert values[row] <= max(measured, 0.0) + 1e-6
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_a_box_with_one_side_is_the_plane_that_coal_knows(name: str) -> None:
+    """A wall that fills x > 0.2 m: bodies are apart from it, or as deep in it, as coal says of the half space."""
+    wall = KeepOut(name="wall", x_mm=(200.0, 9000.0))
+    chain, q = CHAINS[name].model_copy(update={"keep_out": (wall,)}), states(CHAINS[name])
+    half_space = coal.Halfspace(np.array([-1.0, 0.0, 0.0]), -0.2), coal.Transform3s()
+    distances = {k: v for k, v in found(chain, q).items() if "wall" in k}
+    assert any(v.min() < 0.0 for v in distances.values())
+    for row, coordinates in enumerate(q):
+        bodies = capsules(chain, coordinates)
+        for label, values in distances.items():
+            measured = apart(bodies[label.removeprefix("distance from wall (")[:-1]], half_space)
+            assert values[row] == pytest.approx(measured, abs=1e-9)
+
+
+def test_a_box_without_sides_is_refused() -> None:
+    with pytest.raises(ValidationError, match="no x_mm, y_mm or z_mm"):
+        KeepOut(name="everything")
 
 
 def test_the_search_keeps_off_before_anything_touches() -> None:

@@ -267,3 +267,20 @@ def test_the_reach_of_a_chain_ends_where_its_bodies_touch():
         low, high = (middle, high) if prove(StandingPoses(np.array([pose, pose])), case, 1.0).kept else (low, middle)
     assert found.reachable[1, 0] == pytest.approx(low, abs=1e-6)
     assert found.keys == tuple(f"q{k}_deg" for k in range(1, 7))
+
+
+def test_the_proposed_box_of_a_chain_is_reachable_and_no_side_can_move_out():
+    """A wall limits how far a robot's tool turns: the lines for its case file are a box that is reachable."""
+    data = load_case("ur10_wrist").model_dump(mode="json", exclude_unset=True)
+    chain = data["machine"]["chain"]
+    for joint in chain["joints"]:
+        joint.pop("bodies", None)
+    chain |= {"base": [], "keep_out": [{"name": "wall", "y_mm": [250.0, 400.0]}]}
+    proposal = largest_box(Case.model_validate(data))
+    assert 0.0 < proposal.share < 1.0
+    limits = tomllib.loads(proposal.toml())
+    assert reach(Case.model_validate(data | {"limits": {"motion": limits}}), 500).whole
+    base = limits["joints"][0]
+    assert tuple(base["position_deg"]) == proposal.sides["base"]
+    base["position_deg"][1] += 2.0
+    assert not reach(Case.model_validate(data | {"limits": {"motion": limits}}), 500).whole

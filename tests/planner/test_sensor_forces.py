@@ -8,10 +8,10 @@ from cases.loading import load_case
 from cases.schema import Case
 from identification.criteria import reference_scaling
 from identification.limited import rotation_motion
-from identification.limits import LimitCheck, LimitReport, Status, load_motion, prove
+from identification.limits import LimitCheck, LimitReport, Status, load_shares, prove
 from identification.model import identification_model
 from identification.motion import Motion
-from identification.overload import SHARE, load_shares, sensor_forces
+from identification.overload import SHARE, sensor_forces
 from planner.families.family import Family, box_middle
 from planner.families.fourier import FourierFamily
 from planner.families.ptp import PointToPointFamily
@@ -92,7 +92,7 @@ def test_a_load_that_binds_shapes_the_motion(name: str, weak: Case, monkeypatch:
 def test_shares_grow_with_what_is_mounted(weak: Case):
     some = family_of(weak, "fourier")
     motion = some.motion(np.zeros(some.unknowns * 6)).at(np.zeros(1))
-    shares = load_shares(*load_motion(motion, weak), weak)
+    shares = load_shares(motion, weak)
     assert len(shares) == 6
     assert np.all(np.diff(shares) > 0.0)
 

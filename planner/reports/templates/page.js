@@ -178,7 +178,9 @@ function recolour() {
   for (const div of document.querySelectorAll(".plot.js-plotly-plot")) Plotly.relayout(div, { template: template() });
 }
 
-drawAll();
+drawAll().catch((error) => {
+  for (const div of document.querySelectorAll(".plot:empty")) div.textContent = "This browser cannot draw the figure: " + error.message;
+});
 dark.addEventListener("change", recolour);
 for (const [event, paper] of [["beforeprint", true], ["afterprint", false]]) {
   window.addEventListener(event, () => { document.documentElement.classList.toggle("paper", paper); recolour(); });

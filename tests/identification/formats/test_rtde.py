@@ -7,7 +7,9 @@ import pytest
 
 from cases.loading import load_case
 from cases.schema import Case
+from identification.formats.look import look
 from identification.recording import read
+from tests.chains import swing, swung_forces
 
 COLUMNS = {
     "t_s": "timestamp",
@@ -63,3 +65,22 @@ def test_a_joint_without_ends_is_read_through_its_turns(tmp_path: Path) -> None:
     counted = recorded("counted.csv", q)
     wrapped = recorded("wrapped.csv", np.column_stack([q[:, :5], (q[:, 5] + 180.0) % 360.0 - 180.0]))
     np.testing.assert_allclose(wrapped, counted, atol=1e-9)
+
+
+def test_a_look_takes_the_raw_wrench_and_no_commanded_joints_for_forces(tmp_path: Path) -> None:
+    """Of all that the client records: the wrench of the sensor, not that which the robot has compensated."""
+    t = np.arange(0.0, 8.0, 0.002)
+    q, rates, _ = swing(t)
+    wrench = swung_forces(t)
+    groups = {"target_q": q, "target_qd": rates, "actual_q": q, "actual_qd": rates}
+    groups |= {"actual_TCP_force": 0.01 * wrench, "ft_raw_wrench": wrench}
+    names = ["timestamp", *(f"{name}_{k}" for name in groups for k in range(6)), "actual_digital_output_bits"]
+    table = np.column_stack([t + 1000.0, *groups.values(), (t > 0.5) & (t < 7.5)])
+    file = tmp_path / "robot_data.csv"
+    np.savetxt(file, table, fmt=["%.6f"] * 37 + ["%d"], header=" ".join(names), comments="")
+    found = look(file, load_case("ur10_wrist"))
+    assert found.reads
+    columns = found.settings["columns"]
+    assert {ours: columns[ours] for ours in COLUMNS} == COLUMNS
+    assert set(columns) == set(COLUMNS)
+    assert found.settings["units"] == {"joints": "rad"}

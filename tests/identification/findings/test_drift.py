@@ -1,0 +1,124 @@
+"""Offsets that drift are named with channel, rate and remedy; still ones are not, with white noise or coloured."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from cases.files import json_text
+from cases.schema import Case
+from identification.external import external_force, tare
+from identification.finding import Kind
+from identification.identify import identify
+from identification.recording import Recording, read, write_recording
+from identification.result import Estimate
+from identification.saved_result import SavedResult, load_result
+from tests.chains import ROBOT, standing_forces, swing, swung_forces
+
+T = np.arange(0.0, 8.0, 0.002)
+NOISE = np.array([0.5] * 3 + [0.02] * 3)
+FREE = swung_forces(T)
+JOINTS = swing(T)[0]
+
+
+def recorded(seed: int, drift: np.ndarray | float = 0.0, memory: float = 0.0, **more: Any) -> Recording:
+    """A run of the robot; what drifts is added, shape (n, 6) [N, N m]; noise remembers so much of its last sample."""
+    white = np.random.default_rng(seed).normal(size=(len(T), 6)) * NOISE * np.sqrt(1.0 - memory**2)
+    noise = lfilter([1.0], [1.0, -memory], white, axis=0)
+    return Recording("run.csv", T, JOINTS, None, FREE + noise + drift, None, case=ROBOT, **more)
+
+
+def found(recording: Recording, case: Case = ROBOT) -> list[str]:
+    return [f.sentence for f in identify(recording, case).findings if f.kind is Kind.OFFSETS]
+
+
+def of_channel(k: int, values: np.ndarray) -> np.ndarray:
+    return values[:, None] * np.eye(6)[k]
+
+
+@pytest.mark.parametrize(("channel", "name", "a_minute", "unit"), [(2, "fz_N", 6.0, "N"), (4, "my_Nm", -0.3, "N m")])
+def test_a_drift_is_named_with_channel_rate_and_remedy(channel: int, name: str, a_minute: float, unit: str) -> None:
+    (told,) = found(recorded(0, of_channel(channel, a_minute * T / 60.0)))
+    assert f"offset of {name} drifts by {a_minute:+.2g}"[:-2] in told
+    assert f"{unit} a minute" in told
+    assert "hexcite tare" in told
+    entries = [f.quantity for f in identify(recorded(0, of_channel(channel, a_minute * T / 60.0)), ROBOT).findings]
+    (drift,) = (entry["offset_drift"] for entry in entries if "offset_drift" in entry)
+    assert drift["channel"] == name
+    assert 60.0 * drift["change"] / drift["span"] == pytest.approx(a_minute, rel=0.1)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9, 0.998])
+def test_a_still_sensor_does_not_drift(memory: float) -> None:
+    """The slowest noise remembers a second: it wanders, and deviations know it."""
+    assert not [told for seed in range(8) for told in found(recorded(seed, memory=memory))]
+
+
+def test_with_the_temperature_the_drift_goes_by_it(tmp_path: Path) -> None:
+    """A warming that is not linear in time: 0.4 N a kelvin, from a column under the recorder's own name."""
+    warming = 2.5 * (1.0 - np.exp(-T / 2.0))
+    recording = recorded(1, of_channel(0, 0.4 * warming), temperature=31.0 + warming)
+    write_recording(tmp_path / "run.csv", recording, ROBOT)
+    text = (tmp_path / "run.csv").read_text().replace("temperature_degC", "PT100", 1)
+    (tmp_path / "run.csv").write_text(text)
+    data = ROBOT.model_dump(exclude_none=True)
+    data["recording"]["columns"] = {"temperature_degC": "PT100"}
+    case = Case.model_validate(data)
+    (told,) = found(read(tmp_path / "run.csv", case), case)
+    assert "fx_N drifts by +0.4 N/K" in told
+    assert not found(replace(recorded(2), temperature=31.0 + warming))
+
+
+def standstills(seed: int, drift: float) -> Recording:
+    """Forty averaged standstills of the robot, whose offset of fz drifts by so much from one to the next [N]."""
+    rows = np.linspace(500, 3500, 40).astype(int)
+    draw = np.random.default_rng(seed)
+    q = JOINTS[rows] + draw.uniform(-0.5, 0.5, (40, 6))
+    forces = standing_forces(q)
+    forces += draw.normal(size=forces.shape) * NOISE / 20.0 + of_channel(2, drift * np.arange(40.0))
+    return Recording("poses.csv", None, q, None, forces, None, case=ROBOT)
+
+
+def test_standstills_drift_in_their_order() -> None:
+    (told,) = found(standstills(0, 0.01))
+    assert "fz_N drifts by +0.0" in told
+    assert "from standstill to standstill" in told
+    assert not [told for seed in range(12) for told in found(standstills(seed, 0.0))]
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> SavedResult:
+    file = tmp_path_factory.mktemp("result") / "result.json"
+    estimate: Estimate = identify(recorded(7), ROBOT)
+    file.write_text(json_text(estimate.to_json()))
+    return load_result(file)
+
+
+def test_readings_that_are_off_all_along_are_named(saved: SavedResult) -> None:
+    (told,) = external_force(recorded(8, of_channel(1, np.full(len(T), -0.8))), ROBOT, saved).warnings
+    assert "fy_N reads -0.7" in told
+    assert "presses" in told
+    for seed in range(9, 15):
+        assert not external_force(recorded(seed), ROBOT, saved).warnings
+
+
+def test_a_push_is_not_a_drift(saved: SavedResult) -> None:
+    pushed = recorded(8, of_channel(1, np.where((T > 2.0) & (T < 5.0), -20.0, 0.0)))
+    assert not external_force(pushed, ROBOT, saved).warnings
+
+
+def resting(seed: int, shift: float) -> Recording:
+    rest = slice(0, 200)
+    whole = recorded(seed, of_channel(5, np.full(len(T), shift)))
+    return replace(whole, t=T[rest], struts=whole.struts[rest], forces=whole.forces[rest])
+
+
+def test_a_tare_says_what_has_drifted_since_the_result(saved: SavedResult) -> None:
+    (told,) = tare(resting(20, 0.05), ROBOT, saved).notes
+    assert "mz_Nm has drifted by +0.0" in told
+    assert "N m" in told
+    assert saved.source in told
+    assert not [note for seed in range(21, 31) for note in tare(resting(seed, 0.0), ROBOT, saved).notes]

@@ -1,0 +1,131 @@
+"""Forces of sensors in struts in the proof: the regressor's, bounds that no motion passes, limits that bind."""
+
+import numpy as np
+import pytest
+
+from cases.loading import load_case
+from cases.schema import Case
+from identification.evaluate import over_samples
+from identification.limits import load_shares, prove, prove_at
+from identification.model import identification_model
+from identification.motion import Motion, Standstill
+from identification.overload import SHARE
+from identification.parameters import nominal_parameters
+from identification.strut_loads import StrutLoads
+from identification.trajectories.profile import StraightMove
+from planner.families.ptp import PointToPointFamily
+from planner.search.solving import Task, run_start
+from planner.search.state_limits import FORCES, near_limits, state_limits
+from planner.search.states import state_size
+from postprocessors.proving.forces import ForceBounds, Steady
+from tests.helpers import HOME, Harmonic
+
+CASE = load_case("strut_sensors")
+LIMITS = CASE.limits.motion
+KINDS = {
+    "drive": {},
+    "platform": {"at": "platform"},
+    "viscous": {"viscous_friction_Nms": (8.0, 5.0)},
+    "friction": {"at": "platform", "viscous_friction_Nms": (8.0, 5.0), "coulomb_friction_Nm": (9.0, 4.0)},
+}
+
+
+def of(kind: str, newtons: float = 5000.0) -> Case:
+    """The case with sensors of some range, as such a kind of sensors in struts."""
+    assert CASE.sensor_frame.struts is not None
+    struts = CASE.sensor_frame.struts.model_copy(update=KINDS[kind])
+    frame = CASE.sensor_frame.model_copy(update={"struts": struts})
+    sensors = CASE.sensors.model_copy(update={"range_N": newtons})
+    return CASE.model_copy(update={"sensor_frame": frame, "sensors": sensors})
+
+
+def forces(case: Case, pose: np.ndarray, rates: np.ndarray, accelerations: np.ndarray) -> np.ndarray:
+    """By the regressor that the planner differentiates, shape (n, channels)."""
+    model = identification_model(case, 6)
+    matrices = over_samples(model.coordinate_regressor, pose, rates, accelerations)[0]
+    return np.hstack([matrices @ nominal_parameters(model, body) for body in case.bodies])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_proof_and_regressor_know_the_same_forces(kind: str) -> None:
+    """Balances of moments in NumPy, and columns of Lagrange's equations in CasADi, share no line."""
+    case = of(kind)
+    motion = Harmonic(seed=4, size=0.8).at(np.linspace(0.1, 2.9, 40))
+    loads = StrutLoads.of(case)
+    assert loads is not None
+    expected = forces(case, motion.pose, motion.rates, motion.accelerations)
+    report = prove_at(Harmonic(seed=4, size=0.8), case, np.linspace(0.1, 2.9, 40), in_box=False)
+    (check,) = (c for c in report.checks if c.name.startswith("sensor force"))
+    row, channel = np.unravel_index(int(np.abs(expected).argmax()), expected.shape)
+    exact = 1e-9 if kind != "friction" else 1e-2  # Coulomb friction of the regressor is smooth at rest
+    assert check.worst == pytest.approx(expected[row, channel], rel=exact)
+    assert loads.labels[channel] in check.name
+    for count, share in enumerate(load_shares(motion, case)):
+        most = np.abs(expected[:, 6 * count : 6 * count + 6]).max()
+        assert share == pytest.approx(most / (SHARE * 5000.0), rel=exact)
+
+
+def corners(draw: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
+    signs = draw.choice([-1.0, 1.0], (2, count, 6))
+    return signs[0] * LIMITS.rate, signs[1] * LIMITS.acceleration
+
+
+@pytest.mark.parametrize("kind", ["drive", "platform", "viscous"])
+def test_no_motion_within_the_limits_passes_the_bound_on_a_path(kind: str) -> None:
+    case = of(kind)
+    path, draw = Harmonic(seed=3, size=0.8), np.random.default_rng(2)
+    t = np.repeat(np.linspace(0.0, path.duration, 200), 64)
+    most = np.abs(forces(case, path.at(t).pose, *corners(draw, len(t)))).max()
+    (check,) = ForceBounds.of(case).on(path, 0.0)
+    assert 0.85 * check.worst < most <= check.worst * 1.001
+
+
+def test_coulomb_friction_has_no_bound_beside_a_path_and_no_pose_one_from_anywhere() -> None:
+    assert ForceBounds.of(of("friction")).on(Harmonic(seed=3), 0.0) == ()
+    assert ForceBounds.of(of("drive")).anywhere(0.0) == ()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("feed", [None, 0.1])
+def test_no_law_of_time_within_the_limits_passes_the_bound_along_a_move(kind: str, feed: float | None) -> None:
+    case = of(kind)
+    move = StraightMove(HOME, HOME + np.r_[0.15, -0.1, 0.05, 0.3, -0.2, 0.3], Steady(1.0))
+    draw = np.random.default_rng(3)
+    way = move.at(draw.uniform(0.0, 1.0, 5000))
+    speed = draw.uniform(-3.0 if feed is None else -feed, 3.0 if feed is None else feed, (5000, 1))
+    change = draw.uniform(-20.0, 20.0, (5000, 1))
+    rates, accelerations = way.rates * speed, way.accelerations * speed**2 + way.rates * change
+    kept = np.all(np.abs(rates) <= LIMITS.rate, axis=1) & np.all(np.abs(accelerations) <= LIMITS.acceleration, axis=1)
+    most = np.abs(forces(case, way.pose[kept], rates[kept], accelerations[kept])).max()
+    (check,) = ForceBounds.of(case).along(move, feed, 0.0)
+    assert (0.75 if kind in ("drive", "platform") else 0.6) * check.worst < most <= check.worst
+
+
+def test_sensors_that_are_too_weak_are_named_and_the_search_knows_their_limit() -> None:
+    """At states of a motion the shares that the optimiser limits are the forces that the proof finds."""
+    weak = of("drive", 900.0)
+    report = prove(Standstill(HOME, 0.01), of("drive", 100.0), 100.0)
+    assert "5 payloads" in next(c.name for c in report.violations if c.name.startswith("sensor force"))
+    assert FORCES in [group.name for group in near_limits(weak)]
+    assert FORCES not in [group.name for group in near_limits(of("drive", 100_000.0))]
+    motion = Harmonic(seed=4, size=0.8).at(np.linspace(0.1, 2.9, 20))
+    states = np.hstack([motion.pose, motion.rates, motion.accelerations])
+    (group,) = (g for g in state_limits(weak, (5,)) if g.name == FORCES)
+    shares = group.kernel.values(np.hstack([states, np.zeros((20, state_size(6) - 18))]))
+    assert np.abs(shares).max() == pytest.approx(load_shares(motion, weak)[5], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_search_holds_the_range_that_shapes_its_motion() -> None:
+    weak = of("drive", 900.0)
+    start = run_start(Task(weak, 6, PointToPointFamily.of(weak, 8, 3.0), "D", seed=1))
+    motion = start.family.motion(start.unknowns)
+    kept = prove(motion, weak, 1000.0)
+    (force,) = (c for c in kept.checks if c.name.startswith("sensor force"))
+    assert force.ratio > 0.8
+    assert force.kept
+
+
+def test_shares_grow_with_what_is_mounted() -> None:
+    still = Motion(np.zeros(1), HOME[None].copy(), *(np.zeros((1, 6)) for _ in range(3)))
+    assert np.all(np.diff(load_shares(still, of("drive"))) > 0.0)  # with what is mounted
