@@ -8,7 +8,7 @@ something presses on it all along.
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from cases.schema import Case
 from identification.estimation.biases import DRIFTED
@@ -50,7 +50,7 @@ def drifting(recording: Recording, case: Case, how: Method, fitted: Fitted) -> l
     robust = samples.robust_covariance(columns, left - columns @ change, weights, fitted.whitening)
     spread = white if robust is None else np.maximum(white, np.diag(robust.covariance)[-6:])
     # noise that remembers long has so few independent samples that a straight line is no surprise
-    most = student.isf(CHANCE / 2.0, np.maximum(freedom * white / spread, 1.0))
+    most = -stdtrit(np.maximum(freedom * white / spread, 1.0), CHANCE / 2.0)
     sure = np.abs(change[-6:]) / np.sqrt(spread)
     if not np.any(sure > most):
         return []
@@ -77,7 +77,7 @@ def _solved(columns: Array, left: Array, weights: Array, freedom: float) -> tupl
 def _likely(columns: Array, left: Array, weights: Array, freedom: float) -> bool:
     """Whether a line is more than white noise makes."""
     change, white = _solved(columns, left, weights, freedom)
-    return bool(np.any(np.abs(change[-6:]) > student.isf(CHANCE / 2.0, freedom) * np.sqrt(white)))
+    return bool(np.any(np.abs(change[-6:]) > -stdtrit(freedom, CHANCE / 2.0) * np.sqrt(white)))
 
 
 def _axis(recording: Recording, t: Array) -> tuple[Array, bool]:
